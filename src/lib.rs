@@ -75,7 +75,7 @@
 #![warn(unreachable_pub)]
 // Private and hidden modules link to their private items.
 #![allow(rustdoc::private_intra_doc_links)]
-// Some items of the front are used only by the commands.
+// Some items of `front` are used only by the command line, and are unused without it.
 #![cfg_attr(not(feature = "cli"), allow(dead_code))]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

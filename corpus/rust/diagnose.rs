@@ -1,4 +1,4 @@
-//! Says what a model gets wrong, and what that is worth: `cargo run --release --example diagnose [STUDY]`.
+//! Diagnoses the faults of a model, and writes a deck extended by their causes: `cargo run --release --example diagnose [STUDY]`.
 
 use admire::{Error, SharedProgress, Study};
 

@@ -1,6 +1,7 @@
 //! Edits a deck: `cargo run --example edit_a_deck`.
 //!
-//! Every byte that is not named stays as it was. A change that would leave a fault, such as a marker that is not there, is refused.
+//! Every byte outside the edited values stays unchanged. A change that would leave a fault, such as a reference to a missing marker, is
+//! refused.
 
 use admire::{Deck, Error};
 

@@ -1,4 +1,4 @@
-//! Identifies bushing stiffnesses from measured marks: `cargo run --release --example identify [STUDY]`.
+//! Identifies bushing stiffnesses from measured marks (points on the parts): `cargo run --release --example identify [STUDY]`.
 
 use admire::{Error, SharedProgress, Study};
 

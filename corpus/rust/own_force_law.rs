@@ -1,10 +1,11 @@
-//! A force law of one's own, checked against its closed form: `cargo run --example own_force_law`.
+//! A user-defined force law, checked against its closed form: `cargo run --example own_force_law`.
 //!
-//! A deck takes any law as an expression. This one is a rubber buffer whose force grows as tan(x): stiff near its end, as no polynomial is.
+//! A deck accepts any force law as an expression. The law here is a rubber buffer whose force grows as tan(x). It becomes stiff near its
+//! end in a way that no polynomial does.
 
 use admire::{Deck, Error};
 
-/// Newtons of a buffer pressed by `x` millimetres; it is solid at `free` millimetres.
+/// Force in newtons of a buffer that is compressed by `x` millimetres. The buffer becomes solid at `free` millimetres.
 fn law(x: f64, free: f64) -> f64 {
     800.0 * (std::f64::consts::FRAC_PI_2 * x / free).tan()
 }

@@ -1,4 +1,5 @@
-//! Reads a results file: `cargo run --example read_results [FILE.res]`. Without a file it solves a deck and reads what that wrote.
+//! Reads a results file: `cargo run --example read_results [FILE.res]`. Without a file, the example solves a deck and reads the results
+//! file of that run.
 
 use admire::{Deck, Error, Results, SharedProgress};
 
@@ -20,7 +21,7 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// The results file of an equilibrium.
+/// Solves a deck and returns the path of the results file.
 fn written() -> Result<std::path::PathBuf, Error> {
     let run = Deck::open("corpus/pseudo-mcpherson/model.adm")?.solve()?;
     let file = std::env::temp_dir().join("admire-read-results.res");

@@ -1,4 +1,4 @@
-//! Sweeps the stiffness of a bushing and plots how far the wheel moves: `cargo run --release --example sweep_a_stiffness`.
+//! Sweeps the stiffness of a bushing and plots the displacement of the wheel: `cargo run --release --example sweep_a_stiffness`.
 
 use admire::{Deck, Error};
 
@@ -10,7 +10,7 @@ fn main() -> Result<(), Error> {
         let stiffness = 1000.0 * 10.0_f64.powf(f64::from(step) / 20.0);
         deck.set("BUSHING/*.K.1", stiffness)?;
         let run = deck.solve()?;
-        // One value per step of the run: the deck as it was read, then its equilibrium.
+        // The column has one value per step of the run: the deck as it was read, then its equilibrium.
         let place = run.column("KNUCKLE.X")?;
         points.push((stiffness, place[1] - place[0]));
     }
@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// A line through points, as SVG: a logarithmic axis to the right, a linear one upward.
+/// Draws a line through the points as SVG, with a logarithmic horizontal axis and a linear vertical axis.
 fn plot(points: &[(f64, f64)]) -> String {
     let least = points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
     let most = points.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);

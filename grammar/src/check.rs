@@ -3,10 +3,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::declaration::{Grammar, Keyword, Value};
 use crate::parse::{ParseError, Problem};
 
-/// Checks the rules that span several lines of the grammar.
+/// Checks the rules that involve several lines of the grammar.
 ///
-/// Statement, argument and function names are unique. References name an id space that exists; presence rules, laws and `leftout` lines
-/// name arguments of their statement. The shortest forms of keywords in one context differ.
+/// Names of statements, arguments and functions must be unique. A reference must name an existing id space. Presence rules, laws and
+/// `leftout` lines must name arguments of their own statement. The shortest legal abbreviations of all keywords in the same context must
+/// differ.
 pub(crate) fn check(grammar: &Grammar) -> Result<(), ParseError> {
     let spaces: BTreeSet<&str> = grammar
         .statements

@@ -1,13 +1,13 @@
-/// A keyword with the number of its leading letters that must be typed.
+/// A keyword, with the length of its shortest legal abbreviation.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Keyword {
     /// Full keyword in capitals.
     pub name: String,
-    /// Number of leading letters that must be typed.
+    /// Number of letters in the shortest legal abbreviation of the keyword.
     pub minimum: usize,
 }
 
-/// Allowed number of values: a minimum and a maximum (`None` for no limit).
+/// Range of the allowed number of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Count {
     /// Smallest allowed number of values.
@@ -16,35 +16,35 @@ pub struct Count {
     pub max: Option<usize>,
 }
 
-/// Type of the value after an argument's equals sign.
+/// Type of the value that follows the equals sign of an argument.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// No value: the keyword alone.
+    /// No value: the argument consists of its keyword.
     Flag,
     /// Real numbers.
     Real,
     /// Integers.
     Integer,
-    /// Statement ids of the named id space.
+    /// Ids of statements in the id space with this name.
     Reference(String),
     /// One of several words.
     Word(Vec<Keyword>),
     /// A FUNCTION expression.
     Function,
-    /// Free text.
+    /// Free text, up to the next delimiter.
     Text,
-    /// Several texts.
+    /// Several texts, separated by colons.
     Texts,
     /// A file name.
     File,
 }
 
-/// Bounds of a number: the bound and whether it is itself allowed.
+/// Allowed range of a number. Each bound is paired with a flag that is true if the bound itself is allowed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// Lower bound.
+    /// Lower bound, if there is one, and whether the bound itself is allowed.
     pub lower: Option<(f64, bool)>,
-    /// Upper bound.
+    /// Upper bound, if there is one, and whether the bound itself is allowed.
     pub upper: Option<(f64, bool)>,
 }
 
@@ -59,50 +59,50 @@ pub struct Argument {
     pub count: Count,
     /// Default values; empty if the argument has no default.
     pub default: Vec<f64>,
-    /// Exponents of force, mass, length, time and angle.
+    /// Physical dimension, as exponents of force, mass, length, time and angle.
     pub dimension: [i8; 5],
-    /// `Alike` if all values have the same dimension; otherwise `Motion`, `Wrench`, `Stiffness` or `Damping`, which say how the dimensions
-    /// differ.
+    /// Rule for the dimensions of the values. `Alike` means that all values have the same dimension; `Motion`, `Wrench`, `Stiffness` and
+    /// `Damping` name patterns of different dimensions.
     pub components: &'static str,
     /// Allowed range of the values.
     pub range: Range,
-    /// True if a dataset statement must give this argument.
+    /// True if every statement in a dataset must give this argument.
     pub required: bool,
     /// Description in one line.
     pub doc: String,
 }
 
-/// A rule about which arguments may or must appear together.
+/// A rule on which arguments exclude or require each other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Presence {
-    /// `Exclusive`, `Together`, `Requires` or `OneOf`.
+    /// Name of the rule: `Exclusive`, `Together`, `Requires` or `OneOf`.
     pub rule: &'static str,
-    /// Full names of the arguments.
+    /// Full names of the arguments to which the rule applies.
     pub names: Vec<String>,
 }
 
-/// A force law between the markers I and J, with the arguments that hold its parameters.
+/// A force law between the markers I and J, with the arguments from which its parameters are read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Law {
     /// Name of the law in the registry of laws.
     pub name: String,
     /// Arguments that hold the parameters of the law, in the order the law expects.
     pub arguments: Vec<String>,
-    /// Flag that selects this law, for a statement with several laws.
+    /// Flag that selects this law; `None` if the statement has only one law.
     pub flag: Option<String>,
 }
 
-/// Arguments that ADAMS uses and the built-in solver ignores.
+/// Arguments that affect results in ADAMS but are ignored by the built-in solver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Full names of the arguments.
+    /// Full names of the arguments to which the rule applies.
     pub names: Vec<String>,
-    /// Effect of the arguments in ADAMS.
+    /// Effect that the arguments have in ADAMS.
     pub effect: String,
 }
 
 impl Law {
-    /// Parses `NAME ARGUMENT...`, optionally followed by `for FLAG` for a statement with several laws; returns `None` without a name.
+    /// Parses `NAME ARGUMENT...`, optionally followed by `for FLAG` if the statement has several laws; returns `None` if there is no name.
     pub(crate) fn read(words: &[&str]) -> Option<Self> {
         let (words, flag) = match words {
             [words @ .., "for", flag] => (words, Some((*flag).to_string())),
@@ -120,7 +120,7 @@ impl Law {
 }
 
 impl LeftOut {
-    /// Builds the entry from argument names separated by blanks and the effect of the arguments.
+    /// Builds an entry from the names of the arguments, separated by blanks, and from their effect in ADAMS.
     pub(crate) fn new(names: &str, effect: String) -> Self {
         Self {
             names: names.split_whitespace().map(str::to_string).collect(),
@@ -129,16 +129,16 @@ impl LeftOut {
     }
 }
 
-/// Which solver handles a statement or function.
+/// The solver that handles a statement or function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Solved {
-    /// Built-in solver, with the name of the implementation.
+    /// The built-in solver; the text names the kind of element, constraint, data or function value.
     Native(String),
-    /// No effect on statics, with the reason.
+    /// The statement has no effect on built-in solutions, for the given reason.
     NoEffect(String),
-    /// Real ADAMS only, with the reason.
+    /// Only real ADAMS handles it, for the given reason.
     External(String),
-    /// Real ADAMS with a user-written subroutine only, with the content of the subroutine.
+    /// Only real ADAMS with a user-written subroutine handles it; the text says what the subroutine contains.
     Subroutine(String),
 }
 
@@ -147,31 +147,31 @@ pub enum Solved {
 pub struct Statement {
     /// Keyword of the statement.
     pub keyword: Keyword,
-    /// `Dataset`, `Command` or `Both`.
+    /// Files in which the statement may appear: `Dataset`, `Command` or `Both`.
     pub role: &'static str,
     /// Id space of the statement; `None` if the statement has no id.
     pub id: Option<String>,
     /// Arguments in canonical order.
     pub arguments: Vec<Argument>,
-    /// Rules about which arguments appear together.
+    /// Rules on which arguments exclude or require each other.
     pub presence: Vec<Presence>,
-    /// Arguments that only real ADAMS uses.
+    /// Arguments that affect results in ADAMS but are ignored by the built-in solver.
     pub left_out: Vec<LeftOut>,
-    /// Force laws of the statement.
+    /// Force laws that the statement can select.
     pub laws: Vec<Law>,
-    /// Which solver handles the statement.
+    /// The solver that handles the statement.
     pub solved: Solved,
     /// Description in one line.
     pub doc: String,
     /// Documentation page of the statement.
     pub source: String,
-    /// Facts that no documentation page confirms; empty if there are none.
+    /// Facts about the statement that no documentation page confirms; empty if there are none.
     pub unchecked: String,
-    /// File and line (from 1) of the declaration.
+    /// File name and line number (from 1) of the declaration.
     pub place: (String, usize),
 }
 
-/// One function of FUNCTION expressions.
+/// Declaration of a function that may occur in FUNCTION expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function {
     /// Name of the function in capitals.
@@ -180,13 +180,13 @@ pub struct Function {
     pub count: Count,
     /// Argument list as declared, for example `i[,j][,k]`; empty for a function without arguments.
     pub arguments: String,
-    /// Which solver evaluates the function.
+    /// The solver that evaluates the function.
     pub solved: Solved,
     /// Description in one line.
     pub doc: String,
     /// Documentation page of the function.
     pub source: String,
-    /// File and line (from 1) of the declaration.
+    /// File name and line number (from 1) of the declaration.
     pub place: (String, usize),
 }
 

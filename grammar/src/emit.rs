@@ -141,7 +141,8 @@ fn solved(solved: &Solved) -> String {
     }
 }
 
-/// Prints the law and its entity name in results: the law `translational_spring_damper` has the entity name `Translational_Spring_Damper`.
+/// Formats a law as Rust source. The type name of its objects in results is derived from its name: `translational_spring_damper` becomes
+/// `Translational_Spring_Damper`.
 fn law(law: &Law) -> String {
     let words: Vec<String> = law
         .name
@@ -164,7 +165,7 @@ fn presence(presence: &Presence) -> String {
 const BEGIN: &str = "<!-- coverage: cargo run -p grammar -->\n";
 const END: &str = "<!-- end of coverage -->";
 
-/// Returns the page with a fresh coverage table between its two marks, or `None` if a mark is missing.
+/// Returns the guide page with a new coverage table between its two marker comments, or `None` if one of them is missing.
 pub fn with_coverage(page: &str, grammar: &Grammar) -> Option<String> {
     let begin = page.find(BEGIN)? + BEGIN.len();
     let end = begin + page[begin..].find(END)?;
@@ -176,7 +177,8 @@ pub fn with_coverage(page: &str, grammar: &Grammar) -> Option<String> {
     ))
 }
 
-/// Returns the coverage table of the guide in Markdown: every statement, and whether it is read, edited, linted and solved natively.
+/// Returns the coverage table of the guide in Markdown. It lists every statement and says whether it is read, edited, linted and solved
+/// natively.
 pub fn coverage(grammar: &Grammar) -> String {
     let mut out = String::from(
         "| statement | read | edited | linted | solved natively |\n|---|---|---|---|---|\n",

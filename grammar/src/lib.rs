@@ -1,13 +1,13 @@
-//! The grammar of the dataset language as readable files, and the generator that turns them into Rust tables.
+//! The grammar of the dataset language as readable files, and a generator that converts them to Rust tables.
 //!
-//! `*.grammar` files declare statements, commands and functions. [`read`] parses them, and [`emit`] prints the Rust tables of
-//! `src/syntax/grammar/generated.rs`. The generator does not depend on the crate that contains
-//! these tables; it uses only the names of their types.
+//! The files `*.grammar` declare statements, commands and functions. [`read`] parses them, and [`emit`] prints the Rust tables of
+//! `src/syntax/grammar/generated.rs`. The generator does not depend on the crate that contains these tables; it only uses the names of
+//! their types.
 //!
 //! # The format
 //!
-//! Each line states one fact. `#` begins the description of the line; `##` begins a remark that is ignored. The capitals of a keyword are
-//! the letters that must be typed: `BUshing` may be shortened to `BU`.
+//! Each line states one fact. `#` begins the description that belongs to the line; `##` begins a remark, which is ignored. The capital
+//! letters of a keyword form its shortest legal abbreviation: `BUshing` may be shortened to `BU`.
 //!
 //! ```text
 //! statement BUshing / id                            # what it is, in one line
@@ -22,9 +22,11 @@
 //!   together IXX IYY                                # presence: exclusive, together, requires, oneof
 //! ```
 //!
-//! `/ id` gives the statement an id space named after itself in lower case; `/ id space` names another space. Types are `flag real int
-//! ref<space> word<..> function text texts file`. A count is `[3]`, `[3..6]` or `[1..]`. A line `law NAME ARGUMENT...`, optionally followed
-//! by `for FLAG`, declares a force law of the statement. Functions are declared in blocks:
+//! `/ id` gives the statement an id space with its own name in lower case; `/ id space` gives it an id space with another name. The types
+//! are `flag real int ref<space> word<..> function text texts file`. A count has one of the forms `[3]`, `[3..6]` or `[1..]`.
+//!
+//! A line `law NAME ARGUMENT...`, optionally followed by `for FLAG`, declares a force law of the statement. Functions are declared in
+//! blocks:
 //!
 //! ```text
 //! functions displacement measures
@@ -51,7 +53,7 @@ use std::path::{Path, PathBuf};
 pub enum ReadError {
     /// A file or folder could not be read.
     File(PathBuf, std::io::Error),
-    /// A line violates the format.
+    /// A line violates the format, or declarations contradict each other.
     Parse(ParseError),
 }
 

@@ -1,6 +1,7 @@
-//! Rewrites `src/syntax/grammar/generated.rs` and the coverage table of the guide from `grammar/*.grammar` (`cargo run -p grammar`).
+//! Rewrites `src/syntax/grammar/generated.rs` and the coverage table of the guide from the files `grammar/*.grammar`
+//! (`cargo run -p grammar`).
 //!
-//! With `--coverage` it prints the coverage table instead.
+//! With the option `--coverage`, the program prints the coverage table instead.
 
 use std::path::Path;
 use std::process::ExitCode;

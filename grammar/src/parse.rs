@@ -5,35 +5,36 @@ use crate::declaration::{
     Value,
 };
 
-/// A line that violates the format.
+/// A problem in a grammar file, with its location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParseError {
     /// Name of the file, as given by the caller.
     pub file: String,
     /// Line number, from 1.
     pub line: usize,
-    /// Problem of the line.
+    /// The problem found in the line.
     pub problem: Problem,
 }
 
-/// Problem of a line of a grammar file.
+/// Problem in a line of a grammar file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Problem {
-    /// A word that is not a keyword whose must-type letters come first, in capitals.
+    /// A word is not a valid keyword: capital letters (the shortest legal abbreviation) followed by lower-case letters.
     Keyword(String),
-    /// An unexpected word: the expected kind of word, then the word found.
+    /// A word is unexpected; holds a description of the words expected there, then the word found.
     Expected(&'static str, String),
-    /// A line outside of any statement or function block.
+    /// A line is outside of any statement and of any block of functions.
     Outside,
-    /// A statement or block that lacks a required line: the keyword of that line, then the name of the statement or function.
+    /// A statement or a block of functions lacks a required line; holds the first word of that line, then the name of the statement or
+    /// function.
     Missing(&'static str, String),
-    /// A name declared twice.
+    /// A name is declared twice.
     Twice(String),
-    /// A presence rule, law, `leftout` line or reference whose name does not exist.
+    /// A presence rule, a law, a `leftout` line or a reference contains a name that is not declared.
     Unknown(String),
-    /// A default whose number of values contradicts the count of the argument.
+    /// The default of this argument has a number of values that the count of the argument does not allow.
     DefaultCount(String),
-    /// Two keywords of one context that share their shortest abbreviation.
+    /// Two keywords in the same context have the same shortest legal abbreviation.
     Clash(String, String),
 }
 
@@ -63,7 +64,7 @@ impl fmt::Display for ParseError {
 
 impl std::error::Error for ParseError {}
 
-/// The statement or function block to which the next lines belong.
+/// The statement or block of functions to which the following lines belong.
 enum Block {
     None,
     Statement(Box<Draft>),
@@ -180,7 +181,7 @@ pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseE
     finish(&mut block, grammar)
 }
 
-/// Splits a line at the first `#` outside of quotes into code and description; the description of a remark (`##`) is empty.
+/// Splits a line at the first `#` outside of quotes into code and description. For a remark (`##`), the description is empty.
 fn split_comment(line: &str) -> (&str, &str) {
     let mut quoted = false;
     for (at, c) in line.char_indices() {
@@ -255,7 +256,7 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
     })
 }
 
-/// Parses the rest of a `leftout` line: `NAME ... "effect"`.
+/// Parses the text of a `leftout` line after its first word: `NAME ... "effect"`.
 fn left_out(text: &str) -> Result<LeftOut, Problem> {
     let (names, effect) = text.split_at(text.find('"').unwrap_or(text.len()));
     Ok(LeftOut::new(names, quoted(effect)?))
@@ -401,7 +402,7 @@ fn argument(name: &str, rest: &str, doc: &str) -> Result<Argument, Problem> {
     Ok(argument)
 }
 
-/// Parses a count: `[3]`, `[3..6]` or `[1..]`.
+/// Parses a count in one of the forms `[3]`, `[3..6]` and `[1..]`.
 fn count(text: &str) -> Result<Count, Problem> {
     let bad = || Problem::Expected("a count like [3], [3..6] or [1..]", text.into());
     let inner = text
@@ -428,10 +429,10 @@ fn count(text: &str) -> Result<Count, Problem> {
     }
 }
 
-/// Parses a dimension into exponents of force, mass, length, time and angle.
+/// Parses a dimension; returns the exponents of force, mass, length, time and angle.
 ///
-/// The text is a product or quotient of `force`, `mass`, `length`, `time`, `angle`, `torque` and `1`, with `^` exponents: `mass*length^2`,
-/// `force/length`.
+/// The text is a product or quotient of `force`, `mass`, `length`, `time`, `angle`, `torque` and `1`, which may have exponents after `^`:
+/// `mass*length^2`, `force/length`.
 fn dimension(text: &str) -> Result<[i8; 5], Problem> {
     let mut out = [0; 5];
     let mut sign = 1;
@@ -464,7 +465,8 @@ fn dimension(text: &str) -> Result<[i8; 5], Problem> {
     }
 }
 
-/// Derives the number of arguments from the declared argument list: optional arguments are in brackets, and `...` allows any number more.
+/// Derives the allowed number of arguments from the declared argument list. Optional arguments are in brackets; `...` means that there is
+/// no upper limit.
 fn count_of(shown: &str) -> Result<Count, Problem> {
     if shown.is_empty() {
         return Err(Problem::Expected(

@@ -1,4 +1,4 @@
-//! The drop-in solver with ADAMS' own command line.
+//! The drop-in solver `mdi`, which has the command line of ADAMS.
 
 fn main() -> std::process::ExitCode {
     admire_session::mdi()

@@ -10,10 +10,10 @@ use super::edited::refuse_faults;
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// Add statements to a dataset, in its own style: continuation marks, line ends, name comments.
+/// Add statements to a dataset, in the dataset's own style: continuation marks, line ends, name comments.
 ///
-/// A statement stands behind the last one of its kind, or before END; nothing else of the deck changes. Without -o or
-/// --in-place the new deck goes to standard output.
+/// A statement is inserted after the last statement of its kind, or before END. Nothing else in the deck changes. Without -o or --in-place,
+/// the new deck goes to standard output.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire add front.adm 'MARKER/99, PART=2, QP=1,2,3' --name CENTRE --out new.adm"
@@ -21,20 +21,20 @@ use super::target::Target;
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// `MARKER/99, PART=2, QP=1,2,3`, ...
+    /// Statements, such as `MARKER/99, PART=2, QP=1,2,3`.
     #[arg(required = true, value_name = "STATEMENT")]
     statements: Vec<String>,
-    /// The view name of the statement, where one is added.
+    /// View name of the new statement, if only one is added.
     #[arg(long)]
     name: Option<String>,
-    /// Write a deck with new faults too, such as a marker that is not there.
+    /// Write the deck even if it has new faults, such as a reference to a missing marker.
     #[arg(long)]
     force: bool,
     #[command(flatten)]
     target: Target,
 }
 
-/// Adds the statements and writes the deck.
+/// Adds the statements to the deck and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);

@@ -14,8 +14,8 @@ use admire_syntax::{Dataset, Statement};
 /// Largest number of candidates offered.
 const MOST: usize = 2000;
 
-/// Returns the completions of an address in the deck named on the command line. These are objects by keyword and id or by view name, after
-/// a dot their arguments, and after another dot the indices of their values.
+/// Returns the completions of an address in the deck named on the command line. Objects are completed first, by keyword and id or by view
+/// name. After a dot, their arguments follow; after another dot, the indices of the values of an argument.
 pub(super) fn complete(current: &OsStr) -> Vec<CompletionCandidate> {
     let Some(typed) = current.to_str() else {
         return Vec::new();

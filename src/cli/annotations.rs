@@ -1,4 +1,4 @@
-//! Diagnostics for other programs: SARIF 2.1.0 for code scanning, and workflow commands of GitHub.
+//! Diagnostics in the formats of other programs: SARIF 2.1.0 for code scanning, and workflow commands of GitHub.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use admire_session::Sources;
 use admire_syntax::diagnostic::{Code, Diagnostic, Label, Severity};
 use admire_syntax::text::{Source, Span};
 
-/// Formats diagnostics as a SARIF log with one run; the rules are the codes that occur.
+/// Formats diagnostics as a SARIF log with one run. The rules of the run are the diagnostic codes that occur.
 pub(super) fn sarif(diagnostics: &[Diagnostic], sources: &Sources) -> String {
     let mut codes: Vec<Code> = diagnostics.iter().map(|found| found.code).collect();
     codes.sort_unstable();
@@ -115,7 +115,7 @@ fn location(label: &Label, sources: &Sources) -> Value {
     location
 }
 
-/// Returns lines and columns, counted from 1; columns count characters.
+/// Returns the start and end of a span as lines and columns, counted from 1. Columns count characters.
 fn lines(source: &Source, span: Span) -> Value {
     let place = |offset: usize| {
         let at = source.line_column(offset);
@@ -157,7 +157,7 @@ pub(super) fn github(diagnostics: &[Diagnostic], sources: &Sources) -> String {
                 let from = source.line_column(label.span.start());
                 let to = source.line_column(label.span.end());
                 properties.push(format!("line={},endLine={}", from.line, to.line));
-                // GitHub ignores columns of a range over several lines.
+                // GitHub ignores the columns of a range that extends over several lines.
                 if from.line == to.line {
                     properties.push(format!("col={},endColumn={}", from.column, to.column));
                 }

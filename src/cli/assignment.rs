@@ -1,4 +1,4 @@
-//! Assignments on the command line: `BUSHING/*.K.1*=1.2` assigns one value to each of several addresses.
+//! Assignments on the command line, such as `BUSHING/*.K.1*=1.2`. With a pattern, one assignment sets the values at several addresses.
 
 use crate::front::{is_angle, rounded};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -25,7 +25,7 @@ pub(super) struct Assignment<'a> {
 }
 
 impl<'a> Assignment<'a> {
-    /// Returns the text before the operator, if the text is an assignment.
+    /// Returns the text before the operator; `None` if the text is not an assignment.
     pub(crate) fn left(text: &'a str) -> Option<&'a str> {
         Some(operator(text.split_once('=')?.0).0)
     }
@@ -47,8 +47,8 @@ impl<'a> Assignment<'a> {
     }
 }
 
-/// Expands an assignment into plain assignments: addresses, each with the text of its new value. With `degrees`, plain numbers for angles
-/// are degrees.
+/// Expands an assignment into plain assignments: addresses, each with the text of its new value. With `degrees`, numbers for angles without
+/// a suffix are in degrees.
 pub(super) fn expanded(
     assignment: &str,
     dataset: &Dataset,
@@ -102,7 +102,7 @@ pub(super) fn evaluated(
             let message = format!("{address} is not a number");
             return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
         };
-        // An angle written in degrees is computed in degrees, which have fewer digits.
+        // If an angle is written in degrees, its new value is computed in degrees, because values in degrees have fewer digits.
         let written = dataset
             .number_at(&address)
             .is_some_and(|number| number.degrees);
@@ -112,7 +112,7 @@ pub(super) fn evaluated(
         } else {
             old
         };
-        // A term has the unit of the value; a factor is dimensionless.
+        // A number to add or subtract has the unit of the value. A factor is dimensionless.
         let term = match (in_degrees, degrees && !has_suffix) {
             (true, false) => rounded(operand.to_degrees()),
             _ => operand,
@@ -143,7 +143,7 @@ pub(super) fn evaluated(
     Ok(all)
 }
 
-/// Splits the text before the equals sign into address and operator. A star after a dot or slash is part of a pattern.
+/// Splits the text before the equals sign into address and operator. A star directly after a dot or slash belongs to the pattern.
 fn operator(left: &str) -> (&str, Operator) {
     let left = left.trim();
     let Some(last) = left.chars().next_back() else {
@@ -161,7 +161,7 @@ fn operator(left: &str) -> (&str, Operator) {
     (before.trim_end(), operator)
 }
 
-/// Expands an argument of several numbers into the addresses of its values.
+/// Expands the address of an argument with several numbers into the addresses of these numbers.
 fn places(address: &Address, dataset: &Dataset) -> Vec<Address> {
     let Some(name) = address
         .argument

@@ -19,11 +19,11 @@ use super::shell::{Exit, Shell, exit_of};
 
 /// Check datasets, command files, property files and studies.
 ///
-/// Prints what is wrong with them, each complaint at its place. A command file
-/// is checked against the deck it names. Exit code 1 if there is an error among
-/// the complaints, with --strict also for warnings.
+/// Prints each complaint at its place in the file. A command file is checked
+/// against the deck that it names. The exit code is 1 if any complaint is an
+/// error; with --strict, also if any complaint is a warning.
 ///
-/// Comments of a deck silence complaints: `! admire: ignore[tab]` behind a
+/// Comments in a deck silence complaints: `! admire: ignore[tab]` behind a
 /// statement or above it, `! admire: ignore-file[tab]` anywhere for the whole
 /// file. Settings for all files of a folder stand in `admire.toml` there or
 /// above:
@@ -38,8 +38,8 @@ use super::shell::{Exit, Shell, exit_of};
 #[derive(clap::Args, Debug)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Datasets (.adm), command files (.acf), property files of Adams/Car (.bus, .spr, ...), folders (with a study.toml: the study
-    /// too), or patterns: `runs/*.adm`.
+    /// Datasets (.adm), command files (.acf), property files of Adams/Car (.bus, .spr, ...), folders (with a study.toml: the study too), or
+    /// patterns: `runs/*.adm`.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Some(loaded) => tables.push(Plausibility::of(loaded)),
             None => steps.extend(Study::read(folder).value.iter().flat_map(missing)),
         }
-        // The deck's diagnostics were printed above, or are not to be shown.
+        // The diagnostics of the deck itself were printed above, or are not to be shown.
         let deck = read
             .value
             .map(|loaded| loaded.study.deck.name().to_string());
@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let file = d.labels.first().map(|label| label.file.to_string());
             file.is_some() && file == deck
         };
-        // Missing entries of an unfinished study are not faults; the list of steps names them.
+        // Missing entries of an unfinished study are not faults, because the list of steps names them.
         let is_step = |d: &Diagnostic| {
             let Some(file) = d.labels.first().map(|label| &label.file) else {
                 return false;
@@ -135,7 +135,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit_of(&found))
 }
 
-/// Formats the totals: `3 files: 1 error, 2 warnings, 0 notes`.
+/// Formats the totals, such as `3 files: 1 error, 2 warnings, 0 notes`.
 fn counted(files: usize, found: &[Diagnostic]) -> String {
     let many = |severity: Severity, word: &str| {
         let count = found.iter().filter(|d| d.severity == severity).count();
@@ -150,7 +150,7 @@ fn counted(files: usize, found: &[Diagnostic]) -> String {
     )
 }
 
-/// Returns all diagnostics of a command file, alone and against the decks it names.
+/// Returns all diagnostics of a command file, checked alone and against the decks that it names.
 fn of_command_file(source: Source, shell: &mut Shell) -> Vec<Diagnostic> {
     shell.sources.add(source.clone());
     check::command_file(CommandFile::parse(source), |path| {
@@ -159,7 +159,7 @@ fn of_command_file(source: Source, shell: &mut Shell) -> Vec<Diagnostic> {
     })
 }
 
-/// Returns all diagnostics of a dataset, each fault once, in the order of the file.
+/// Returns all diagnostics of a dataset in the order of the file, each fault only once.
 fn of_dataset(source: Source, fortran: bool, shell: &mut Shell) -> Vec<Diagnostic> {
     let read = Dataset::parse(source);
     let files = shell.read_files(&read.value);

@@ -1,4 +1,4 @@
-//! Settings of `admire check`: the flags of the command line on top of `admire.toml`.
+//! Settings of `admire check`: the settings in `admire.toml`, overridden by the flags of the command line.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,9 +11,9 @@ use super::shell::{Exit, Shell};
 /// Solver for which a deck is intended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum SolverChoice {
-    /// ADAMS: limits of the built-in solver are not reported, nor files that only graphics read.
+    /// ADAMS. Limits of the built-in solver are not reported, and neither are missing files that only graphics read.
     Adams,
-    /// The built-in solver: statements that it does not solve are reported, files that only graphics read are not.
+    /// The built-in solver. Statements that it does not solve are reported; missing files that only graphics read are not.
     Admire,
 }
 
@@ -26,25 +26,25 @@ impl From<SolverChoice> for Solver {
     }
 }
 
-/// Which complaints are shown, and which make the check fail.
+/// Flags that select the complaints shown, and the complaints that make the check fail.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub(super) struct Flags {
-    /// Who is to solve the decks. Without it everything is told.
+    /// Solver for which the decks are intended. Without it, all complaints are shown.
     #[arg(long = "for", value_enum, value_name = "SOLVER")]
     solver: Option<SolverChoice>,
-    /// Tell only complaints of these codes: `--select undefined-id,tab`.
+    /// Show only complaints with these codes: `--select undefined-id,tab`.
     #[arg(long, value_delimiter = ',', value_name = "CODE")]
     select: Vec<String>,
-    /// Do not tell complaints of these codes.
+    /// Hide complaints with these codes.
     #[arg(long, value_delimiter = ',', value_name = "CODE")]
     ignore: Vec<String>,
     /// Warnings make the check fail, too.
     #[arg(long)]
     strict: bool,
-    /// The decks are for the FORTRAN solver: also report lines it would cut off.
+    /// The decks are for the FORTRAN solver: also report lines that it would cut off.
     #[arg(long)]
     fortran: bool,
-    /// Settings to read in place of the `admire.toml` of a file's folder or one above it.
+    /// Settings file to read instead of the `admire.toml` in the folder of a file or above it.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
 }
@@ -63,7 +63,7 @@ impl<'a> AllSettings<'a> {
         }
     }
 
-    /// Returns the settings for a file: the nearest `admire.toml` above it, overridden by the flags.
+    /// Returns the settings for a file: the settings in the nearest `admire.toml` above it, overridden by the flags.
     pub(super) fn of(&mut self, file: &Path, shell: &mut Shell) -> Result<Settings, Exit> {
         let table = match &self.flags.config {
             Some(path) => Some(path.clone()),

@@ -1,4 +1,4 @@
-//! `get` and `set` on command files: `SIMULATE#2.END`, `SFORCE/3.FUNCTION`.
+//! `get` and `set` on command files, with addresses such as `SIMULATE#2.END` and `SFORCE/3.FUNCTION`.
 
 use std::collections::BTreeSet;
 
@@ -11,11 +11,11 @@ use admire_syntax::{Address, CommandFile, Dataset, lint};
 use super::assignment::{Assignment, evaluated};
 use super::shell::{Exit, Shell};
 
-/// Finds the commands of a file that match a text. Each match consists of its name (`SIMULATE#2.END`), a dataset with the command as its
-/// only statement, and the address in this dataset.
+/// Finds the commands of a file that match an address or a pattern. Each match consists of its name (such as `SIMULATE#2.END`), a dataset
+/// with the command as its only statement, and the address within this dataset.
 ///
 /// # Errors
-/// `undefined-id` if there is no such command, `ambiguous-keyword` if there are several and the text does not select one.
+/// `undefined-id` if no command matches; `ambiguous-keyword` if several commands match and the text does not select one of them.
 pub(super) fn places(
     file: &CommandFile,
     text: &str,
@@ -104,8 +104,8 @@ pub(super) fn places(
     Ok(all)
 }
 
-/// Applies assignments to a command file and returns its new text. An assignment that causes a new fault is refused unless `force` is set;
-/// one that makes the file unreadable is always refused.
+/// Applies assignments to a command file and returns its new text. An assignment that causes a new fault is refused unless `force` is set.
+/// An assignment that makes the file unreadable is always refused.
 pub(super) fn set(
     source: Source,
     assignments: &[String],

@@ -8,9 +8,9 @@ use super::shell::{Exit, Shell};
 
 /// Turn the commands that a message file records into a command file.
 ///
-/// A run under Simulink or another program is driven by commands from outside; ADAMS writes each into its message file. As a command file
-/// they repeat the run without that program. Simulations that the file does not echo, as in a co-simulation, are rebuilt from what it
-/// says of them: end and steps.
+/// When Simulink or another program drives a run, the commands come from outside, and ADAMS writes each of them into its message file. As a
+/// command file, they repeat the run without that program. Simulations that the message file does not echo, as in a co-simulation, are
+/// rebuilt from their reported end and steps.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire commands plant.msg --out replay.acf\n  admire solve replay.acf"
@@ -18,10 +18,10 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// The message file (.msg).
     messages: PathBuf,
-    /// The dataset to read where no command names one; the name of the message file if absent.
+    /// Dataset to read if no command names one; the name of the message file if absent.
     #[arg(long, value_name = "NAME")]
     model: Option<String>,
-    /// Where to write it; standard output if absent.
+    /// File to write; standard output if absent.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 }

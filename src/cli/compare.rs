@@ -12,8 +12,8 @@ use super::tolerance::tolerance;
 
 /// Compare two results files, column by column and step by step.
 ///
-/// Two values are the same if they differ by at most `abs + rel * max(|a|, |b|)`. Exit code 1 if they differ beyond that, or
-/// if a column or a step is in one file only.
+/// Two values count as equal if they differ by at most `abs + rel * max(|a|, |b|)`. The exit code is 1 if two values differ by more, or if
+/// a column or a step is in only one of the files.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire compare before.res after.res")]
 pub(super) struct Arguments {
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     /// Relative tolerance.
     #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     rel: f64,
-    /// Show every column, not only those that differ.
+    /// Show all columns, not only those that differ.
     #[arg(long)]
     all: bool,
 }
@@ -149,7 +149,8 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{end}")
 }
 
-/// Groups the columns by entity, each with its number of columns. A single column keeps its own name.
+/// Groups columns by entity. Returns the name of each entity with its number of columns; an entity with a single column is named by that
+/// column.
 fn by_entity(paths: &[String]) -> Vec<(&str, usize)> {
     let mut found: Vec<(&str, &str, usize)> = Vec::new();
     let mut places: HashMap<&str, usize> = HashMap::new();

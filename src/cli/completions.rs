@@ -4,19 +4,19 @@ use clap_complete::env::Shells;
 use super::Outcome;
 use super::shell::Exit;
 
-/// Print a completion script for a shell: commands, options, files, and the addresses inside of a deck (`BUSHING/1.K.2`).
+/// Print a completion script for a shell: commands, options, files, and the addresses in a deck (`BUSHING/1.K.2`).
 ///
-/// In bash `source <(admire completions bash)`; in zsh the same with zsh; in fish `admire completions fish | source`. The script asks
-/// `admire` itself what may follow, so that it never grows old.
+/// In bash, use `source <(admire completions bash)`, and in zsh the same with zsh. In fish, use `admire completions fish | source`. The
+/// script asks `admire` for the completions, so that it is never out of date.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  source <(admire completions bash)")]
 pub(super) struct Arguments {
-    /// Which shell.
+    /// Shell for which the script is printed.
     #[arg(value_enum)]
     shell: Kind,
 }
 
-/// Prints the script.
+/// Prints the completion script.
 #[allow(clippy::unnecessary_wraps)] // All subcommands return an outcome.
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let shells = Shells::builtins();

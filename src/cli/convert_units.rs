@@ -11,17 +11,17 @@ use super::edited::{edited, refuse_faults};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// Write a dataset in other units: the same mechanism, number by number.
+/// Write a dataset in other units: the same mechanism with converted numbers.
 ///
-/// Numbers with a unit are scaled, and so is what functions yield and measure; numbers inside of functions, variables, splines and
-/// tolerances that judge lengths and angles alike stay; command files are not converted. What cannot be converted (user subroutines,
-/// flexible bodies, contacts, ...) is named, and nothing is written.
+/// Numbers with a unit are scaled. Numbers inside functions are unchanged: what a function measures is converted to the old units, and its
+/// result is scaled. Variables, splines, and tolerances that apply to lengths and angles alike are unchanged too. Command files are not
+/// converted. If something cannot be converted (user subroutines, flexible bodies, contacts, ...), it is named and nothing is written.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// `mmks` (mm, N, kg, s), `mks` (m), `cgs` (cm, dyne, g), `ips` (inch, lbf, lbm), or units by name: `meter,newton`.
+    /// Target units: `mmks` (mm, N, kg, s), `mks` (m), `cgs` (cm, dyne, g), `ips` (inch, lbf, lbm), or units by name: `meter,newton`.
     #[arg(long, value_name = "UNITS")]
     to: String,
     #[command(flatten)]

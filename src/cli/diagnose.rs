@@ -23,7 +23,7 @@ use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 
-/// Say what a model still gets wrong after its best fit, name the cause, and extend the model by it.
+/// Find what a model still gets wrong after its best fit, name the cause, and extend the model by it.
 ///
 /// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`.
 #[derive(clap::Args, Debug)]
@@ -31,12 +31,12 @@ use super::shell::{Exit, Shell};
     after_help = "Examples:\n  admire diagnose corpus/kc-experiment --out target/kc\n  admire diagnose my-axle --out answer --format json | jq .findings"
 )]
 pub(super) struct Arguments {
-    /// The study's folder.
+    /// Folder of the study.
     study: PathBuf,
-    /// Where the answers go.
+    /// Folder for the output files.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How much is done to learn what the causes gain in cases that were not used.
+    /// Effort to measure what the causes gain in load cases that were not used.
     #[arg(long, value_enum, default_value_t = CheckChoice::HeldOut)]
     check_gain: CheckChoice,
     #[command(flatten)]
@@ -45,14 +45,14 @@ pub(super) struct Arguments {
     permission: Permission,
 }
 
-/// Command-line choice of a [`GainCheck`].
+/// Choice of a [`GainCheck`] on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum CheckChoice {
-    /// Refits without those cases; the causes were chosen with them.
+    /// Refit without the held-out cases; the causes were chosen with them.
     Quick,
-    /// A second search that does not see the cases held out.
+    /// Also search a second time without the held-out cases.
     HeldOut,
-    /// Besides, one for each group of the cross-validation: takes up to seven times as long.
+    /// Also search without each group of the cross-validation; takes up to seven times as long.
     Folds,
 }
 
@@ -133,8 +133,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// Compares the study's own solver with the built-in solver, which does the search, and refits the numbers to it. If it fails, the
-/// diagnosis remains valid, with a remark.
+/// Compares the study's own solver with the built-in solver, which does the search, and refits the parameters to the study's solver. If the
+/// comparison fails, the diagnosis remains valid, with a remark.
 fn compare(loaded: &LoadedStudy, outcome: &mut Diagnosed<'_>, shell: &mut Shell) {
     let mut backend = solver::backend(&loaded.study, None, &|note| {
         shell.complain(std::slice::from_ref(note));

@@ -8,26 +8,26 @@ use super::format::Format;
 use super::shell::{Exit, Shell};
 use super::tolerance::tolerance;
 
-/// Say what changed between two datasets, object by object.
+/// Show what changed between two datasets, object by object.
 ///
-/// Layout, order, comments, the spelling of keywords and numbers, and defaults that are written out do not matter. Exit code 1
+/// Layout, order, comments, the spelling of keywords and numbers, and default values that are written out are ignored. The exit code is 1
 /// if anything changed.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire diff before.adm after.adm")]
 pub(super) struct Arguments {
-    /// The dataset before.
+    /// Dataset before the change.
     a: PathBuf,
-    /// The dataset after.
+    /// Dataset after the change.
     b: PathBuf,
-    /// Numbers that differ by at most this fraction are the same.
+    /// Numbers that differ by at most this fraction count as equal.
     #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     rel: f64,
-    /// Numbers that differ by at most this are the same.
+    /// Numbers that differ by at most this amount count as equal.
     #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     abs: f64,
 }
 
-/// Prints one line for each change.
+/// Prints one line for each change and returns the exit code.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let (a, b) = (shell.read(&arguments.a)?, shell.read(&arguments.b)?);
     let (a, b) = (Dataset::parse(a).value, Dataset::parse(b).value);

@@ -13,21 +13,21 @@ use super::Outcome;
 use super::permission::Permission;
 use super::shell::{Exit, Shell};
 
-/// Say what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
+/// Report what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
 ///
-/// Nothing is solved and no licence is taken: programs are only asked for their first words.
+/// Nothing is solved and no licence is taken. Programs are started only to read the first line that they print.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire doctor\n  admire doctor my-axle            # the program of its study.toml, too"
 )]
 pub(super) struct Arguments {
-    /// A study whose external program is asked, too.
+    /// Study whose external program is tried, too.
     study: Option<PathBuf>,
     #[command(flatten)]
     permission: Permission,
 }
 
-/// Time after which a silent program counts as unresponsive.
+/// Time after which a program without output counts as unresponsive.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Prints the findings; the exit code is 1 if something is broken.
@@ -92,7 +92,7 @@ impl Report {
     }
 }
 
-/// Reports this program, the solver next to it, and the solver that a script would find.
+/// Reports this program, the solver beside it in its folder, and the solver that a script would find.
 fn programs(report: &mut Report) {
     let own = std::env::current_exe().and_then(dunce::canonicalize);
     let shown = own
@@ -124,7 +124,7 @@ fn programs(report: &mut Report) {
     report.fine("mdi on the PATH", &format!("{} ({whose})", found.display()));
 }
 
-/// Returns true for the solver next to this program, and for a shim that starts it.
+/// Returns true if `found` is the solver beside this program, or a shim that starts this solver.
 fn is_ours(found: &Path, beside: Option<&Path>) -> bool {
     let Some(beside) = beside else { return false };
     let same = dunce::canonicalize(found).ok().as_deref() == Some(beside);
@@ -135,7 +135,7 @@ fn is_ours(found: &Path, beside: Option<&Path>) -> bool {
     same || starts
 }
 
-/// Reports the program named in a study's `[solver]`.
+/// Reports the program that a study names in `[solver]`.
 fn of_study(
     folder: &Path,
     permission: Permission,
@@ -170,7 +170,7 @@ fn of_study(
     };
     let named = NamedProgram::named_in(&study.folder.join("study.toml"), &study.solver.command);
     permission.ask(named.as_ref(), shell)?;
-    // `exit` leaves ADAMS' command menu before it starts a product and takes a licence.
+    // The command `exit` leaves the command menu of ADAMS before the menu starts a product and takes a licence.
     match first_words(&found, &["-c", "exit"]) {
         Some(words) => report.fine(
             "program of study",
@@ -184,7 +184,7 @@ fn of_study(
     Ok(())
 }
 
-/// Returns the first line with words in a program's output; `None` if there is none or the program does not end.
+/// Returns the first line with words in a program's output. `None` if the program prints no words or does not end in time.
 fn first_words(program: &Path, arguments: &[&str]) -> Option<String> {
     let folder = tempfile::tempdir().ok()?;
     let mut child = Command::new(program)
@@ -198,7 +198,7 @@ fn first_words(program: &Path, arguments: &[&str]) -> Option<String> {
     let mut out = child.stdout.take()?;
     let reader = std::thread::spawn(move || {
         let mut text = Vec::new();
-        // The output before a read error is sufficient.
+        // If reading fails, the output read before the error is sufficient.
         let _ = out.by_ref().take(65_536).read_to_end(&mut text);
         text
     });

@@ -16,7 +16,7 @@ pub(super) fn edited(
     crate::front::edited(deck, edits).map_err(|refused| shell.fail(refused))
 }
 
-/// Reports new errors of a deck and refuses to continue; with `force`, they are only reported.
+/// Reports new errors in an edited deck and refuses to continue. With `force`, the errors are reported only.
 pub(super) fn refuse_faults(
     before: &Before,
     after: &Checked<Dataset>,

@@ -12,12 +12,13 @@ use super::Outcome;
 use super::shell::{Exit, Shell};
 use super::width::hanging;
 
-/// Say what a word means: a statement, a command, a function, a complaint's code, a key of study.toml, a cause of a diagnosis, a
-/// field of an answer, a column.
+/// Explain a word: a statement, a command, a function, the code of a complaint, a key of study.toml, a cause of a diagnosis, a field of a
+/// result file, a column.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// `BUSHING`, `simulate`, `AZ`, `undefined-id`, `marks.sigma`, `dry-friction`, ... Nothing lists them all.
+    /// Word to explain, such as `BUSHING`, `simulate`, `AZ`, `undefined-id`, `marks.sigma`, `dry-friction`. Without a word, all words are
+    /// listed.
     #[arg(add = ArgValueCompleter::new(complete))]
     word: Option<String>,
     /// Print the JSON Schema of study.toml, for editors.
@@ -32,7 +33,7 @@ const EXAMPLES: &str = "Examples:
   admire explain priors
   admire explain --schema > study.schema.json";
 
-/// Prints the page of a word.
+/// Prints the explanation of a word.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if arguments.schema {
         let text = serde_json::to_string_pretty(&schema()).expect("a schema prints");
@@ -55,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
 }
 
-/// Completes keywords, functions, codes and terms of the guide.
+/// Returns the completions of a word: keywords, functions, codes and terms of the guide.
 fn complete(current: &std::ffi::OsStr) -> Vec<CompletionCandidate> {
     let typed = current.to_string_lossy();
     let statements = STATEMENTS.iter().map(|def| def.name);
@@ -104,12 +105,12 @@ fn list() -> String {
     out
 }
 
-/// Adds a word with its meaning.
+/// Adds a line with a word and its meaning to the list.
 fn entry(out: &mut String, word: &str, meaning: &str) {
     out.push_str(&hanging(&format!("  {word:24} "), meaning));
 }
 
-/// Returns the page of a word, or an error message if the word is unknown.
+/// Returns the explanation of a word, or an error message if the word is unknown.
 fn page(word: &str) -> Result<String, String> {
     if word.eq_ignore_ascii_case("priors") {
         return Ok(priors());
@@ -170,11 +171,11 @@ fn page(word: &str) -> Result<String, String> {
     })
 }
 
-/// Columns of the names and the values of constants.
+/// Widths in characters of the columns for the names and the values of constants.
 const NAME_WIDTH: usize = 32;
 const VALUE_WIDTH: usize = 14;
 
-/// Priors and settings of identification, diagnosis and design, with their values.
+/// Returns the priors and settings of identification, diagnosis and design, with their values.
 fn priors() -> String {
     let sections: [(&str, &[Constant]); 6] = [
         (
@@ -215,7 +216,8 @@ fn priors() -> String {
     out
 }
 
-/// A constant: its name and value in columns, and its meaning. A value that is too long for its column stands above the meaning.
+/// Formats a constant: its name and value in columns, and its meaning. If the name or value is too long for its column, the meaning starts
+/// on the next line.
 fn of_constant(constant: &Constant) -> String {
     let name = format!("  {:NAME_WIDTH$} ", constant.name);
     let value = format!("{} {}", constant.value, constant.unit);
@@ -228,7 +230,8 @@ fn of_constant(constant: &Constant) -> String {
     hanging(&name, value) + &hanging(&blanks, meaning)
 }
 
-/// Formats a row of a guide table: the term, the contents of each column, and the page with more information.
+/// Formats an entry of the glossary, which comes from a guide table: the term, the contents of each column, and the page with more
+/// information.
 fn of_glossary(entry: &Entry) -> String {
     let mut out = String::new();
     line(&mut out, &format!("{} ({})", entry.term, entry.section));

@@ -5,18 +5,19 @@ use admire_syntax::{Dataset, json};
 use super::Outcome;
 use super::shell::{Exit, Shell};
 
-/// Print a dataset as JSON; `admire import` brings changes of it back.
+/// Print a dataset as JSON; `admire import` applies changes in the JSON to the dataset.
 ///
-/// `title`, and `statements` with `kind`, `id`, `name` and `arguments`. Numbers are in the deck's units, angles in radians.
+/// The JSON contains `title`, and `statements` with `kind`, `id`, `name` and `arguments`. Numbers are in the deck's units, angles in
+/// radians.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire export front.adm --json > front.json")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// As JSON; there is no other form yet.
+    /// Print JSON; no other format exists yet.
     #[arg(long)]
     json: bool,
-    /// Where to write it; standard output if absent.
+    /// File to write; standard output if absent.
     #[arg(long, short)]
     out: Option<PathBuf>,
 }

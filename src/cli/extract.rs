@@ -15,19 +15,19 @@ use super::edited::{edited, refuse_faults};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// Take parts and what hangs on them out of a dataset as a dataset of its own.
+/// Extract parts of a dataset, with everything attached to them, as a separate dataset.
 ///
-/// Joints and forces of these parts stay, with all that their functions use. Their other ends are put on ground where the design puts
-/// them. Settings, gravity and units stay.
+/// Joints and forces of these parts are kept, with everything that their functions use. The other ends of these elements are attached to
+/// ground at their design positions. Settings, gravity and units are kept.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// `PART/7`, `knuckle`, `front_*`, ...
+    /// Parts to extract, such as `PART/7`, `knuckle`, `front_*`.
     #[arg(required = true, value_name = "PART", add = ArgValueCompleter::new(complete))]
     parts: Vec<String>,
-    /// Write a dataset with new faults too.
+    /// Write the dataset even if it has new faults.
     #[arg(long)]
     force: bool,
     #[command(flatten)]
@@ -65,8 +65,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// Escapes characters in names and comments that could control a terminal. An extract is a new dataset, so its text need not stay as in the
-/// original. Bytes that are not UTF-8 and line ends are kept.
+/// Escapes characters in names and comments that could control a terminal. An extract is a new dataset, so its text may differ from the
+/// original. Line ends and bytes that are not UTF-8 are kept.
 fn harmless(deck: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(deck.len());
     for line in deck.split_inclusive(|byte| matches!(byte, b'\n' | b'\r')) {

@@ -17,35 +17,37 @@ use super::shell::{Exit, Shell};
 
 /// Apply fixes that keep the meaning of a dataset or a command file.
 ///
-/// Shows the change; with --write it is made, too.
+/// Shows the changes; with --write, also makes them.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// Datasets (.adm), command files (.acf), folders, or patterns: `runs/*.adm`.
     #[arg(required = true)]
     decks: Vec<PathBuf>,
-    /// Also apply fixes that may not be what was meant: misspelt words become the only one that comes near, lines that lost their
-    /// comma get it back.
+    /// Also apply fixes that may be wrong: a misspelt word is replaced by the only word that is similar, and a line that lost its comma
+    /// gets it back.
     #[arg(long = "unsafe")]
     may_be_wrong: bool,
-    /// Make the change, after it was shown.
+    /// Make the changes after they are shown.
     #[arg(long)]
     write: bool,
-    /// Also replace forces of USER subroutines that only read an Adams/Car bushing, spring or bump-stop file by its curves.
+    /// Also replace forces by USER subroutines that only read an Adams/Car bushing, spring or bump-stop file. The curves of the file take
+    /// their place.
     #[arg(long)]
     replace_user: bool,
-    /// With --replace-user: where to look for property files, by their name, besides the folder of the deck.
+    /// With --replace-user: folder in which property files are searched by name, besides the folder of the deck.
     #[arg(long, value_name = "FOLDER", requires = "replace_user")]
     files: Vec<PathBuf>,
-    /// With --replace-user: the free length of a spring, or the distance at which a stop begins to touch: `SFORCE/3=210`.
+    /// With --replace-user: free length of a spring, or distance at which a stop makes contact, such as `SFORCE/3=210`.
     #[arg(long, value_name = "FORCE=LENGTH", requires = "replace_user")]
     length: Vec<String>,
-    /// With --replace-user: this force only reads its file, and the other numbers of its subroutine do nothing: `GFORCE/3`.
+    /// With --replace-user: force whose subroutine only reads its file, while the other parameters of the subroutine have no effect, such
+    /// as `GFORCE/3`.
     #[arg(long, value_name = "FORCE", requires = "replace_user")]
     plain: Vec<String>,
 }
 
-/// Shows the changes and applies them.
+/// Shows the changes, and with --write applies them.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut exit = Exit::Fine;
     for path in &files_of(&arguments.decks, shell)? {
@@ -74,7 +76,7 @@ const EXAMPLES: &str = "Examples:
   admire fix front.adm --write            change it
   admire fix models --unsafe              misspelt keywords, too";
 
-/// Applies all fixes that do not overlap. The rounds repeat, because a corrected word may reveal further faults.
+/// Applies all fixes that do not overlap. Fixing is repeated in rounds, because a corrected word may reveal further faults.
 fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> {
     const ROUNDS: usize = 10;
     let mut source = source.clone();
@@ -92,7 +94,7 @@ fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> 
         } else {
             safe_fixes(&found, source.name())
         };
-        // If edits still conflict, the file stays as it is.
+        // If the edits conflict, the file is left unchanged.
         match apply_edits(source.bytes(), &edits) {
             Ok(bytes) if !edits.is_empty() => source = Source::new(source.name(), bytes),
             _ => break,
@@ -101,7 +103,7 @@ fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> 
     source.bytes().to_vec()
 }
 
-/// Replaces subroutines that read property files by the curves of these files.
+/// Replaces forces by subroutines that read property files with the curves in these files.
 fn without_user_forces(
     source: &Source,
     arguments: &Arguments,
@@ -139,8 +141,8 @@ fn without_user_forces(
     Ok(apply_edits(source.bytes(), &replacement.edits).unwrap_or_else(|_| source.bytes().to_vec()))
 }
 
-/// Finds the file of a name in the Adams/Car database (`mdids://acar/bushings.tbl/a.bus`) below a folder. Only the last part of the name is
-/// compared, regardless of case.
+/// Finds a file below a folder by its name in the Adams/Car database, such as `mdids://acar/bushings.tbl/a.bus`. Only the last part of the
+/// name is compared, regardless of case.
 fn below(folder: &Path, name: &str) -> Option<PathBuf> {
     let last = name.rsplit(['/', '\\']).next()?;
     let mut open = vec![folder.to_path_buf()];
@@ -167,7 +169,7 @@ fn below(folder: &Path, name: &str) -> Option<PathBuf> {
     None
 }
 
-/// Formats the change as a unified diff.
+/// Formats the change of a file as a unified diff.
 pub(super) fn diff(source: &Source, fixed: &[u8]) -> String {
     let text = |source: &Source| source.text(Span::new(0, source.bytes().len())).into_owned();
     let before = text(source);

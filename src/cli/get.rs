@@ -14,17 +14,17 @@ use super::command_edits;
 use super::format::Format;
 use super::shell::{Exit, Shell};
 
-/// Print values of a dataset.
+/// Print values of a dataset or of a command file.
 ///
-/// Numbers are in the deck's units, angles in radians or with --degrees in degrees; what is not written has its default. `*` stands
-/// for any id or name, or for every value of an argument; then every value is printed behind its address. In a command file (.acf)
-/// a command is KIND or KIND/id, with #2 for the second one of several.
+/// Numbers are in the deck's units, angles in radians or with --degrees in degrees. An argument that is not written has its default value.
+/// `*` matches any id or name, or every value of an argument; each value is then printed behind its address. In a command file (.acf), a
+/// command is named KIND or KIND/id, with #2 for the second of several.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset or command file.
     deck: PathBuf,
-    /// `BUSHING/12.K.2`, `front_arm_bushing.K`, `SFORCE/3`, ...
+    /// Addresses, such as `BUSHING/12.K.2`, `front_arm_bushing.K`, `SFORCE/3`.
     #[arg(required = true, add = ArgValueCompleter::new(complete))]
     addresses: Vec<String>,
     /// Print angles in degrees.
@@ -38,7 +38,7 @@ const EXAMPLES: &str = "Examples:
   admire get deck.adm 'MARKER/*.REULER' --degrees
   admire get run.acf SIMULATE#2.END 'SIMULATE#*.END'";
 
-/// Prints the values, one line each.
+/// Prints the values, one per line.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
     let file = if is_command_file(&arguments.deck) {
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Err(exit) => refused = Some(exit),
         }
     }
-    // A caller of several values counts lines, so either all values or none are printed.
+    // A caller that requests several values counts the lines, so either all values or none are printed.
     if let Some(exit) = refused {
         return Err(exit);
     }
@@ -87,7 +87,8 @@ enum Looked {
     Commands(CommandFile),
 }
 
-/// Returns the values of an address or a pattern. Each has a name: the requested text, or its own address for a pattern.
+/// Returns the values at an address, or at all addresses that match a pattern. Each value is named: by the requested text, or for a pattern
+/// by its own address.
 fn values(
     file: &Looked,
     text: &str,
@@ -124,7 +125,7 @@ fn values(
     Ok(all)
 }
 
-/// Reports a faulty address without a place, because the command line is not a file.
+/// Reports a faulty address without a place, because the command line is not a file with places.
 fn of_text(mut refused: Diagnostic, text: &str, shell: &Shell) -> Exit {
     refused.labels.clear();
     refused.message = format!("`{text}`: {}", refused.message);

@@ -6,18 +6,19 @@ use admire_syntax::Dataset;
 use super::Outcome;
 use super::shell::{Exit, Shell};
 
-/// Draw which bodies a dataset has and what joins them.
+/// Draw the bodies of a dataset and the connections between them.
 ///
-/// An SVG picture, with the ground at the bottom, constraints as lines and forces dashed; with --dot the same as text for Graphviz.
+/// The output is an SVG picture, with the ground at the bottom, constraints as solid lines and forces as dashed lines. With --dot, the same
+/// graph is written as text for Graphviz.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// As text for Graphviz (`dot -Tpdf`), not as a picture.
+    /// Write text for Graphviz (`dot -Tpdf`) instead of a picture.
     #[arg(long)]
     dot: bool,
-    /// Where to write it; standard output if absent.
+    /// File to write; standard output if absent.
     #[arg(long, short)]
     out: Option<PathBuf>,
 }

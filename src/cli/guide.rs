@@ -14,12 +14,12 @@ use super::shell::{Exit, Shell};
 /// Examples: `admire guide`, `admire guide study`, `admire guide formats | less`.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
-    /// The page; without it the list of pages.
+    /// Page to show; without it, the list of pages is shown.
     #[arg(add = ArgValueCompleter::new(complete))]
     topic: Option<String>,
 }
 
-/// Prints the page.
+/// Prints the page or the list of pages.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(topic) = &arguments.topic else {
         let mut out = String::new();

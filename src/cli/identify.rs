@@ -28,7 +28,7 @@ use super::progress::{Count, Progress as Bar};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
 
-/// Identify the stiffnesses of a study from what was measured.
+/// Identify the stiffnesses of a study from its measurements.
 ///
 /// Writes `identified.adm`, `identification.json` and `report.html`.
 #[derive(clap::Args, Debug)]
@@ -36,30 +36,30 @@ use super::width::{hanging, table_text};
     after_help = "Examples:\n  admire identify corpus/pseudo-mcpherson --out target/first\n  admire identify my-axle --out answer --method direct\n  admire identify my-axle --out answer --bootstrap 1000 --posterior 1000"
 )]
 pub(super) struct Arguments {
-    /// The study's folder.
+    /// Folder of the study.
     study: PathBuf,
-    /// Where the answers go.
+    /// Folder for the output files.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// The method, instead of the study's own.
+    /// Method of identification, instead of the study's own.
     #[arg(long, value_enum)]
     method: Option<MethodChoice>,
-    /// Keep the folder of every run of an external solver, below `runs` of the output folder; without it only those of failed runs
-    /// stay.
+    /// Keep the folder of every run of an external solver, below `runs` in the output folder. Without this option, only the folders of
+    /// failed runs are kept.
     #[arg(long)]
     keep: bool,
-    /// Fit N times again, readings drawn anew from the fit and its residuals: intervals that do not take the noise as stated. Writes
-    /// `bootstrap.parquet`.
+    /// Repeat the fit N times with readings drawn from the fit and its residuals (bootstrap). The resulting intervals do not rely on the
+    /// stated noise. Writes `bootstrap.parquet`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(LEAST_REPLICATES..=MOST))]
     bootstrap: Option<u64>,
-    /// Draw N times from the posterior of the identified numbers: intervals that do not take the model as linear. Writes
+    /// Draw N times from the posterior of the identified parameters. The resulting intervals do not assume a linear model. Writes
     /// `posterior.parquet`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(LEAST_DRAWS..=MOST))]
     posterior: Option<u64>,
-    /// Of --bootstrap and --posterior: another seed gives other random numbers.
+    /// With --bootstrap or --posterior: seed of the random numbers; another seed gives other random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Of --bootstrap and --posterior: so many at a time; as many as there are cores if absent.
+    /// With --bootstrap or --posterior: number of parallel threads; as many as there are cores if absent.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     #[command(flatten)]
@@ -69,7 +69,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// Returns the requested repetitions.
+    /// Returns the requested repetitions; `None` if there are none.
     fn repeats(&self) -> Option<Repeats> {
         let asked = self.bootstrap.is_some() || self.posterior.is_some();
         asked.then(|| Repeats {
@@ -84,7 +84,7 @@ impl Arguments {
     }
 }
 
-/// Returns the names of the tables written for the repetitions.
+/// Returns the file names of the tables that are written for the repetitions.
 fn tables(arguments: &Arguments) -> Vec<&'static str> {
     let bootstrap = arguments.bootstrap.map(|_| Kind::Bootstrap.file());
     bootstrap
@@ -96,7 +96,7 @@ fn tables(arguments: &Arguments) -> Vec<&'static str> {
 /// Names of the output files.
 const OUTPUTS: [&str; 3] = ["identified.adm", "identification.json", "report.html"];
 
-/// Command-line choice of the method.
+/// Choice of the identification method on the command line.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(super) enum MethodChoice {
     GaussNewton,
@@ -179,7 +179,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     } else {
         let report = arguments.out.join("report.html");
         let repeated = fit.bootstrap.is_some() || fit.posterior.is_some();
-        // The repetitions were requested, so their remarks are printed.
+        // The user requested the repetitions, so their remarks are printed.
         let said = if repeated {
             fit.remarks.join("\n") + "\n"
         } else {
@@ -230,10 +230,10 @@ fn write(
     write_folder(&arguments.out, &files, arguments.replacing, shell)
 }
 
-/// Subfolder for journals and tables during repetitions.
+/// Subfolder for the journals and tables of repetitions that are in progress.
 const UNFINISHED: &str = "unfinished";
 
-/// Repeats a fit and returns the tables of the repetitions.
+/// Repeats a fit and returns the tables of the repetitions, each with its file name and bytes.
 fn repeated(
     (loaded, marginal): (&LoadedStudy, Option<&Marginal>),
     fit: &mut Fit,
@@ -258,10 +258,12 @@ fn repeated(
     let bar = Bar::new("repeating", shell, move || *seen.lock().ok()?);
     let problem = loaded.problem();
     let made = repeat(
-        (&problem, marginal),
+        &problem,
+        marginal,
         fit,
         repeats,
-        (Some(&folder), VERSION),
+        Some(&folder),
+        VERSION,
         &mut |kind, progress| {
             if let Ok(mut shown) = shown.lock() {
                 let most = (progress.all - progress.before) as usize;
@@ -306,7 +308,7 @@ fn ends(sides: [Option<f64>; 2], error: Option<f64>) -> String {
     sides.map(side).join(" to ")
 }
 
-/// Formats the intervals of the repetitions next to the profile likelihood intervals; empty without repetitions.
+/// Formats the intervals of the repetitions beside the profile-likelihood intervals. The text is empty without repetitions.
 fn repeats_table(fit: &Fit) -> String {
     if fit.bootstrap.is_none() && fit.posterior.is_none() {
         return String::new();
@@ -355,7 +357,7 @@ fn repeats_table(fit: &Fit) -> String {
     format!("{}\n", table_text(&table))
 }
 
-/// Tabulates initial and identified values, with reference values where the study has any.
+/// Formats a table of initial and identified values, with reference values if the study has any.
 fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     let reference = loaded.reference_values();
     let compares = reference.iter().any(Option::is_some);

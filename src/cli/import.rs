@@ -9,9 +9,9 @@ use super::edited::{edited, refuse_faults};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// Bring changes of an exported JSON back into the dataset it came from.
+/// Apply the changes in an exported JSON to the dataset that it came from.
 ///
-/// Only what differs is edited; everything else keeps its bytes. Without -o or --in-place the new deck goes to standard output.
+/// Only values that differ are edited; everything else keeps its bytes. Without -o or --in-place, the new deck goes to standard output.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire export front.adm --json > front.json\n  admire import front.adm front.json"
@@ -19,16 +19,16 @@ use super::target::Target;
 pub(super) struct Arguments {
     /// The dataset that was exported.
     deck: PathBuf,
-    /// The JSON, as `admire export` wrote it, with changes; `-` is standard input.
+    /// Changed JSON, in the form in which `admire export` writes it; `-` is standard input.
     json: PathBuf,
-    /// Write a deck with new faults too, such as a stiffness below zero.
+    /// Write the deck even if it has new faults, such as a negative stiffness.
     #[arg(long)]
     force: bool,
     #[command(flatten)]
     target: Target,
 }
 
-/// Applies the changes and writes the deck.
+/// Applies the changes to the deck and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);

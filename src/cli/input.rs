@@ -9,18 +9,18 @@ use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
 
 use super::shell::{Exit, Shell};
 
-/// Dataset with its model and equations.
+/// Dataset with its model and its compiled equations.
 pub(super) struct Solvable {
     pub(super) dataset: Dataset,
     pub(super) model: Model,
     pub(super) system: System,
-    /// Diagnostics for the statements left out as requested.
+    /// Diagnostics of the statements that were left out because the user requested it.
     pub(super) left_out: Vec<Diagnostic>,
 }
 
-/// Reads a dataset with the files it names and compiles it. Diagnostics are printed; an error ends the command.
+/// Reads a dataset with the files that it names, and compiles it. Diagnostics are printed. An error ends the command.
 ///
-/// Statements listed in `ignored` are left out if they are not solved natively.
+/// Statements listed in `ignored` are left out if the built-in solver cannot solve them.
 pub(super) fn solvable(
     path: &Path,
     ignored: &[Ignore],
@@ -56,7 +56,7 @@ pub(super) fn solvable(
     })
 }
 
-/// Reads a study folder. Diagnostics are printed; an unusable study ends the command.
+/// Reads a study folder and prints the diagnostics. An unusable study ends the command.
 pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exit> {
     let checked = read_study(folder, shell);
     shell.complain(&checked.diagnostics);
@@ -69,7 +69,7 @@ pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exi
     checked.value.ok_or(Exit::Findings)
 }
 
-/// Reads a study folder, and stores its texts to show places in them.
+/// Reads a study folder. Its settings file and its deck are stored, so that diagnostics can show places in them.
 pub(super) fn read_study(folder: &Path, shell: &mut Shell) -> Checked<Option<LoadedStudy>> {
     let checked = LoadedStudy::read(folder);
     if let Some(loaded) = &checked.value {

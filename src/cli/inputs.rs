@@ -1,4 +1,4 @@
-//! Input files of a command line: files, folders and patterns.
+//! Input files that a command line names: files, folders and patterns.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,8 +7,8 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 
-/// Expands the words of a command line into files, in order and without duplicates. A folder stands for all datasets and command files
-/// below it in alphabetical order. Patterns such as `runs/*.adm` are expanded if the shell has not done so.
+/// Expands the words of a command line into files, in order and without duplicates. A folder is expanded into all datasets and command
+/// files below it, in alphabetical order. A pattern such as `runs/*.adm` is expanded here if the shell has not done so.
 pub(super) fn files_of(words: &[PathBuf], shell: &Shell) -> Result<Vec<PathBuf>, Exit> {
     let mut seen = BTreeSet::new();
     let mut files = Vec::new();

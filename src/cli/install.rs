@@ -10,14 +10,14 @@ use super::{Cli, Outcome};
 
 /// Install manual pages and completions for bash, zsh and fish.
 ///
-/// They go where shells and `man` look below a prefix: share/man/man1, share/bash-completion, share/zsh, share/fish. Files of an
-/// earlier installation are replaced; nothing else is touched.
+/// The files are written below a prefix, where shells and `man` look for them: share/man/man1, share/bash-completion, share/zsh,
+/// share/fish. Files of an earlier installation are replaced; no other file is touched.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire install\n  sudo admire install --prefix /usr/local\n  man admire-identify"
 )]
 pub(super) struct Arguments {
-    /// The prefix; `~/.local` without it.
+    /// Prefix of the installation; `~/.local` if absent.
     #[arg(long, value_name = "DIR")]
     prefix: Option<PathBuf>,
 }
@@ -29,7 +29,7 @@ const COMPLETIONS: [(&str, &str); 3] = [
     ("fish", "share/fish/vendor_completions.d/admire.fish"),
 ];
 
-/// Installs the files.
+/// Installs the manual pages and completions.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let home = || std::env::home_dir().map(|home| home.join(".local"));
     let Some(prefix) = arguments.prefix.clone().or_else(home) else {

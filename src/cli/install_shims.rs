@@ -7,18 +7,18 @@ use crate::front::permissions::make_executable;
 use super::Outcome;
 use super::shell::{Exit, Shell};
 
-/// Put commands called like ADAMS' own into a folder; each runs this installation's `mdi`.
+/// Put commands with the names of ADAMS' own commands into a folder; each runs this installation's `mdi`.
 ///
 /// Put the folder first on the PATH, and a script written for ADAMS runs on admire.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// The folder; it is made if missing.
+    /// Folder for the commands; it is created if missing.
     directory: PathBuf,
-    /// Names of the commands. Without it `mdi`, `MDI`, and the names of the releases of ten years, `adams2016` to `adams2025_1`.
+    /// Names of the commands. By default they are `mdi`, `MDI`, and the names of the releases of ten years, `adams2016` to `adams2025_1`.
     #[arg(long, value_delimiter = ',', default_values_t = default_names(), hide_default_value = true)]
     names: Vec<String>,
-    /// Replace files of these names that are there already.
+    /// Replace existing files with these names.
     #[arg(long)]
     force: bool,
 }
@@ -112,18 +112,18 @@ fn unix_shim(mdi: &Path) -> String {
 
 fn windows_shim(mdi: &Path, folder: &Path) -> String {
     let ends = "%*\r\nexit /b %ERRORLEVEL%\r\n";
-    // `%` would start a variable.
+    // A single `%` would begin the name of a variable.
     let quoted = |path: &str| path.replace('%', "%%");
     let whole = quoted(&mdi.to_string_lossy());
     if whole.is_ascii() {
         return format!("@echo off\r\n\"{whole}\" {ends}");
     }
-    // A batch file is read in the console's code page, which encodes non-ASCII letters differently. `%~dp0` is the folder of the batch file
-    // itself.
+    // A batch file is read in the console's code page, whose encoding of non-ASCII letters may differ. `%~dp0` is the folder of the batch
+    // file itself.
     if let Some(steps) = steps(folder, mdi).filter(|steps| steps.is_ascii()) {
         return format!("@echo off\r\n\"%~dp0{}\" {ends}", quoted(&steps));
     }
-    // The program itself runs in the previous code page.
+    // The program itself runs in the code page that was set before.
     format!(
         "@echo off\r\nsetlocal\r\n\
         for /f \"tokens=2 delims=:.\" %%p in ('chcp') do set \"page=%%p\"\r\n\
@@ -157,7 +157,7 @@ mod tests {
             windows_shim(Path::new(r"C:\100%\mdi.exe"), Path::new(r"C:\bin")),
             "@echo off\r\n\"C:\\100%%\\mdi.exe\" %*\r\nexit /b %ERRORLEVEL%\r\n"
         );
-        // A non-ASCII path is avoided by a relative path, or the batch file switches the code page.
+        // A non-ASCII path is replaced by a relative path if possible; otherwise the batch file switches the code page.
         let mdi = Path::new("/users/j\u{fc}rgen/.cargo/bin/mdi.exe");
         let near = windows_shim(mdi, Path::new("/users/j\u{fc}rgen/bin"));
         assert!(

@@ -4,12 +4,13 @@ use admire_session::backend::end_runs;
 
 use super::shell::Exit;
 
-/// Set by the first Ctrl-C; the second Ctrl-C ends the process at once.
+/// True after the first Ctrl-C. The second Ctrl-C ends the process at once.
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Installs a handler: the first Ctrl-C requests a stop after the current step, so that the results so far are kept.
+/// Installs the Ctrl-C handler. The first Ctrl-C requests a stop after the current step of the computation, so that the results so far are
+/// kept.
 pub(super) fn listen() {
-    // Without a handler Ctrl-C still ends the process, but the results so far are lost.
+    // If the handler cannot be installed, Ctrl-C still ends the process, but the results so far are lost.
     let _ = ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::Relaxed) {
             end_runs();

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use crate::front::{kc_page, measured};
+use crate::front::{KcDeck, kc_page, measured};
 use admire_diagnosis::ProgressObserver as _;
 use admire_kc::{
     Bench, BenchError, Config, Convention, KcRun, Unit, deck_files, output, run_watched, shown,
@@ -23,11 +23,11 @@ use super::results_kc::Axes;
 use super::shell::{Exit, Shell};
 use super::width::table_text;
 
-/// Drive the standard K&C tests on an axle: bounce, roll, steering, lateral, longitudinal, aligning torque.
+/// Run the standard K&C tests on an axle: bounce, roll, steering, lateral, longitudinal, aligning torque.
 ///
-/// The rig's markers, loads and motions are added to a copy of the deck; `kc.toml` names the wheels. Characteristics come from the places
-/// of the wheels and from the exact compliance matrix; definitions, signs and every key: `admire guide kc`. Writes `curves.csv`,
-/// `gradients.csv`, `kc.json`, `report.html` and a results file per test with the request names of Adams/Car.
+/// The rig's markers, loads and motions are added to a copy of the deck; `kc.toml` names the wheels. Characteristics are computed from the
+/// positions of the wheels and from the exact compliance matrix. Definitions, signs and every key are in `admire guide kc`. Writes
+/// `curves.csv`, `gradients.csv`, `kc.json`, `report.html` and a results file for each test with the request names of Adams/Car.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire kc corpus/multilink/model.adm --config corpus/multilink/kc.toml --out target/kc-tests"
@@ -35,29 +35,30 @@ use super::width::table_text;
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// The wheels, the tyre and the tests.
+    /// Configuration of the wheels, the tyre and the tests.
     #[arg(long, value_name = "FILE", default_value = "kc.toml")]
     config: PathBuf,
-    /// Where the answers go.
+    /// Folder for the output files.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// The axes of the answer.
+    /// Axes in which the results are given.
     #[arg(long, value_enum, default_value_t = Axes::AdamsCar)]
     convention: Axes,
     /// Also write the decks with the rig and a command file per test, to run on any ADAMS.
     #[arg(long)]
     write_deck: bool,
-    /// Other datasets under the same tests, shown beside in the report.
+    /// Other datasets that run the same tests; the report shows them for comparison.
     #[arg(long, value_name = "DECK", num_args = 1..)]
     compare: Vec<PathBuf>,
-    /// Measured curves, shown beside in the report: CSV with the columns test, value and characteristics such as `toe_angle.left [deg]`.
+    /// Measured curves, shown in the report for comparison: CSV with the columns test, value and characteristics such as
+    /// `toe_angle.left [deg]`.
     #[arg(long, value_name = "CSV")]
     measured: Option<PathBuf>,
     #[command(flatten)]
     replacing: Replacing,
 }
 
-/// Deck as read from its file.
+/// Deck as read from its file, with its files and its model.
 struct Deck {
     dataset: Dataset,
     files: Files,
@@ -71,7 +72,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let deck = read(&arguments.deck, shell)?;
     let units = deck.model.units;
     let source = shell.read(&arguments.config)?;
-    let config = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+    let config = Config::read(&source, 1e-3 / units.length.si, 1.0 / units.force.si);
     shell.complain(&config.diagnostics);
     let Some(config) = config.value else {
         return Err(Exit::Findings);
@@ -127,7 +128,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let text = serde_json::to_string_pretty(&value).expect("JSON values print") + "\n";
     files.push(("kc.json".into(), text.clone().into_bytes()));
     for test in &found.tests {
-        let results = output::results(test, (&deck.model.title, &units), convention);
+        let results = output::results(test, &deck.model.title, &units, convention);
         let (bytes, lost) = results.expect("writing to memory does not fail");
         let name = format!("{}.res", test.kind.name());
         if !lost.is_empty() {
@@ -150,9 +151,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     files.push((
         "report.html".into(),
         kc_page(
-            (&arguments.deck, deck.dataset.bytes(), &units),
-            (&config, &found),
-            (&others, &curves),
+            &KcDeck {
+                path: &arguments.deck,
+                bytes: deck.dataset.bytes(),
+                units: &units,
+            },
+            &config,
+            &found,
+            &others,
+            &curves,
             convention,
         )
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?
@@ -191,7 +198,7 @@ fn read(path: &Path, shell: &mut Shell) -> Result<Deck, Exit> {
 }
 
 fn bench<'a>(config: &'a Config, deck: &'a Deck, shell: &Shell) -> Result<Bench<'a>, Exit> {
-    let bench = Bench::new(config, (&deck.dataset, &deck.files, &deck.model));
+    let bench = Bench::new(config, &deck.dataset, &deck.files, &deck.model);
     let bench = bench.map_err(|found| {
         shell.complain(&found);
         Exit::Findings
@@ -200,7 +207,7 @@ fn bench<'a>(config: &'a Config, deck: &'a Deck, shell: &Shell) -> Result<Bench<
     Ok(bench)
 }
 
-/// Reports why there is no result.
+/// Reports why the rig gives no result, and returns the exit code.
 fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
     let file = path.display();
     match why {
@@ -244,7 +251,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
     }
 }
 
-/// Summarises ride height and the gradients of every test.
+/// Formats a summary of the values at ride height and the gradients of every test.
 fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convention) -> String {
     let mut out = String::from("at ride height\n");
     let mut table = Table::new();

@@ -6,14 +6,14 @@ use super::shell::{Exit, Shell};
 
 /// Serve an editor over the Language Server Protocol on standard input and output.
 ///
-/// Complaints as you type, hover, definitions and references, rename, quick fixes, completion and more for datasets (.adm) and command
-/// files (.acf). `admire guide editors` says how to set up VS Code, Neovim and Emacs.
+/// Provides complaints as you type, hover texts, definitions and references, renaming, quick fixes, completion and more, for datasets
+/// (.adm) and command files (.acf). `admire guide editors` describes the setup of VS Code, Neovim and Emacs.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire lsp            # an editor starts it; see admire guide editors"
 )]
 pub(super) struct Arguments {
-    /// Standard input and output, as editors ask for by name; there is nothing else.
+    /// Use standard input and output. Editors pass this option; there is no other connection.
     #[arg(long)]
     stdio: bool,
 }

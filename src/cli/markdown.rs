@@ -4,10 +4,10 @@ use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
 
 use super::width::{WIDTH, hanging, table_text, wrapped};
 
-/// Largest width in characters at which the first column of a table is not broken. It contains the words that the table explains.
+/// Width in characters up to which the first column of a table is not broken. This column contains the words that the table explains.
 const WORD: usize = 34;
 
-/// Formats a page.
+/// Formats a page of the guide.
 pub(super) fn in_lines(page: &str) -> String {
     let mut out = String::new();
     let mut lines = page.lines().peekable();
@@ -45,7 +45,7 @@ pub(super) fn in_lines(page: &str) -> String {
     out
 }
 
-/// Formats a line of code, indented. If it is too wide, its comment moves above it; a long command continues after a backslash.
+/// Formats a line of code, indented. If the line is too wide, its comment is moved above it. A long command is broken with backslashes.
 fn code_lines(code: &str) -> String {
     let indented = |text: &str| format!("    {text}").trim_end().to_string() + "\n";
     if code.chars().count() + 4 <= WIDTH {
@@ -80,7 +80,7 @@ fn goes_on(line: &str) -> bool {
         || item(line.trim_start()) > 0)
 }
 
-/// Returns the length of a list marker: `* `, `- `, `12. `.
+/// Returns the length of the list marker at the start of a line (`* `, `- `, `12. `); 0 if there is none.
 fn item(line: &str) -> usize {
     if line.starts_with("* ") || line.starts_with("- ") {
         return 2;
@@ -93,7 +93,8 @@ fn item(line: &str) -> usize {
     }
 }
 
-/// Formats links for a terminal: another page by its name, any other link by its address. Code is unchanged.
+/// Formats the links in a text for a terminal. A link to another page becomes the page's name, any other link its address. Code is
+/// unchanged.
 fn linked(text: &str) -> String {
     let pieces = text.split('`').enumerate();
     let each = pieces.map(|(k, piece)| match k % 2 {
@@ -103,7 +104,7 @@ fn linked(text: &str) -> String {
     each.collect::<Vec<_>>().join("`")
 }
 
-/// Formats the links in a text without code.
+/// Formats the links in a piece of text that contains no code.
 fn of_prose(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
@@ -131,7 +132,7 @@ fn of_prose(text: &str) -> String {
     out + rest
 }
 
-/// Splits a row into cells; a bar within backticks does not separate cells.
+/// Splits a table row into cells. A bar within backticks does not separate cells.
 fn cells(row: &str) -> Vec<String> {
     let row = row.trim().trim_start_matches('|');
     let (mut found, mut cell, mut code) = (Vec::new(), String::new(), false);
@@ -150,7 +151,7 @@ fn cells(row: &str) -> Vec<String> {
     found.iter().map(|cell| linked(cell.trim())).collect()
 }
 
-/// Formats a table within the width; the row of dashes is skipped.
+/// Formats a table within the terminal width. The row of dashes is skipped.
 fn table(rows: Vec<Vec<String>>) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);

@@ -12,17 +12,17 @@ use super::width::table_text;
 
 /// Join the shards of a sweep into one table.
 ///
-/// Refused, with every reason, while a shard is missing or unfinished, and where parts are of different versions or inputs. Writes
+/// Refuses, with every reason, if a shard is missing or unfinished, or if parts are of different versions or inputs. Writes
 /// `results.parquet`, `summary.json` and `report.html`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire merge tolerance")]
 pub(super) struct Arguments {
-    /// The folder of the sweep.
+    /// Folder of the sweep.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
 }
 
-/// Joins the shards of a sweep.
+/// Joins the shards in the sweep folder named on the command line.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let folder = SweepFolder::open(&arguments.folder).map_err(|wrong| shell.fail(wrong))?;
     whole(&folder, shell)
@@ -109,7 +109,7 @@ fn text(summary: &Summary) -> String {
     out
 }
 
-/// Returns the most important number with the size of its effect.
+/// Returns the parameter with the largest effect on an output, with the size of this effect.
 fn most(output: &admire_sweep::OutputSummary) -> String {
     let by_total = output
         .indices

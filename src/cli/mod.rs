@@ -1,7 +1,7 @@
 //! The command `admire`, with one file for each subcommand.
 //!
-//! Only this module prints, colours and asks. It is independent of formats and mechanics: every subcommand calls one function of a lower
-//! layer and shows the result.
+//! Only this module prints, uses colours and asks questions. It is independent of file formats and mechanics: every subcommand calls one
+//! function of a lower layer and shows the result.
 
 mod add;
 mod addresses;
@@ -85,25 +85,25 @@ const EXAMPLES: &str = "First steps:
   admire guide tutorial                      fifteen minutes from a test to a diagnosed model
   admire doctor                              what is installed here, and what is found";
 
-/// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and says what a model still gets wrong.
+/// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and diagnoses what a model still gets wrong.
 ///
-/// Exit codes: 0 fine; 1 the input has errors, a file cannot be read or written, or a comparison found differences; 2 the
-/// command line is wrong; 3 there is no equilibrium or no fit.
+/// Exit codes: 0 success; 1 the input has errors, a file cannot be read or written, or a comparison found differences; 2 the command line
+/// is wrong; 3 there is no equilibrium or no fit.
 #[derive(Parser, Debug)]
 #[command(name = "admire", version = VERSION, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// How complaints are printed.
+    /// Format in which complaints are printed.
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// When to colour; `auto` obeys NO_COLOR.
+    /// When to use colours; `auto` obeys NO_COLOR.
     #[arg(long, global = true, value_enum, default_value_t = ColorChoice::Auto)]
     color: ColorChoice,
-    /// Say nothing but complaints and the answer; of `check`: errors only.
+    /// Print nothing but complaints and the answer; `check` prints errors only.
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Say every stage, also where no terminal shows progress.
+    /// Print every stage, even if no terminal shows progress.
     #[arg(long, short, global = true)]
     verbose: bool,
 }
@@ -149,9 +149,9 @@ enum Command {
     Completions(completions::Arguments),
 }
 
-/// Keeps large freed blocks in the process. By default, the C library of Linux returns a freed block to the system and maps the next one
-/// anew, page by page. After a block of nearly 32 MB was freed, it keeps blocks up to that size. Source: mallopt(3), `M_MMAP_THRESHOLD`,
-/// "dynamic mmap threshold". On other systems this has no effect.
+/// Makes the C library keep large freed blocks in the process. By default, the C library of Linux returns a large freed block to the system
+/// and maps the next block anew, page by page. Once a block of nearly 32 MB has been freed, it keeps blocks up to that size. Source:
+/// mallopt(3), `M_MMAP_THRESHOLD`, "dynamic mmap threshold". On other systems, the call has no effect.
 fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(31 << 20)));
 }
@@ -213,5 +213,5 @@ pub fn main() -> ExitCode {
     ExitCode::from(shell.exit(exit.unwrap_or_else(|exit| exit)) as u8)
 }
 
-/// Exit code of a subcommand; `Err` if it stopped early and has reported why.
+/// Exit code of a subcommand. `Err` means that the subcommand stopped early and has reported the reason.
 type Outcome = Result<Exit, Exit>;

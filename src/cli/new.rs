@@ -13,22 +13,22 @@ use super::Outcome;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::shell::{Exit, Shell};
 
-/// Begin a study of a deck: a commented study.toml, tables with the right headings, and what to fill in.
+/// Begin a study of a deck: a commented study.toml, tables with the right headings, and a list of what to fill in.
 ///
-/// Bushings, loads and a wheel are looked for in the deck, which is copied into the study. On a terminal two questions are asked; an
-/// empty answer takes the proposal, and no question is asked of a script.
+/// Bushings, loads and a wheel are found in the deck, and the deck is copied into the study. On a terminal, two questions are asked; an
+/// empty reply accepts the proposal. In a script, no question is asked.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// The folder of the study; it is made if missing.
+    /// Folder of the study; it is created if missing.
     study: PathBuf,
-    /// The deck.
+    /// Deck that the study is about.
     #[arg(long, value_name = "DECK")]
     from: PathBuf,
-    /// What was measured; asked on a terminal, marks otherwise.
+    /// What was measured. If absent, the user is asked on a terminal; otherwise it is marks.
     #[arg(long, value_enum, value_delimiter = ',')]
     measured: Vec<Measured>,
-    /// The bushings to identify, by id; asked on a terminal, all otherwise.
+    /// Bushings to identify, by id. If absent, the user is asked on a terminal; otherwise all are identified.
     #[arg(long, value_delimiter = ',', value_name = "ID")]
     bushings: Vec<String>,
     #[command(flatten)]
@@ -41,16 +41,16 @@ const EXAMPLES: &str = "Examples:
   admire new my-axle --from front.adm --measured curves      # from a K&C rig
   admire check my-axle                       # what is still missing";
 
-/// Command-line choice of the measured quantities.
+/// Choice of the measured quantities on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
 enum Measured {
-    /// Marks on parts: coordinate measuring machine, cameras.
+    /// Marks (measured points) on parts, by a coordinate measuring machine or cameras.
     Marks,
-    /// Place and angles of the wheel.
+    /// Position and angles of the wheel.
     Wheel,
-    /// Toe, camber and other curves of a wheel, by a K&C rig.
+    /// Toe, camber and other curves of a wheel, from a K&C rig.
     Curves,
-    /// Sensors: string pots, load cells, inclinometers.
+    /// Readings of sensors: string pots, load cells, inclinometers.
     Readings,
 }
 
@@ -65,7 +65,7 @@ impl From<Measured> for Kind {
     }
 }
 
-/// Reads the deck, asks the questions and writes the study.
+/// Reads the deck, asks the questions and writes the study folder.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let parsed = Dataset::parse(shell.read(&arguments.from)?);
     let files = shell.read_files(&parsed.value);
@@ -153,7 +153,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// Asks a question and returns the typed line in lower case; empty at the end of input.
+/// Asks a question and returns the typed line in lower case. The line is empty at the end of input.
 pub(super) fn answer(question: &str, shell: &Shell) -> String {
     shell.say(question);
     let _ = std::io::stderr().flush();

@@ -1,8 +1,8 @@
-//! Log messages of lower layers during a command, such as waiting for a licence: one line each on standard error.
+//! Display of log messages from lower layers, such as waiting for a licence, as single lines on standard error.
 
 use std::io::IsTerminal as _;
 
-/// Moves to the start of the line and clears it, because it may show progress.
+/// Terminal sequence that moves to the start of the line and clears it, because the line may show progress.
 const CLEAR: &str = "\r\x1b[2K";
 
 struct Lines;
@@ -28,7 +28,7 @@ impl log::Log for Lines {
 
 /// Enables the display of warnings.
 pub(super) fn show() {
-    // A second call changes nothing.
+    // If a logger is already installed, this call changes nothing.
     if log::set_logger(&Lines).is_ok() {
         log::set_max_level(log::LevelFilter::Warn);
     }

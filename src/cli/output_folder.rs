@@ -1,4 +1,4 @@
-//! Output folder. Files written by an earlier run are replaced; other files only with `--force`.
+//! Output folder of a command. Files written by an earlier run are replaced; other files are replaced only with `--force`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,24 +11,24 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 
-/// Name of the list of files that runs wrote into a folder.
+/// Name of the file that lists the files which runs wrote into a folder.
 const MANIFEST: &str = "admire-outputs.json";
 
-/// Whether files that no earlier run wrote may be replaced.
+/// Option that allows replacing files that no earlier run wrote.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(super) struct Replacing {
-    /// Replace files of the output folder that no earlier run wrote there, or that were changed since; fit what is not plausible, too.
+    /// Replace files in the output folder even if no earlier run wrote them, or if they were changed since. Also fit an implausible study.
     #[arg(long)]
     pub(super) force: bool,
 }
 
-/// Contents of `admire-outputs.json`: each file with the SHA-256 of its bytes as written.
+/// Contents of `admire-outputs.json`: each output file with the SHA-256 of its bytes when it was written.
 #[derive(Default, Serialize, Deserialize)]
 struct Manifest {
-    /// Marker that distinguishes the file from files of other programs.
+    /// Fixed text that distinguishes this file from files of other programs.
     written_by: String,
     files: BTreeMap<String, String>,
-    /// Files of a run that is in progress, or that ended before all of them were written.
+    /// Files of a run that is in progress, or of a run that ended before all its files were written.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     begun: BTreeMap<String, String>,
 }
@@ -44,8 +44,8 @@ impl Manifest {
             .unwrap_or_default()
     }
 
-    /// Returns true if a file may be replaced without asking: it does not exist, already contains these bytes, or is unchanged since a run
-    /// wrote it.
+    /// Returns true if a file may be replaced without `--force`: it does not exist, it already contains the bytes `new`, or it is unchanged
+    /// since a run wrote it.
     fn may_replace(&self, folder: &Path, name: &Path, new: Option<&[u8]>) -> bool {
         let path = folder.join(name);
         if path.symlink_metadata().is_err() {
@@ -60,7 +60,7 @@ impl Manifest {
     }
 }
 
-/// Returns the name of a file in the manifest, the same on all systems.
+/// Returns the name of a file as written in the manifest, with `/` as separator on all systems.
 fn key(name: &Path) -> String {
     let parts: Vec<String> = name
         .components()
@@ -77,7 +77,7 @@ fn sha256(bytes: &[u8]) -> String {
     text
 }
 
-/// Refuses, before the computation, outputs that [`write_folder`] would refuse after it because they would replace the user's files.
+/// Refuses to start a computation if [`write_folder`] would refuse its outputs, because they would replace the user's files.
 pub(super) fn refuse_replacing(
     folder: &Path,
     names: &[&str],
@@ -94,8 +94,8 @@ pub(super) fn refuse_replacing(
     refuse(taken, replacing, shell)
 }
 
-/// Writes files into a folder, each atomically, and lists them in its manifest. The user's files are replaced only with `--force`, and are
-/// then named.
+/// Writes files into a folder, each atomically, and lists them in the folder's manifest. Files of the user are replaced only with
+/// `--force`, and the replaced files are then reported.
 pub(super) fn write_folder(
     folder: &Path,
     files: &[(PathBuf, Vec<u8>)],
@@ -124,7 +124,7 @@ pub(super) fn write_folder(
         let text = serde_json::to_string_pretty(manifest).expect("names and digits print");
         shell.write(&list, (text + "\n").as_bytes())
     };
-    // The list is written first, so that the next run may replace the files of an interrupted run.
+    // The list is written before the files, so that the next run may replace the files of an interrupted run.
     let sums = files.iter().map(|(name, bytes)| (key(name), sha256(bytes)));
     manifest.begun = sums.collect();
     made(folder)?;
@@ -139,7 +139,7 @@ pub(super) fn write_folder(
     listed(&manifest)
 }
 
-/// Refuses to replace files that may not be replaced; with `--force`, names the replaced files.
+/// Refuses to replace the files in `taken`. With `--force`, reports their names and accepts.
 fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<(), Exit> {
     if taken.is_empty() {
         return Ok(());

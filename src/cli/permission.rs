@@ -9,14 +9,14 @@ use super::shell::{Exit, Shell};
 
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(super) struct Permission {
-    /// Start the program that the study or the sweep names without asking. Otherwise one of a study that was not begun here by `admire new`
-    /// is asked for once.
+    /// Start the program that the study or the sweep names, without asking. Otherwise the user is asked once, unless `admire new` created
+    /// the study here.
     #[arg(long)]
     allow_command: bool,
 }
 
 impl Permission {
-    /// Asks whether a program may be started, unless it is already allowed; without a terminal it is refused.
+    /// Asks the user whether a program may be started, unless it is already allowed. Without a terminal, the program is refused.
     pub(super) fn ask(self, program: Option<&NamedProgram>, shell: &Shell) -> Result<(), Exit> {
         let Some(program) = program.filter(|program| !self.allow_command && !program.is_allowed())
         else {

@@ -18,32 +18,32 @@ use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
 
-/// Say which test, load or mark to add next to a study, ranked by what each would gain.
+/// Recommend which test, load or mark to add to a study, ranked by what each would gain.
 ///
-/// Looks at further load cases, cases once more, marks on parts, curves of the wheel and load cells: what each does to the
-/// worst-determined stiffnesses, to the predicted wheel, and to causes between which the readings do not decide. With --out it writes
-/// `plan.json`, and `suggested.csv` with load cases for the end of the study's own file.
+/// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells. For each, it computes the effect on
+/// the worst-determined stiffnesses, on the predicted wheel, and on causes between which the readings do not decide. With --out it writes
+/// `plan.json`, and `suggested.csv` with load cases to append to the study's own file.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire plan corpus/pseudo-mcpherson --for stiffnesses\n  admire plan my-axle --count 5 --out next\n  tail -n +2 next/suggested.csv | head -1 >> my-axle/load_cases.csv"
 )]
 pub(super) struct Arguments {
-    /// The study's folder.
+    /// Folder of the study.
     study: PathBuf,
-    /// Where `plan.json` and `suggested.csv` go; nothing is written if absent.
+    /// Folder for `plan.json` and `suggested.csv`; nothing is written if absent.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// What the measurement is to serve; all three if absent, which takes as long as a diagnosis.
+    /// Purpose of the measurement; all three if absent, which takes as long as a diagnosis.
     #[arg(long = "for", value_enum, value_name = "WHAT")]
     aim: Option<AimChoice>,
-    /// How many are shown.
+    /// Number of candidates shown.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
     count: u16,
     #[command(flatten)]
     replacing: Replacing,
 }
 
-/// Command-line choice of the aim.
+/// Choice of the aim on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum AimChoice {
     /// The three worst-determined combinations of stiffnesses.
@@ -57,14 +57,14 @@ enum AimChoice {
 /// Names of the output files.
 const OUTPUTS: [&str; 2] = ["plan.json", "suggested.csv"];
 
-/// Smallest rise of a probability that counts as a gain.
+/// Smallest increase of a probability that counts as a gain.
 const LITTLE: f64 = 0.005;
-/// Smallest fall of a standard deviation, in percent, that counts as a gain.
+/// Smallest decrease of a standard deviation, in percent, that counts as a gain.
 const NOTHING: f64 = 0.1;
-/// Number of impossible measurements that are named.
+/// Largest number of impossible measurements that are named.
 const SHOWN: usize = 4;
 
-/// Ranks the measurements, writes the outputs and prints the result.
+/// Ranks the candidate measurements, writes the outputs and prints the result.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(out) = &arguments.out {
         refuse_replacing(out, &OUTPUTS, arguments.replacing, shell)?;
@@ -184,7 +184,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
     text
 }
 
-/// Formats a combination: `BUSHING/1.KT.3 - 0.5 BUSHING/2.K.1`, with shares relative to the largest.
+/// Formats a combination of stiffnesses, such as `BUSHING/1.KT.3 - 0.5 BUSHING/2.K.1`. The shares are relative to the largest share.
 fn name(combination: &Combination) -> String {
     let mut shares: Vec<(&String, f64)> = combination
         .combination
@@ -210,12 +210,12 @@ fn name(combination: &Combination) -> String {
     text
 }
 
-/// Formats a percentage with one decimal; a value that rounds to zero has no sign.
+/// Formats a percentage with one decimal. A value that rounds to zero is printed without a sign.
 fn percent(value: f64) -> String {
     format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
 }
 
-/// Returns the relative fall of a standard deviation in percent.
+/// Returns the relative decrease of a standard deviation in percent.
 fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 {
         100.0 * (1.0 - after / before)
@@ -276,7 +276,7 @@ fn table(found: &Plan, count: usize) -> String {
     table_text(&table) + "\n"
 }
 
-/// Describes the best candidate in a sentence.
+/// Describes the gains of the best candidate in a sentence.
 fn sentence(found: &Plan, best: &Ranked) -> String {
     let mut gains = Vec::new();
     let worst = found.combinations.iter().zip(&best.sd_log);

@@ -1,4 +1,4 @@
-//! Plausibility table, shown before every fit. It may refuse the fit.
+//! Plausibility table, shown before every fit. An implausible study is not fitted.
 
 use comfy_table::{ContentArrangement, Table, presets};
 
@@ -10,7 +10,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use super::shell::{Exit, Shell};
 use super::width::table_text;
 
-/// Shows the plausibility table. An implausible study ends the command unless `force` is set.
+/// Prints the plausibility table. An implausible study ends the command unless `force` is set.
 pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> Result<(), Exit> {
     let found = Plausibility::of(loaded);
     shell.say(&text(&found));
@@ -27,12 +27,12 @@ pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> 
     ))
 }
 
-/// Prints the lint warnings of a deck before the failure of its fit, because they may be the reason.
+/// Prints the lint warnings of a study's deck after its fit has failed, because they may name the reason.
 pub(super) fn deck_warnings(loaded: &LoadedStudy, shell: &Shell) {
     shell.complain(&lint::check(&loaded.dataset, &loaded.model));
 }
 
-/// Formats the table for a terminal.
+/// Formats the plausibility table for a terminal.
 pub(super) fn text(found: &Plausibility) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);

@@ -1,5 +1,5 @@
-//! Progress of a command: stage, count, rate and remaining time. On a terminal it appears after half a second; elsewhere it is one line a
-//! minute.
+//! Progress of a command: stage, count, rate and remaining time. On a terminal, it appears after half a second. Without a terminal, one
+//! line is printed per minute.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,21 +14,21 @@ use super::format::Format;
 use super::interrupt;
 use super::shell::Shell;
 
-/// Delay before progress is shown.
+/// Delay before progress is shown on a terminal.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Interval between lines without a terminal.
+/// Interval between progress lines without a terminal.
 const MINUTE: Duration = Duration::from_secs(60);
-/// Interval between updates.
+/// Interval between updates of the display.
 const TICK: Duration = Duration::from_millis(120);
 
-/// Number of finished items.
+/// Number of finished items, with an upper bound and a name.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Count {
     /// Number of items finished so far.
     pub done: usize,
-    /// Upper bound of the number of items, if known.
+    /// Upper bound of the total number of items, if known.
     pub of: Option<usize>,
-    /// Name of the counted items.
+    /// Name of the counted items, in the plural.
     pub what: &'static str,
 }
 
@@ -37,7 +37,7 @@ const SETTLED: usize = 2;
 /// Smallest share of finished items for an estimate of the remaining time.
 const SETTLED_SHARE: f64 = 0.02;
 
-/// Displayed state: the stage, and its finished items.
+/// Displayed state of a command: the stage, a detail, and the finished items.
 #[derive(Clone, Debug, Default)]
 struct State {
     stage: String,
@@ -45,17 +45,18 @@ struct State {
     count: Option<Count>,
 }
 
-/// Progress line on a terminal, which disappears when this is dropped. Without a terminal, one line a minute.
+/// Progress display. On a terminal it is one line, which disappears when this value is dropped. Without a terminal, one line is printed per
+/// minute.
 pub(super) struct Progress {
     state: Arc<Mutex<State>>,
     ended: Arc<AtomicBool>,
     painter: Option<JoinHandle<()>>,
-    /// True if each stage is printed as a line: verbose output without a terminal.
+    /// True if each stage is printed as a line, for verbose output without a terminal.
     lines: bool,
 }
 
 impl Progress {
-    /// Starts the display. `look` returns stage and count at every tick, even if nothing is shown.
+    /// Starts the display. `look` is called at every tick, even if nothing is shown, and returns the current stage and count.
     pub(crate) fn new(
         stage: &str,
         shell: &Shell,
@@ -131,13 +132,13 @@ impl Drop for Progress {
         self.ended.store(true, Ordering::Relaxed);
         if let Some(painter) = self.painter.take() {
             painter.thread().unpark();
-            // A failed painter needs no cleanup.
+            // A painter thread that has panicked needs no cleanup.
             let _ = painter.join();
         }
     }
 }
 
-/// Prints a line a minute if the command `speaks`, and a line for each new stage of `look` if stages are wanted.
+/// Prints a line per minute if `speaks` is true, and a line for each new stage that `look` returns if `stages` is true.
 fn report(
     state: &Mutex<State>,
     ended: &AtomicBool,
@@ -162,7 +163,7 @@ fn report(
     }
 }
 
-/// Returns the state set by the command, overridden by `look`.
+/// Returns the displayed state: the state set by the command, overridden by the result of `look`.
 fn present(state: &Mutex<State>, look: &dyn Fn() -> Option<(&'static str, Count)>) -> State {
     let mut now = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
     if let Some((stage, count)) = look() {
@@ -172,7 +173,7 @@ fn present(state: &Mutex<State>, look: &dyn Fn() -> Option<(&'static str, Count)
     now
 }
 
-/// Paints the progress line until the end.
+/// Paints the progress line until the command has ended.
 fn paint(
     state: &Mutex<State>,
     ended: &AtomicBool,
@@ -194,8 +195,10 @@ fn paint(
     bar.finish_and_clear();
 }
 
-/// Formats the progress line, such as `cases: 812 of 3000 cases (27 %) · 61/s · at most 36 s more · 13 s`. If the end is unknown: `search:
-/// 812 sweeps · 61/s · 13 s`.
+/// Formats the progress line.
+///
+/// If the total is known: `cases: 812 of 3000 cases (27 %) · 61/s · at most 36 s more · 13 s`.
+/// If the total is unknown: `search: 812 sweeps · 61/s · 13 s`.
 fn line(state: &State, elapsed: Duration) -> String {
     let mut pieces = Vec::new();
     if !state.detail.is_empty() {
@@ -223,7 +226,7 @@ fn line(state: &State, elapsed: Duration) -> String {
     format!("{}: {}", state.stage, pieces.join(" · "))
 }
 
-/// Formats a duration: `40 s`, `12 min`.
+/// Formats a duration, such as `40 s` or `12 min`.
 fn span(seconds: f64) -> String {
     if seconds < 120.0 {
         format!("{seconds:.0} s")
@@ -251,7 +254,7 @@ mod tests {
             line(&state, Duration::from_secs(10)),
             "search: 600 of 3000 runs (20 %) · 60/s · at most 40 s more · 10 s"
         );
-        // A few slow items also give a rate, from the second item on.
+        // With slow items, a rate is shown from the second item on.
         let state = State {
             count: Some(Count {
                 done: 4,

@@ -14,34 +14,34 @@ use super::permission::Permission;
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
 
-/// Record the runs of a study's external solver, so that `backend = "replay"` serves them without it.
+/// Record the runs of a study's external solver, so that `backend = "replay"` can use them without the solver.
 ///
-/// The study is identified as `admire identify` would with `backend = "command"`; each run that gave an answer is kept with its deck,
-/// command file, results and messages, under the content of the first two. Nothing else is written.
+/// The study is identified as by `admire identify` with `backend = "command"`. Each run with a result is stored with its deck, command
+/// file, results and messages, under a key from the contents of the deck and the command file. Nothing else is written.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire record my-axle\n  admire record my-axle --into recordings"
 )]
 pub(super) struct Arguments {
-    /// The study's folder.
+    /// Folder of the study.
     study: PathBuf,
-    /// Where the runs are kept, instead of the study's own `[solver] recordings`.
+    /// Folder for the recorded runs, instead of the study's own `[solver] recordings`.
     #[arg(long, value_name = "DIR")]
     into: Option<PathBuf>,
-    /// The method, instead of the study's own.
+    /// Method of identification, instead of the study's own.
     #[arg(long, value_enum)]
     method: Option<MethodChoice>,
     #[command(flatten)]
     permission: Permission,
 }
 
-/// Runs the study and records its runs.
+/// Identifies the study with its external solver and records the solver's runs.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut loaded = study(&arguments.study, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
-    // The study's own backend is overridden, because a native run leaves nothing to record.
+    // The study's own choice of backend is overridden, because a run of the built-in solver leaves nothing to record.
     loaded.study.solver.backend = BackendChoice::Command;
     let program = NamedProgram::of_study(&loaded.study);
     arguments.permission.ask(program.as_ref(), shell)?;

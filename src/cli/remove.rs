@@ -14,22 +14,22 @@ use super::get::parse;
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// Take statements out of a dataset, with the comments that name them, or arguments out of statements.
+/// Remove statements from a dataset, with the comments that name them, or arguments from statements.
 ///
-/// Nothing else of the deck changes. Without -o or --in-place the new deck goes to standard output.
+/// Nothing else in the deck changes. Without -o or --in-place, the new deck goes to standard output.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// `JOINT/3`, `front_arm_bushing`, `BUSHING/12.PRELOAD`, ...
+    /// Addresses, such as `JOINT/3`, `front_arm_bushing`, `BUSHING/12.PRELOAD`.
     #[arg(required = true, value_name = "ADDRESS", add = ArgValueCompleter::new(complete))]
     addresses: Vec<String>,
-    /// Also remove all that cannot stand without it: markers on a part, joints and forces on markers, motions of joints. Bodies only
-    /// lose the argument that names what is gone.
+    /// Also remove everything that cannot exist without the removed objects: markers on a part, joints and forces on markers, motions of
+    /// joints. A body only loses the argument that names a removed object.
     #[arg(long)]
     cascade: bool,
-    /// Write a deck with new faults too, such as references to what is gone.
+    /// Write the deck even if it has new faults, such as references to removed objects.
     #[arg(long)]
     force: bool,
     #[command(flatten)]
@@ -41,14 +41,14 @@ const EXAMPLES: &str = "Examples:
   admire remove deck.adm 'REQUEST/*' --in-place
   admire remove deck.adm PART/7 --cascade -o without.adm";
 
-/// Removes the statements and writes the deck.
+/// Removes the statements and arguments, and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);
     let mut deck = original.clone();
     let mut whole = BTreeSet::new();
     for text in &arguments.addresses {
-        // Addresses refer to the original deck, whatever has been removed meanwhile.
+        // Addresses refer to the original deck, even after other statements have been removed.
         let addresses = if Address::is_pattern(text) {
             Address::matching(text, &original.value).map_err(|mut refused| {
                 refused.labels.clear();
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// Removes statements of the original deck with everything that depends on them, and reports the dependents.
+/// Removes statements of the original deck together with all statements that depend on them, and reports the dependent statements.
 fn cascaded(
     original: &Dataset,
     deck: &Dataset,

@@ -13,7 +13,7 @@ use admire_syntax::text::{Source, Span, masked, printable};
 use super::annotations;
 use super::format::Format;
 
-/// Largest number of diagnostics shown; the others are only counted.
+/// Largest number of diagnostics shown; further diagnostics are only counted.
 const SHOWN: usize = 200;
 
 /// Formats diagnostics in the given format, with or without colours, within a width.
@@ -21,7 +21,8 @@ pub(super) fn diagnostics(
     diagnostics: &[Diagnostic],
     sources: &Sources,
     format: Format,
-    (colours, width): (bool, usize),
+    colours: bool,
+    width: usize,
 ) -> String {
     match format {
         Format::Text => graphical(diagnostics, sources, colours, width),
@@ -151,7 +152,7 @@ fn latin1(bytes: &[u8]) -> String {
     }
 }
 
-/// Diagnostic in miette's terms.
+/// Diagnostic in the form that `miette` renders.
 struct Shown<'a> {
     diagnostic: &'a Diagnostic,
     source: Option<&'a Decoded>,
@@ -245,19 +246,19 @@ impl miette::Diagnostic for Shown<'_> {
     }
 }
 
-/// File as UTF-8. In a file that is not UTF-8, every byte is shown as its Latin-1 character.
+/// File as UTF-8 text. If the file is not UTF-8, every byte is shown as its Latin-1 character.
 struct Decoded {
     name: String,
     text: String,
-    /// Original of a file that is not UTF-8, to convert its offsets to offsets of `text`.
+    /// Original of a file that is not UTF-8. It serves to convert offsets in the file to offsets in `text`.
     original: Option<Source>,
 }
 
-/// Size in bytes up to which places are shown. Places in larger files are named by their line only, because showing them needs a copy of
-/// the text.
+/// Largest size in bytes of a file in which places are shown. In larger files, places are given by their line number only, because showing
+/// them needs a copy of the text.
 pub(super) const LARGEST_SHOWN: usize = 64 << 20;
 
-/// Length from which a line is shown as a window around the place.
+/// Length from which only a part of a line around the place is shown.
 const LONG_LINE: usize = 240;
 
 impl Decoded {
@@ -274,7 +275,7 @@ impl Decoded {
         }
     }
 
-    /// Converts a byte offset of the file to an offset of `text`, where Latin-1 characters from 128 on take two bytes.
+    /// Converts a byte offset in the file to an offset in `text`, where a Latin-1 character above 127 takes two bytes.
     fn offset(&self, offset: usize) -> usize {
         let moved = match &self.original {
             None => offset,
@@ -286,7 +287,7 @@ impl Decoded {
         self.boundary(moved)
     }
 
-    /// Returns the last character boundary at or before an offset.
+    /// Returns the last character boundary in `text` at or before an offset.
     fn boundary(&self, offset: usize) -> usize {
         let mut at = offset.min(self.text.len());
         while !self.text.is_char_boundary(at) {
@@ -339,7 +340,7 @@ impl SourceCode for Decoded {
         let line = memchr::memchr_iter(b'\n', &bytes[..from]).count();
         let before = &self.text[line_start(from)..from];
         let column = match self.original {
-            // Columns count bytes of the file.
+            // Columns count bytes of the file, and each Latin-1 character was one byte there.
             Some(_) => before.chars().count(),
             None => before.len(),
         };
@@ -387,15 +388,15 @@ mod tests {
         let (found, sources) = sample();
         insta::assert_snapshot!(
             "text",
-            diagnostics(&found, &sources, Format::Text, (false, 100))
+            diagnostics(&found, &sources, Format::Text, false, 100)
         );
         insta::assert_snapshot!(
             "plain",
-            diagnostics(&found, &sources, Format::Plain, (false, 100))
+            diagnostics(&found, &sources, Format::Plain, false, 100)
         );
         insta::assert_snapshot!(
             "json",
-            diagnostics(&found, &sources, Format::Json, (false, 100))
+            diagnostics(&found, &sources, Format::Json, false, 100)
         );
     }
 
@@ -419,7 +420,7 @@ mod tests {
                         Span::new(start, start + len),
                         "here",
                     );
-                    let shown = diagnostics(&[d], &sources, Format::Text, (false, 100));
+                    let shown = diagnostics(&[d], &sources, Format::Text, false, 100);
                     assert!(shown.contains("bad") && shown.len() < 2000, "{shown}");
                 }
             }

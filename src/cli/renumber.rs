@@ -17,30 +17,30 @@ use super::shell::{Exit, Shell};
 
 /// Give objects new ids; every reference follows, in arguments, in functions and in commands.
 ///
-/// The change is shown as a diff; with --in-place or --out it is made.
+/// Shows the change as a diff; with --in-place or --out, also makes it.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire renumber front.adm MARKER=1000 --out renumbered.adm")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// `MARKER=1000` numbers all markers from 1000 on in their order, `MARKER=1000,10` in steps of ten; `MARKER/7=12`, or a view
-    /// name for `MARKER/7`, gives one object its new id.
+    /// `MARKER=1000` numbers all markers from 1000 on in their order, `MARKER=1000,10` in steps of ten. `MARKER/7=12`, or a view name in
+    /// place of `MARKER/7`, gives one object its new id.
     #[arg(required = true, value_name = "KIND=FIRST[,STEP]", add = ArgValueCompleter::new(complete))]
     ids: Vec<String>,
-    /// Command files (.acf) that go with the dataset; their references follow too.
+    /// Command files (.acf) that belong to the dataset; their references follow too.
     #[arg(long, short, value_name = "FILE")]
     commands: Vec<PathBuf>,
-    /// Where to write: a file for the deck alone; with command files, or if it is there, a folder for all under their own names.
+    /// File for the deck. With command files, or if a folder of this name exists: folder for all files under their own names.
     #[arg(long, short, value_name = "FILE|FOLDER", conflicts_with = "in_place")]
     out: Option<PathBuf>,
-    /// Replace the files themselves.
+    /// Replace the input files.
     #[arg(long)]
     in_place: bool,
     #[command(flatten)]
     replacing: Replacing,
 }
 
-/// Shows or makes the change.
+/// Shows the change, or makes it if requested.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read_for(&arguments.deck, arguments.in_place)?;
     let dataset = Dataset::parse(source.clone()).value;
@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// Parses one renumbering from the command line.
+/// Parses one renumbering, such as `MARKER=1000,10`, from the command line.
 fn ids(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Renumbering, Exit> {
     let wrong = |message: String| {
         shell.usage(

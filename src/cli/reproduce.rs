@@ -17,16 +17,16 @@ use reproduction::{ReproductionError, STAGES, reproduce};
 #[path = "../../corpus/rust/reproduce_paper/mod.rs"]
 mod reproduction;
 
-/// Run the paper's three validations again and print its tables beside ours.
+/// Repeat the paper's three validations and print its tables beside ours.
 ///
-/// For `pseudo-mcpherson` (section 4.2), `multilink` (4.3) and `kc-experiment` (4.4) of a corpus: stiffnesses found over true ones,
-/// iterations, what stays unidentified, the order of the wheel curves; and what cannot be compared.
+/// For `pseudo-mcpherson` (section 4.2), `multilink` (4.3) and `kc-experiment` (4.4) in a corpus folder: ratio of identified to true
+/// stiffnesses, iterations, unidentified stiffnesses, the order of the wheel curves, and what cannot be compared.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire reproduce\n  admire reproduce corpus --out target/paper"
 )]
 pub(super) struct Arguments {
-    /// The folder that holds the three studies.
+    /// Folder that contains the three studies.
     #[arg(default_value = "corpus")]
     corpus: PathBuf,
     /// Also write `report.html` with the curves into this folder.

@@ -17,13 +17,13 @@ use super::results_kc::{self, KcArguments};
 use super::shell::{Exit, Shell, exit_of};
 use super::target::Target;
 
-/// Show what a results file holds, take columns out of it, change values; or say what a message file tells of a run.
+/// Show the contents of a results file, extract columns, or change values; or summarise a run from its message file.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// Results: XRF (.res), requests (.req), graphics (.gra), formatted results; or messages (.msg).
     file: PathBuf,
-    /// Print the columns' names, units and ids (with `--format json` as JSON). This is what happens without `--get`.
+    /// Print the columns' names, units and ids (with `--format json` as JSON). This is the default without `--get`.
     #[arg(long)]
     list: bool,
     /// Print the values of the columns with these names: `arm_XFORM.X`, `*_XFORM.?`, `JOINT_1`, `arm.X`.
@@ -35,10 +35,10 @@ pub(super) struct Arguments {
     /// Print values as JSON.
     #[arg(long)]
     json: bool,
-    /// CSV of numbers alone: names without units, no kind of step.
+    /// Print CSV of numbers alone: column names without units, and no column for the kind of step.
     #[arg(long, conflicts_with = "json")]
     plain: bool,
-    /// Only these steps, from 1: `3`, `2-5`, `7-`, `last`, several with commas.
+    /// Only these steps, counted from 1: `3`, `2-5`, `7-`, `last`; several are separated by commas.
     #[arg(long, value_name = "STEPS")]
     steps: Option<String>,
     /// Only steps at this time or later.
@@ -50,7 +50,7 @@ pub(super) struct Arguments {
     /// Only steps of this kind: static, quasiStatic, kinematic, dynamic, ...
     #[arg(long, value_name = "KIND")]
     kind: Vec<String>,
-    /// Change values and write the whole file: `arm_XFORM.X=12.5`, `'*.FX*=1000'`, in the steps chosen by the other options.
+    /// Change values and write the whole file, such as `arm_XFORM.X=12.5` or `'*.FX*=1000'`. The other options choose the steps.
     #[arg(long, num_args = 1.., value_name = "COLUMN=VALUE", conflicts_with_all = ["get", "list"])]
     set: Vec<String>,
     #[command(flatten)]
@@ -68,7 +68,7 @@ const EXAMPLES: &str = "Examples:
   admire results run.gra --get PART_7.Z
   admire results run.msg";
 
-/// Prints the list or the values, or writes the changed file.
+/// Prints the list of columns or the values, or writes the changed file.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(summary) = messages(&arguments.file) {
         return Ok(describe_run(&summary, shell));
@@ -84,8 +84,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         );
     }
     if arguments.kc.asked() {
-        let shown = (&filter, arguments.plain, arguments.json);
-        return results_kc::run((&arguments.file, &arguments.kc), shown, shell);
+        return results_kc::run(
+            &arguments.file,
+            &arguments.kc,
+            &filter,
+            arguments.plain,
+            arguments.json,
+            shell,
+        );
     }
     let mut reader = open(&arguments.file, shell)?;
     if arguments.get.is_empty() || arguments.list {
@@ -109,7 +115,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit_of(reader.diagnostics()))
 }
 
-/// Returns the filter of steps from the command line.
+/// Returns the filter of steps that the command line requests.
 fn filter(arguments: &Arguments) -> Result<StepFilter, Diagnostic> {
     let mut filter = StepFilter::default();
     if let Some(text) = &arguments.steps {

@@ -1,4 +1,4 @@
-//! Assignments to a results file. The whole file is rewritten, but only changed numbers get a new spelling.
+//! Assignments to a results file. The whole file is written again, but only changed numbers get a new spelling.
 
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
@@ -14,14 +14,14 @@ use super::results_file::{open, refused, selection};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// One `COLUMN=VALUE`, with the operator before the equals sign.
+/// Assignment `COLUMN=VALUE` to columns, with the operator before the equals sign.
 struct ColumnAssignment {
     ids: Vec<usize>,
     operator: Option<char>,
     operand: f64,
 }
 
-/// Writes the file with the changes.
+/// Writes a copy of the results file with the assignments applied.
 pub(super) fn run(
     file: &Path,
     assignments: &[String],
@@ -129,7 +129,7 @@ fn read(
         return Err(wrong(format!("`{}` is not a number", value.trim())));
     };
     let left = left.trim();
-    // A star after a dot stands for any component.
+    // After a dot, a star is not an operator: it matches any component.
     let operator = left
         .chars()
         .next_back()

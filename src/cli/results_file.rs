@@ -1,4 +1,4 @@
-//! Opening of results files, for several commands.
+//! Opening of results files, shared by several commands.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
     shell.fail(error.into_diagnostic())
 }
 
-/// Selects the columns that match patterns; every pattern must match at least one column.
+/// Selects the columns that match patterns; it is an error if a pattern matches no column.
 pub(super) fn selection(
     reader: &dyn ResultsReader,
     patterns: &[String],

@@ -20,42 +20,42 @@ use super::format::Format;
 use super::results_file::{open, refused};
 use super::shell::{Exit, Shell, exit_of};
 
-/// Characteristics of wheels.
+/// Options for the characteristics of wheels.
 #[derive(clap::Args, Debug)]
 pub(super) struct KcArguments {
-    /// Print toe, camber, steer, travel and what else the places of wheels show, under the names of Adams/Car; see `admire guide kc`.
-    /// The first step of the file is the design position.
+    /// Print toe, camber, steer, travel and the other characteristics that follow from the positions of the wheels, under the names of
+    /// Adams/Car; see `admire guide kc`. The first step of the file is the design position.
     #[arg(long, requires = "wheel", conflicts_with_all = ["get", "list", "set"])]
     kc: bool,
-    /// A wheel part, or what carries the wheel: at most one for each side.
+    /// Wheel part, or part that carries the wheel: at most one for each side.
     #[arg(long, value_name = "PART", requires = "kc", num_args = 1..=2)]
     wheel: Vec<String>,
-    /// The axis of the part the wheel spins about; without it the one that lies across the vehicle.
+    /// Axis of the part about which the wheel spins; by default, the axis that lies across the vehicle.
     #[arg(long, value_enum, requires = "kc")]
     spin: Option<Spin>,
-    /// The wheel centre in the frame of the part; without it the part's origin.
+    /// Wheel centre in the frame of the part; by default, the part's origin.
     #[arg(long, value_name = "X,Y,Z", requires = "kc", value_parser = place, allow_hyphen_values = true)]
     centre: Option<Vec3>,
-    /// The geometric steer axis of each wheel: its lower and its upper point, each a part and a place in the frame of the part (the part's
-    /// origin without one), for caster, kingpin, scrub and trail.
+    /// Geometric steer axis of each wheel, for caster, kingpin, scrub and trail: its lower and its upper point. Each point is a part and a
+    /// position in the frame of the part; without a position, it is the part's origin.
     #[arg(long, value_name = "PART[@X,Y,Z]", requires = "kc", num_args = 2..=4, value_parser = body_point)]
     steer_axis: Vec<BodyPoint>,
-    /// The unloaded tyre radius, for contact points.
+    /// Unloaded tyre radius, for contact points.
     #[arg(long, value_name = "LENGTH", requires = "kc", value_parser = positive)]
     radius: Option<f64>,
-    /// The vertical tyre stiffness: the radius shrinks by the columns `left_tire_forces.normal` and `right_tire_forces.normal`.
+    /// Vertical tyre stiffness. The radius shrinks by the forces in the columns `left_tire_forces.normal` and `right_tire_forces.normal`.
     #[arg(long, value_name = "RATE", requires = "radius", value_parser = positive)]
     tyre_rate: Option<f64>,
-    /// The road: level; the plane through both contact points; or level unless the file's own columns say that the rig rolls.
+    /// Road: level; the plane through both contact points; or level unless the file's own columns show that the rig rolls.
     #[arg(long, value_enum, requires = "kc", default_value_t = RoadChoice::Rig)]
     road: RoadChoice,
-    /// The axes of the file.
+    /// Axes of the file.
     #[arg(long, value_enum, requires = "kc", default_value_t = Axes::AdamsCar)]
     axes: Axes,
-    /// The axes of the answer.
+    /// Axes in which the results are given.
     #[arg(long, value_enum, requires = "kc", default_value_t = Axes::AdamsCar)]
     convention: Axes,
-    /// Instead of values, the largest difference to the file's own column of each name.
+    /// Instead of values, print the largest difference of each characteristic from the file's own column of the same name.
     #[arg(long, requires = "kc")]
     against_file: bool,
 }
@@ -151,19 +151,22 @@ impl KcArguments {
     }
 }
 
-/// One step of the output.
+/// Characteristics of one step of the output.
 struct Row {
     kind: StepKind,
     time: f64,
     readings: Vec<Reading>,
-    /// The file's own value of each reading, where it has a column of that name.
+    /// The file's own value of each reading; `None` if the file has no column of that name.
     own: Vec<Option<f64>>,
 }
 
-/// Prints the characteristics of the steps that pass a filter.
+/// Prints the characteristics in the steps that pass a filter.
 pub(super) fn run(
-    (path, arguments): (&Path, &KcArguments),
-    (filter, plain, json): (&StepFilter, bool, bool),
+    path: &Path,
+    arguments: &KcArguments,
+    filter: &StepFilter,
+    plain: bool,
+    json: bool,
     shell: &Shell,
 ) -> Outcome {
     let mut reader = open(path, shell)?;
@@ -195,7 +198,7 @@ pub(super) fn run(
     Ok(exit_of(reader.diagnostics()))
 }
 
-/// Returns the units of the columns. The file states its length unit, and these characteristics contain no forces.
+/// Returns the units of the columns. Only the length unit is taken from the file, because these characteristics contain no forces.
 fn units(reader: &dyn ResultsReader) -> Units {
     let word = &reader.header().units.length;
     let length = LENGTH_UNITS.iter().find(|unit| unit.word == word);
@@ -226,8 +229,13 @@ fn rows(
         .chunks_exact(2)
         .map(|pair| [pair[0].clone(), pair[1].clone()])
         .collect();
-    let wheels = (&*arguments.wheel, &*axes);
-    let replay = Replay::new(&catalogue, wheels, degrees, arguments.options());
+    let replay = Replay::new(
+        &catalogue,
+        &arguments.wheel,
+        &axes,
+        degrees,
+        arguments.options(),
+    );
     let mut replay = replay.map_err(|error| no_wheel(&error, shell))?;
     let time = catalogue
         .columns()
@@ -244,7 +252,7 @@ fn rows(
             .map_err(|e| refused(e, shell))?
             .map_err(|error| no_wheel(&error, shell))?;
         let now = time.map(|id| values[id - 1]);
-        // The model as read (step kind `input`) is the design position and is not an output unless requested.
+        // The model as read (step kind `input`) is the design position. It is not printed unless the user requests this kind.
         let wanted = filter.takes(index, kind, now)
             && (kind != StepKind::Input || filter.kinds.contains(&StepKind::Input));
         if !wanted {
@@ -358,7 +366,7 @@ fn write_json(
     )
 }
 
-/// Finds the largest difference of each characteristic from the file's own column of that name.
+/// Finds the largest difference of each characteristic from the file's own column of the same name.
 fn against(rows: &[Row], json: bool) -> String {
     let mut worst: BTreeMap<String, (f64, f64)> = BTreeMap::new();
     let mut order = Vec::new();

@@ -10,45 +10,45 @@ use super::output_folder::{Replacing, write_folder};
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
 
-/// Measure a study's deck on the virtual test rig and write what a rig would hand over: a whole study folder.
+/// Measure a study's deck on the virtual test rig, and write what a rig would deliver: a whole study folder.
 ///
-/// Nothing in the folder tells what was planted; `--truth` writes that elsewhere.
+/// Nothing in the folder reveals the planted effects; `--truth` writes them to a separate file.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire rig my-axle --out measured --seed 3\n  admire rig my-axle --out measured --effect link-compliance@PART/6:stiffness=6000 --truth truth.txt"
 )]
 pub(super) struct Arguments {
-    /// The study's folder; its own readings need not exist.
+    /// Folder of the study; its own readings need not exist.
     study: PathBuf,
-    /// The folder to write.
+    /// Folder to write.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Seed of the measuring noise.
+    /// Seed of the measurement noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Standard deviation of one mark coordinate instead of the study's.
+    /// Standard deviation of one mark coordinate, instead of the study's value.
     #[arg(long)]
     sigma: Option<f64>,
-    /// An effect to plant: `cause@address:name=value,...`
+    /// Effect to plant: `cause@address:name=value,...`
     #[arg(long, value_name = "SPEC")]
     effect: Vec<String>,
-    /// A file of effects to plant, one a line; `#` begins a comment.
+    /// File of effects to plant, one per line; `#` begins a comment.
     #[arg(long, value_name = "FILE")]
     effects: Vec<PathBuf>,
-    /// Standard deviation of one coordinate of the first session instead of the study's.
+    /// Standard deviation of one coordinate in the first session, which measures the marks on their parts, instead of the study's value.
     #[arg(long, value_name = "SIGMA")]
     sigma_on_parts: Option<f64>,
-    /// Small errors in many places besides, as standard deviations: `hardpoints=0.3,load_gain=0.005,pose=0.02`. Names are those of
-    /// `[tolerances]`, and `parts`, `assembly_offset`, `bushing_axis_deg`, `preload`, `pose_deg`
+    /// Additional small errors in many places, as standard deviations: `hardpoints=0.3,load_gain=0.005,pose=0.02`. The names are the keys
+    /// of `[tolerances]`, and `parts`, `assembly_offset`, `bushing_axis_deg`, `preload`, `pose_deg`
     #[arg(long, value_name = "LIST")]
     tolerances: Option<String>,
-    /// Noise that is not what the study says: `tails=3,outliers=6,outlier_size=2,declared=0.5`
+    /// Noise that differs from what the study states: `tails=3,outliers=6,outlier_size=2,declared=0.5`
     #[arg(long, value_name = "LIST")]
     scatter: Option<String>,
-    /// Load cases of the paper's table 1 or 2, or each load up and down, instead of the study's.
+    /// Load cases of the paper's table 1 or 2, or each load up and down, instead of the study's load cases.
     #[arg(long, value_enum)]
     programme: Option<Programme>,
-    /// Where to write what was planted.
+    /// File in which the planted effects are written.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
     #[command(flatten)]
@@ -75,7 +75,7 @@ impl From<Programme> for LoadTable {
     }
 }
 
-/// Runs the virtual measurement and writes the study.
+/// Runs the virtual measurement and writes the study folder.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut effects = Vec::new();
     for file in &arguments.effects {

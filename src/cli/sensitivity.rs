@@ -15,28 +15,29 @@ use super::input::{Solvable, solvable};
 use super::shell::{Exit, Shell};
 use super::width::table_text;
 
-/// Show how the equilibrium changes with the numbers of a dataset.
+/// Show how the equilibrium changes with the parameters of a dataset.
 ///
-/// The derivatives of motions, forces or measures by stiffnesses, preloads, marker positions, spring lengths, loads: exact,
-/// from the tangent of the equilibrium, in the deck's units, which are named (angles in radians). By QP a marker moves as `admire set`
-/// moves it: without turning, ZP and XP along with it, and so do markers in its frame (RM).
+/// Prints the derivatives of motions, forces or measures with respect to stiffnesses, preloads, marker positions, spring lengths and loads.
+/// The derivatives are exact, from the tangent of the equilibrium. They are in the deck's units, which are printed (angles in radians). A
+/// change of QP moves a marker as `admire set` does: without rotation, with ZP and XP along, and with the markers in its frame (RM).
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire sensitivity front.adm --of KNUCKLE --by BUSHING/1.K")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// What changes: a part (its motion), a force element or a joint (its force on I), or `REQUEST/1.F2`.
+    /// Results to differentiate: a part (its motion), a force element or a joint (its force on I), or `REQUEST/1.F2`.
     #[arg(long, required = true, num_args = 1.., add = ArgValueCompleter::new(complete))]
     of: Vec<String>,
-    /// By which numbers: `BUSHING/1.K`, `BUSHING/1`, `MARKER/4.QP.2`; all that have an effect if absent.
+    /// Parameters with respect to which derivatives are taken: `BUSHING/1.K`, `BUSHING/1`, `MARKER/4.QP.2`; all that have an effect if
+    /// absent.
     #[arg(long, num_args = 1.., add = ArgValueCompleter::new(complete))]
     by: Vec<String>,
-    /// TIME of the equilibrium.
+    /// TIME at which the equilibrium is solved.
     #[arg(long, default_value_t = 0.0)]
     time: f64,
 }
 
-/// Solves, differentiates and prints.
+/// Solves the equilibrium, differentiates it and prints the table.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Solvable {
         dataset,
@@ -44,8 +45,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         system,
         ..
     } = solvable(&arguments.deck, &[], shell)?;
-    let parts = (&dataset, &model, &system);
-    let found = SensitivityTable::new(parts, &arguments.of, &arguments.by, arguments.time);
+    let found = SensitivityTable::new(
+        &dataset,
+        &model,
+        &system,
+        &arguments.of,
+        &arguments.by,
+        arguments.time,
+    );
     let SensitivityTable {
         of,
         units,

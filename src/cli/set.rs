@@ -19,26 +19,26 @@ use super::target::Target;
 
 /// Change values of a dataset; only their own bytes change.
 ///
-/// A number is in the deck's units, an angle in radians or with the suffix D; `true` and `false` switch a flag
-/// (`MARKER/7.FLOATING=true`); anything else is written as it is in place of the whole value (`SFORCE/3.FUNCTION=10*TIME`,
-/// `TITLE=new`). A deck that `admire check` would find a new error in is not written, except with --force. Without assignments the
-/// copy is identical. Without -o or --in-place the new deck goes to standard output.
+/// A number is in the deck's units. An angle is in radians, or in degrees with the suffix D. `true` and `false` switch a flag
+/// (`MARKER/7.FLOATING=true`). Any other text replaces the whole value as it is (`SFORCE/3.FUNCTION=10*TIME`, `TITLE=new`). A deck in which
+/// `admire check` would find a new error is written only with --force. Without assignments, the copy is identical. Without -o or
+/// --in-place, the new deck goes to standard output.
 ///
-/// `*` in an address stands for any id or name, or for every value of an argument, and `*=`, `/=`, `+=`, `-=` reckon with the
-/// value there is. A marker is moved without being turned: ZP and XP move along with QP. In a command file (.acf) a command is KIND
-/// or KIND/id, with #2 for the second one of several.
+/// `*` in an address matches any id or name, or every value of an argument. `*=`, `/=`, `+=` and `-=` compute the new value from the
+/// present value. A marker is moved without rotation: ZP and XP move along with QP. In a command file (.acf), a command is named KIND or
+/// KIND/id, with #2 for the second of several.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// `BUSHING/12.K.2=15000`, `front_arm_bushing.K=1,2,3`, ...
+    /// Assignments, such as `BUSHING/12.K.2=15000`, `front_arm_bushing.K=1,2,3`.
     #[arg(value_name = "ADDRESS=VALUE", add = ArgValueCompleter::new(complete))]
     assignments: Vec<String>,
-    /// Write a deck with new faults too, such as a stiffness below zero.
+    /// Write the deck even if it has new faults, such as a negative stiffness.
     #[arg(long)]
     force: bool,
-    /// Numbers for angles are degrees; without it they are radians, unless they have the suffix D.
+    /// Numbers for angles are in degrees. Without this option, they are in radians unless they have the suffix D.
     #[arg(long)]
     degrees: bool,
     #[command(flatten)]
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// Returns the addresses of the assignments, without the invalid ones.
+/// Returns the addresses that the assignments set. Invalid assignments are left out.
 fn named(assignments: &[String], dataset: &Dataset) -> Vec<Address> {
     let addresses = assignments.iter().filter_map(|assignment| {
         let left = Assignment::left(assignment)?;
@@ -99,8 +99,8 @@ fn named(assignments: &[String], dataset: &Dataset) -> Vec<Address> {
     addresses.flatten().collect()
 }
 
-/// Makes one assignment, which may set many addresses; `beside` are the addresses of all assignments. The deck is unchanged if the
-/// assignment is refused.
+/// Applies one assignment, which may set the values at many addresses. `beside` contains the addresses of all assignments. The deck is
+/// unchanged if the assignment is refused.
 fn change(
     deck: &mut Checked<Dataset>,
     (assignment, beside): (&str, &BTreeSet<&Address>),
@@ -110,7 +110,7 @@ fn change(
     let all = expanded(assignment, &deck.value, degrees, shell)?;
     let edits = edits_of(&deck.value, (&all, beside), shell)?;
     match deck.value.text_after(&edits) {
-        // Missing values would all be inserted at the same place, so they are written one after the other.
+        // Missing arguments would all be inserted at the same place, so they are written one after the other.
         Err(_) if all.len() > 1 => {
             let before = deck.value.source().clone();
             let one_by_one = all.iter().try_for_each(|one| {
@@ -128,7 +128,7 @@ fn change(
     }
 }
 
-/// Creates the edits of some assignments for the current deck.
+/// Creates the edits of the given assignments to the current deck.
 fn edits_of(
     dataset: &Dataset,
     (assignments, beside): (&[(Address, String)], &BTreeSet<&Address>),
@@ -138,7 +138,7 @@ fn edits_of(
     for (address, value) in assignments {
         all.extend(
             edits(dataset, address, value, beside).map_err(|diagnostic| {
-                // A function that cannot be read is shown on its own.
+                // If a function cannot be parsed, its text is shown on its own.
                 shell
                     .sources
                     .add(Source::new("expression", value.as_bytes()));
@@ -149,7 +149,8 @@ fn edits_of(
     Ok(all)
 }
 
-/// Reparses the edited text, if it is readable and nothing besides the assigned values has changed. Otherwise the deck is unchanged.
+/// Parses the edited text, and keeps it if it has no new errors and if nothing besides the assigned values has changed. Otherwise the deck
+/// is unchanged.
 fn look_at(
     deck: &mut Checked<Dataset>,
     text: Result<Source, EditConflict>,
@@ -173,7 +174,7 @@ fn look_at(
     let known = std::mem::take(&mut deck.diagnostics);
     deck.diagnostics = deck.value.reread(text);
     let refused = if let Some(first) = new_errors(&known, deck).first() {
-        // The place refers to the edited text.
+        // The place of the diagnostic refers to the edited text.
         let shown = shell.sources.get(before.name()).cloned();
         shell.sources.add(deck.value.source().clone());
         shell.complain(&[(*first).clone()]);

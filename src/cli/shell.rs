@@ -25,7 +25,7 @@ pub(super) enum ColorChoice {
     Never,
 }
 
-/// Amount of output besides the result.
+/// Amount of output besides the result of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Verbosity {
     /// Diagnostics only.
@@ -69,9 +69,9 @@ pub(super) struct Shell {
     color: ColorChoice,
     verbosity: Verbosity,
     pub(super) sources: Sources,
-    /// Encoding of output that does not go to a terminal.
+    /// Encoding of output that does not go to a terminal, as a code page.
     page: CodePage,
-    /// First error that kept output from standard output.
+    /// First error in writing to standard output, because of which output was lost.
     lost: RefCell<Option<std::io::Error>>,
 }
 
@@ -87,14 +87,14 @@ impl Shell {
         }
     }
 
-    /// Sets the code page that the environment requests.
+    /// Sets the encoding of output to the code page that the environment requests.
     pub(super) fn obey_code_page(&mut self) -> Result<(), Exit> {
         let page = CodePage::of_environment();
         self.page = page.map_err(|why| self.usage(Diagnostic::error(Code::CannotWrite, why)))?;
         Ok(())
     }
 
-    /// Encodes a text for a stream.
+    /// Encodes a text for a stream; a terminal always gets UTF-8.
     fn encoded<'a>(&self, text: &'a str, terminal: bool) -> Cow<'a, [u8]> {
         let page = if terminal { CodePage::Utf8 } else { self.page };
         page.encode(text)
@@ -112,7 +112,7 @@ impl Shell {
         }
     }
 
-    /// Prints diagnostics on standard error; a quiet command omits notes.
+    /// Prints diagnostics on standard error; a quiet command omits notes and prints only warnings and errors.
     pub(super) fn complain(&self, diagnostics: &[Diagnostic]) {
         let counts = |found: &&Diagnostic| !self.is_quiet() || found.severity > Severity::Note;
         let diagnostics: Vec<Diagnostic> = diagnostics.iter().filter(counts).cloned().collect();
@@ -122,14 +122,14 @@ impl Shell {
         }
         let terminal = std::io::stderr().is_terminal();
         let sources = self.with_streamed(diagnostics);
-        let how = (self.colours(terminal), width_of(terminal));
-        let text = render::diagnostics(diagnostics, &sources, self.format, how);
+        let (colours, width) = (self.colours(terminal), width_of(terminal));
+        let text = render::diagnostics(diagnostics, &sources, self.format, colours, width);
         // Errors are ignored, because the reader may have closed the stream.
         let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
     }
 
-    /// Adds the files of diagnostics to the sources, to show places in files that were read step by step and not kept. Huge files are not
-    /// read again.
+    /// Returns the sources with the files that the diagnostics name, so that places can be shown in files that were read step by step and
+    /// not kept. Huge files are not read again.
     fn with_streamed(&self, diagnostics: &[Diagnostic]) -> Sources {
         let mut sources = self.sources.clone();
         for label in diagnostics.iter().flat_map(|found| &found.labels) {
@@ -180,22 +180,22 @@ impl Shell {
         self.verbosity == Verbosity::Verbose
     }
 
-    /// Prints diagnostics on standard output, for commands whose result they are.
+    /// Prints diagnostics on standard output, for commands whose result consists of diagnostics.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
         let terminal = std::io::stdout().is_terminal();
         let sources = self.with_streamed(diagnostics);
-        let how = (self.colours(terminal), width_of(terminal));
-        let text = render::diagnostics(diagnostics, &sources, self.format, how);
+        let (colours, width) = (self.colours(terminal), width_of(terminal));
+        let text = render::diagnostics(diagnostics, &sources, self.format, colours, width);
         self.put(&self.encoded(&text, terminal));
     }
 
-    /// Prints on standard output. Control sequences from files are made harmless.
+    /// Prints a text on standard output. Control sequences that come from files are made harmless.
     pub(super) fn print(&self, text: &str) {
         let text = printable(text);
         self.put(&self.encoded(&text, std::io::stdout().is_terminal()));
     }
 
-    /// Prints sentences on standard output, wrapped to the width of a terminal, or unwrapped elsewhere.
+    /// Prints sentences on standard output. On a terminal they are wrapped to its width; elsewhere they are not wrapped.
     pub(super) fn tell(&self, text: &str) {
         if self.format == Format::Text && std::io::stdout().is_terminal() {
             self.print(&wrapped(text));
@@ -204,13 +204,13 @@ impl Shell {
         }
     }
 
-    /// Writes bytes to standard output. A closed pipe is ignored; any other error affects the exit code.
+    /// Writes bytes to standard output. A closed pipe is ignored; any other error changes the exit code.
     fn put(&self, bytes: &[u8]) {
         let mut out = std::io::stdout().lock();
         self.printed(out.write_all(bytes).and_then(|()| out.flush()));
     }
 
-    /// Records that output could not be written. A closed pipe is ignored.
+    /// Records the outcome of writing to standard output. A closed pipe does not count as an error.
     pub(super) fn printed(&self, outcome: std::io::Result<()>) {
         if let Err(error) = outcome
             && error.kind() != ErrorKind::BrokenPipe
@@ -219,7 +219,7 @@ impl Shell {
         }
     }
 
-    /// Returns the exit code of the process. It indicates failure if output was lost.
+    /// Returns the exit code of the process, which indicates failure if output was lost.
     pub(super) fn exit(&self, exit: Exit) -> Exit {
         let Some(error) = self.lost.take() else {
             return exit;
@@ -240,7 +240,7 @@ impl Shell {
         Exit::Usage
     }
 
-    /// Reads a file and stores it to show places in it; `-` is standard input.
+    /// Reads a file and stores it, so that diagnostics can show places in it. `-` is standard input.
     pub(super) fn read(&mut self, path: &Path) -> Result<Source, Exit> {
         let source = if path == Path::new("-") {
             let mut bytes = Vec::new();
@@ -266,7 +266,8 @@ impl Shell {
         }
     }
 
-    /// Reads a file that may be replaced afterwards. With `in_place`, a device or a pipe is refused; a pipe would wait for a writer.
+    /// Reads a file that may be replaced afterwards. With `in_place`, a device or a pipe is refused, because reading a pipe would wait for
+    /// a writer.
     pub(super) fn read_for(&mut self, path: &Path, in_place: bool) -> Result<Source, Exit> {
         if in_place && std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
             return Err(self.fail(Diagnostic::error(
@@ -280,8 +281,8 @@ impl Shell {
         self.read(path)
     }
 
-    /// Reads the files named by a dataset and stores them to show places in them. They must be below its own folder, the working directory
-    /// or a folder in ADMIRE_ALLOW_PATH.
+    /// Reads the files that a dataset names and stores them, so that diagnostics can show places in them. The files must be below the
+    /// dataset's own folder, the working directory or a folder in ADMIRE_ALLOW_PATH.
     pub(super) fn read_files(&mut self, dataset: &Dataset) -> Checked<Files> {
         let folder = folder_of(dataset.source());
         let mut policy = FilePolicy::new(Path::new(""));
@@ -294,7 +295,7 @@ impl Shell {
         read
     }
 
-    /// Writes bytes to a file, or to standard output without one. On a terminal, control sequences are made harmless.
+    /// Writes bytes to a file, or to standard output if no file is given. On a terminal, control sequences are made harmless.
     pub(super) fn deliver(&self, target: Option<&Path>, bytes: &[u8]) -> Result<(), Exit> {
         if let Some(path) = target.filter(|path| *path != Path::new("-")) {
             return self.write(path, bytes);
@@ -307,7 +308,7 @@ impl Shell {
         Ok(())
     }
 
-    /// Writes a file atomically, through a temporary file in the same folder that replaces it.
+    /// Writes a file atomically: the bytes go to a temporary file in the same folder, which then replaces the file.
     pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Exit> {
         if path == Path::new("-") {
             let message = "standard input cannot be replaced";
@@ -324,12 +325,12 @@ impl Shell {
     }
 }
 
-/// Returns the width of displayed diagnostics; a terminal may have only [`WIDTH`] columns.
+/// Returns the width in columns for diagnostics: [`WIDTH`] on a terminal, 100 elsewhere.
 fn width_of(terminal: bool) -> usize {
     if terminal { WIDTH } else { 100 }
 }
 
-/// Returns true if the terminal supports colours: it is neither "dumb" nor a Windows console without colour codes.
+/// Returns true if the terminal supports colours: it is neither a "dumb" terminal nor a Windows console without colour codes.
 fn takes_colours() -> bool {
     if cfg!(windows) {
         return anstyle_query::windows::enable_ansi_colors() == Some(true);
@@ -337,7 +338,7 @@ fn takes_colours() -> bool {
     std::env::var_os("TERM").is_none_or(|kind| kind != "dumb")
 }
 
-/// Returns the exit for findings if any diagnostic is an error.
+/// Returns the exit code for diagnostics: [`Exit::Findings`] if one of them is an error, otherwise [`Exit::Fine`].
 pub(super) fn exit_of(diagnostics: &[Diagnostic]) -> Exit {
     if diagnostics.iter().any(|d| d.severity == Severity::Error) {
         Exit::Findings

@@ -24,36 +24,37 @@ use super::width::table_text;
 
 /// Find the static equilibrium of a dataset, or execute a command file.
 ///
-/// For a dataset the answer is printed: where the parts are, and what the bushings carry. A command file is executed as `mdi`
-/// does, in the working directory, with the exit codes of `admire`. It tells how far it is on a terminal; after Ctrl-C the files hold
+/// For a dataset, the result is printed: the positions of the parts, and the forces of the bushings. A command file is executed as `mdi`
+/// does, in the working directory, with the exit codes of `admire`. On a terminal, progress is shown. After Ctrl-C, the files contain
 /// everything up to the last output.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire solve front.adm\n  admire solve run.acf")]
 pub(super) struct Arguments {
-    /// A dataset (.adm) or a command file (.acf).
+    /// Dataset (.adm) or command file (.acf).
     file: PathBuf,
-    /// A command file that is executed on the dataset, whatever model it names itself.
+    /// Command file to execute on the dataset, whichever model the command file names.
     commands: Option<PathBuf>,
-    /// TIME at which the equilibrium is sought.
+    /// TIME at which the equilibrium is solved.
     #[arg(long, default_value_t = 0.0)]
     time: f64,
     /// Also list every force on a part: `PART/4` or its name.
     #[arg(long, value_name = "PART")]
     free_body: Vec<String>,
-    /// Further folders that a command file may read and write; its own and the working directory are always allowed.
+    /// Further folders in which a command file may read and write; its own folder and the working directory are always allowed.
     #[arg(long, value_name = "DIR")]
     allow_path: Vec<PathBuf>,
-    /// Go on from an unstable equilibrium to a stable one: both ways along the unstable motion, to the nearer.
+    /// Proceed from an unstable equilibrium to a stable one: both directions along the unstable motion are followed, and the nearer
+    /// equilibrium is taken.
     #[arg(long)]
     stable: bool,
-    /// Leave out statements that are not solved, where the equilibrium would be refused: CONTACT, FRICTION/3, ...
+    /// Leave out statements that are not solved and for which the equilibrium would be refused: CONTACT, FRICTION/3, ...
     #[arg(long, value_name = "STATEMENTS", value_parser = ignored)]
     ignore: Vec<Ignored>,
     #[command(flatten)]
     taken: Taken,
 }
 
-/// Statements named by one `--ignore`.
+/// Statements named by one `--ignore` option.
 #[derive(Clone, Debug)]
 struct Ignored(Vec<Ignore>);
 
@@ -61,7 +62,7 @@ fn ignored(list: &str) -> Result<Ignored, String> {
     Ignore::parse(list).map(Ignored)
 }
 
-/// Solves and prints.
+/// Solves the equilibrium and prints the result, or executes the command file.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let ignored: Vec<Ignore> = arguments.ignore.iter().flat_map(|i| i.0.clone()).collect();
     let conflict = |shell: &Shell, message: &str| {
@@ -76,15 +77,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         Some(commands) => Some((Some(arguments.file.as_path()), commands.as_path())),
     };
-    if let Some(files) = files {
+    if let Some((deck, commands)) = files {
         if arguments.stable {
             return conflict(
                 shell,
                 "--stable is for a dataset; a command file gives the equilibria that `mdi` gives",
             );
         }
-        let allowed = (arguments.allow_path.as_slice(), ignored);
-        return solve_run::run(files, allowed, &arguments.taken, shell);
+        let allowed = arguments.allow_path.as_slice();
+        return solve_run::run(deck, commands, allowed, ignored, &arguments.taken, shell);
     }
     if arguments.taken.is_asked() {
         return conflict(
@@ -121,7 +122,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let softest = Softest::at_equilibrium(&system, &parameters, &state, solver.scratch());
             let mut softest = softest.ok().flatten();
             let unstable = softest.clone().filter(Softest::is_unstable);
-            // The description uses the present state, because it names markers.
+            // The motion is described at the unstable state, because the description names markers at their positions there.
             let motion = unstable
                 .as_ref()
                 .and_then(|softest| softest.described(&system, &parameters, &state));
@@ -169,7 +170,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
 }
 
-/// Creates the warning for a part that moved far.
+/// Creates the warning that a part moved far.
 fn went_far(part: &str) -> Diagnostic {
     Diagnostic::warning(
         Code::LargeMotion,
@@ -178,7 +179,7 @@ fn went_far(part: &str) -> Diagnostic {
     .help("it may be another equilibrium than the one that is meant; loads in steps lead to the nearest")
 }
 
-/// Creates the warning for an unstable equilibrium.
+/// Creates the warning that an equilibrium is unstable.
 fn does_not_last(motion: Option<&str>) -> Diagnostic {
     Diagnostic::warning(
         Code::UnstableEquilibrium,
@@ -207,7 +208,7 @@ fn no_equilibrium(error: &SolveError) -> Diagnostic {
     diagnostic.help(lines.join("\n"))
 }
 
-/// Finds the part with an address or a name.
+/// Finds the part with an address such as `PART/4`, or with a name.
 fn part(text: &str, model: &Model, shell: &Shell) -> Result<PartIx, Exit> {
     let wanted = text.to_ascii_uppercase();
     let found = model.parts.iter().position(|part| {
@@ -229,22 +230,22 @@ struct Answer<'a> {
     system: &'a System,
     state: &'a State,
     report: &'a Report,
-    /// Motion with the smallest stiffness; the stiffness is in force per length.
+    /// Motion with the smallest stiffness, which is in force per length.
     softest: Option<&'a Softest>,
-    /// Motion of negative stiffness at the first equilibrium, in words.
+    /// Description of the motion of negative stiffness at the first equilibrium.
     motion: Option<&'a str>,
-    /// Stabilised equilibrium that replaced an unstable one.
+    /// Stable equilibrium that replaced an unstable one.
     settled: Option<&'a StabilisedEquilibrium>,
-    /// Parts that moved far.
+    /// Names of the parts that moved far.
     far: &'a [String],
     /// Parts whose loads are listed.
     bodies: &'a [PartIx],
-    /// Diagnostics for the statements left out as requested.
+    /// Diagnostics of the statements that were left out because the user requested it.
     left_out: &'a [Diagnostic],
 }
 
 impl Answer<'_> {
-    /// Returns name, position and 3-1-3 angles in degrees of every moving part.
+    /// Returns the name of every moving part, with its position and its 3-1-3 angles in degrees.
     fn parts(&self) -> Vec<(&str, [f64; 6])> {
         self.model
             .parts
@@ -260,7 +261,7 @@ impl Answer<'_> {
             .collect()
     }
 
-    /// Returns the name of every bushing with its deflection, and force and torque on I, in J axes.
+    /// Returns the name of every bushing, with its deflection and with the force and torque on I, in J axes.
     fn bushings(&self) -> Vec<(&str, [f64; 9])> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
@@ -281,7 +282,8 @@ impl Answer<'_> {
         out
     }
 
-    /// Returns the loads on a part: source, force (ground axes) and torque about the part origin. The sum comes last.
+    /// Returns the loads on a part, each as its source, its force (ground axes) and its torque about the part origin. The sum of all loads
+    /// comes last.
     fn loads(&self, part: PartIx) -> Vec<(String, [f64; 6])> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
@@ -306,7 +308,7 @@ impl Answer<'_> {
         out
     }
 
-    /// Describes stability by the smallest eigenvalue of the tangent stiffness.
+    /// Describes the stability of the equilibrium by the smallest eigenvalue of the tangent stiffness.
     fn stability(&self) -> Option<String> {
         let units = &self.model.units;
         let Softest {
@@ -338,7 +340,7 @@ impl Answer<'_> {
         })
     }
 
-    /// Describes how an unstable equilibrium was left.
+    /// Describes how the solver left an unstable equilibrium.
     fn left(&self) -> Option<String> {
         let settled = self.settled?;
         let length = self.model.units.name(Dimension::LENGTH);
@@ -353,13 +355,13 @@ impl Answer<'_> {
         ))
     }
 
-    /// Describes the remaining imbalance in an independent sum of forces and torques.
+    /// Describes the imbalance that remains when forces and torques are summed independently of the solver.
     fn left_over(&self) -> Option<String> {
         let told = self.report.balance.describe(&self.model.units);
         (!told.is_empty()).then(|| format!("forces summed again leave at most {told}"))
     }
 
-    /// Describes the continuation method, if plain iteration did not converge.
+    /// Describes the continuation method that was used; `None` if plain iteration converged.
     fn help_needed(&self) -> Option<String> {
         Some(match self.report.continuation? {
             Continuation::Damped => "reached by slowing motions down, less and less".to_string(),

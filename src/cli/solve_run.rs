@@ -19,16 +19,16 @@ use super::shell::{Exit, Shell};
 /// Largest number of curves in one chart.
 const CURVES: usize = 8;
 
-/// What is written of a run besides the files of ADAMS.
+/// Outputs of a run besides the files that ADAMS writes.
 #[derive(clap::Args, Debug)]
 pub(super) struct Taken {
-    /// Of a command file: columns of its results for --csv and --plot, as `admire results --get` has them; all if absent.
+    /// For a command file: columns of its results for --csv and --plot, named as for `admire results --get`; all if absent.
     #[arg(long, num_args = 1.., value_name = "PATTERN")]
     columns: Vec<String>,
-    /// Of a command file: write these columns as CSV.
+    /// For a command file: write these columns as CSV.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Of a command file: draw these columns over the time, one picture for each unit, into an HTML page.
+    /// For a command file: draw these columns over time, one picture for each unit, in an HTML page.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
@@ -42,10 +42,12 @@ impl Taken {
     }
 }
 
-/// Runs a command file, on a separate dataset if given, and writes the requested columns of its results.
+/// Runs a command file and writes the requested columns of its results. If a dataset is given, the commands are executed on it.
 pub(super) fn run(
-    (deck, commands): (Option<&Path>, &Path),
-    (allowed, ignored): (&[PathBuf], Vec<Ignore>),
+    deck: Option<&Path>,
+    commands: &Path,
+    allowed: &[PathBuf],
+    ignored: Vec<Ignore>,
     taken: &Taken,
     shell: &mut Shell,
 ) -> Outcome {
@@ -119,7 +121,7 @@ fn progress_line(moment: &Moment, elapsed: Duration) -> String {
     )
 }
 
-/// Writes the requested columns of a results file.
+/// Writes the requested columns of a results file as CSV and as a page.
 fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     let read = || -> Result<_, Exit> {
         let reader = open(results, shell)?;
@@ -149,7 +151,7 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     }
     if let Some(path) = &taken.plot {
         let (mut reader, selection) = read()?;
-        // The step `input` is the dataset before any computation.
+        // The step of kind `input` is the dataset before any computation.
         let filter = StepFilter {
             kinds: StepKind::NAMED
                 .into_iter()
@@ -167,7 +169,7 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     Ok(())
 }
 
-/// Creates a page with the columns over time.
+/// Creates an HTML page that shows the columns over time.
 fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<String, DrawingError> {
     let is_time = |path: &str| {
         path.rsplit('.')
@@ -180,7 +182,7 @@ fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<Stri
         Some(unit) => format!("time [{unit}]"),
         None => "time".to_string(),
     };
-    // Columns of the same unit share a chart, in the order of the file.
+    // Columns with the same unit share a chart, in the order of the file.
     let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
     for (at, column) in columns.iter().enumerate() {
         if Some(at) == time {

@@ -17,20 +17,20 @@ use super::Outcome;
 use super::format::Format;
 use super::shell::{Exit, Shell};
 
-/// A model in a few numbers: objects per kind, units, mass and centre of mass, degrees of freedom, unused markers.
+/// Summarise a model in a few numbers: objects per kind, units, mass and centre of mass, degrees of freedom, unused markers.
 ///
-/// Masses and lengths are in the deck's units; the centre of mass is where the dataset puts the parts.
+/// Masses and lengths are in the deck's units. The centre of mass is for the positions of the parts in the dataset.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire summary front.adm")]
 pub(super) struct Arguments {
     /// The dataset.
     deck: PathBuf,
-    /// List every unused marker and every redundant equation, not only how many there are.
+    /// List every unused marker and every redundant equation, not only their counts.
     #[arg(long)]
     all: bool,
 }
 
-/// Largest number of names shown; the others are only counted.
+/// Largest number of names shown; further names are only counted.
 const SHOWN: usize = 8;
 
 /// Prints the summary.
@@ -87,7 +87,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// Names the kind of an Adams/Car file that was given instead of a dataset.
+/// Creates the diagnostic for an Adams/Car file that was given instead of a dataset. It names the kind of the file.
 fn not_a_dataset(source: Source) -> Diagnostic {
     let name = source.name().to_string();
     let file = PropertyFile::parse(source).value;
@@ -209,7 +209,7 @@ fn listed(out: &mut String, what: &str, names: &[String], all: bool) {
     }
 }
 
-/// Rounds to ten digits, to hide the round-off of sums.
+/// Rounds to ten significant digits, to hide the round-off of sums.
 fn rounded(value: f64) -> f64 {
     format!("{value:.9e}").parse().unwrap_or(value)
 }

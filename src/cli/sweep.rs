@@ -20,30 +20,30 @@ use super::sweep_slurm::{self, Submitted};
 
 /// Run thousands of variants of a deck and collect the answers in one table.
 ///
-/// SWEEP.toml says what varies (addresses with distributions, or a table of cases), what is run (a command file, K&C tests, or the
-/// identification or diagnosis of a study) and what is
-/// kept. Every case is solved from its own deck, cold: order, threads and shards change no bit of the answer. A run that was interrupted
-/// goes on where it stopped when the same command is given again. The answer is DIR/results.parquet, one row a case.
+/// SWEEP.toml states what varies (addresses with distributions, or a table of cases), what is run (a command file, K&C tests, or the
+/// identification or diagnosis of a study) and what is kept. Every case is solved from scratch from its own deck, so that order, threads
+/// and shards change no bit of the results. An interrupted run continues when the same command is given again. The results are in
+/// DIR/results.parquet, one row for each case.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// What varies, what is run, what is kept; `admire guide sweep` has every key.
+    /// Plan of the sweep: what varies, what is run, what is kept; `admire guide sweep` has every key.
     #[arg(value_name = "SWEEP.toml")]
     plan: PathBuf,
-    /// The folder of the sweep; new, or one this sweep began.
+    /// Folder of the sweep: a new folder, or the folder of an earlier run of this sweep.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Run one part of several, here or on another computer that sees DIR; `admire merge DIR` joins them.
+    /// Run one of several shards, here or on another computer with access to DIR; `admire merge DIR` joins them.
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     shard: Option<Shard>,
-    /// Submit the shards as an array of SLURM jobs, and a job that joins them when all are finished. Shards that are finished already are
-    /// left out. Prints the number of the joining job.
+    /// Submit the shards as an array of SLURM jobs, and a job that joins them when all are finished. Finished shards are left out. Prints
+    /// the number of the joining job.
     #[arg(long, requires = "shards", conflicts_with = "shard")]
     slurm: bool,
-    /// Of --slurm: how many shards.
+    /// With --slurm: number of shards.
     #[arg(long, value_name = "N", requires = "slurm", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
     shards: Option<u64>,
-    /// Of --slurm: an option for every `sbatch`, such as --sbatch=--partition=short; may be given again.
+    /// With --slurm: option for every `sbatch`, such as --sbatch=--partition=short; may be repeated.
     #[arg(
         long,
         value_name = "OPTION",
@@ -51,7 +51,7 @@ pub(super) struct Arguments {
         allow_hyphen_values = true
     )]
     sbatch: Vec<String>,
-    /// So many cases at a time; as many as there are cores if absent.
+    /// Number of cases run in parallel; as many as there are cores if absent.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     #[command(flatten)]
@@ -158,7 +158,7 @@ fn cases(
         };
         Some(("sweep", count))
     });
-    let ran = run_shard(runner, plan, (folder, shard), threads, |progress| {
+    let ran = run_shard(runner, plan, folder, shard, threads, |progress| {
         done.store(progress.done, Ordering::Relaxed);
         most.store(progress.all - progress.before, Ordering::Relaxed);
         !interrupt::asked()

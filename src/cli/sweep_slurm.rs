@@ -1,4 +1,4 @@
-//! Submission of a sweep as an array of SLURM jobs over its shards, with a job that joins them.
+//! Submission of a sweep to SLURM: an array of jobs over its shards, and a job that joins them.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,17 +9,17 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use super::Outcome;
 use super::shell::{Exit, Shell};
 
-/// Sweep to be submitted.
+/// Sweep to be submitted to SLURM.
 pub(super) struct Submitted<'a> {
     /// Path of SWEEP.toml.
     pub(super) plan: &'a Path,
     /// Options for every `sbatch`.
     pub(super) options: &'a [String],
-    /// True if the sweep starts a program, which the user has allowed. The jobs cannot ask again.
+    /// True if the sweep starts an external program. The user has allowed it, and the jobs cannot ask again.
     pub(super) starts_program: bool,
 }
 
-/// Writes both scripts and submits them. Finished shards are left out.
+/// Writes the scripts of the array and of the joining job, and submits both. Finished shards are left out.
 pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Shell) -> Outcome {
     let (plan, options) = (submitted.plan, submitted.options);
     let cannot = |what: &Path, error: &dyn std::fmt::Display| {
@@ -39,7 +39,7 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
     let place = out.join("slurm");
     std::fs::create_dir_all(&place).map_err(|error| cannot(&place, &error))?;
     let of = folder.manifest.shards;
-    // A complete array is written as one range.
+    // If no shard is finished, the array is written as one range.
     let tasks = if left.len() as u64 == of {
         format!("1-{of}")
     } else {
@@ -119,7 +119,7 @@ fn sbatch(
         )
     })?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    // With several clusters, the cluster's name follows after a semicolon.
+    // With several clusters, the name of the cluster follows the job number after a semicolon.
     let job = text
         .trim()
         .split(';')
@@ -153,7 +153,7 @@ mod tests {
         let words = Command::new("sh")
             .args(["-c", &format!("printf '%s|' x {} y", quoted(path))])
             .output();
-        // The test is skipped without such a shell.
+        // The test is skipped if there is no `sh`.
         if let Ok(words) = words {
             let words = String::from_utf8_lossy(&words.stdout).into_owned();
             assert_eq!(words, format!("x|{}|y|", path.display()));

@@ -5,19 +5,19 @@ use admire_syntax::text::Source;
 
 use super::shell::{Exit, Shell};
 
-/// Where a changed deck goes; to standard output if nothing is said.
+/// Destination of a changed deck; standard output without options.
 #[derive(clap::Args, Debug)]
 pub(super) struct Target {
-    /// Where to write the new deck.
+    /// File for the new deck.
     #[arg(long, short, conflicts_with = "in_place")]
     out: Option<PathBuf>,
-    /// Replace the deck itself.
+    /// Replace the input deck.
     #[arg(long)]
     in_place: bool,
 }
 
 impl Target {
-    /// Reads the deck that will be changed.
+    /// Reads the deck that is to be changed.
     pub(crate) fn read(&self, deck: &Path, shell: &mut Shell) -> Result<Source, Exit> {
         shell.read_for(deck, self.in_place)
     }

@@ -1,4 +1,4 @@
-/// Parses a tolerance: a finite number, zero or larger. NaN and infinity are refused, because any difference would pass.
+/// Parses a tolerance: a finite number, zero or larger. NaN and infinity are refused, because they would accept any difference.
 pub(super) fn tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),

@@ -13,25 +13,25 @@ use super::Outcome;
 use super::results_file::{open, refused};
 use super::shell::{Exit, Shell, exit_of};
 
-/// Write a page that shows a mechanism in three dimensions, moving through the steps of a result.
+/// Write a page that shows a mechanism in three dimensions, moving through the steps of a results file.
 ///
-/// Parts are drawn through the markers of their joints and forces, with the shapes of GRAPHICS statements that need no other file. The
-/// page is one file, needs no network, and enlarges displacements up to a thousand times. A results file alone shows its bodies as
-/// axes.
+/// Parts are drawn through the markers of their joints and forces, and with the shapes of GRAPHICS statements that need no other file. The
+/// page is one file, needs no network, and can enlarge displacements up to a thousand times. For a results file alone, the bodies are shown
+/// as axes.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire view model.adm\n  admire view model.adm run.res --out view.html\n  \
                         admire view model.adm run.res --highlight BUSHING/2 --highlight JOINT/5"
 )]
 pub(super) struct Arguments {
-    /// The dataset; or a results file, if there is no dataset.
+    /// Dataset; or results file, if there is no dataset.
     deck: PathBuf,
     /// Results to move through: XRF (.res) or formatted results.
     run: Option<PathBuf>,
-    /// The page to write; without it the name of the deck with `.html`, which must not exist yet.
+    /// Page to write. Without it, the page has the name of the deck with `.html`, and must not exist yet.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// An object to mark, such as `BUSHING/2` or `PART/4`.
+    /// Object to highlight, such as `BUSHING/2` or `PART/4`.
     #[arg(long, value_name = "ADDRESS")]
     highlight: Vec<String>,
 }
@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let lowered = Model::lower_with(&parsed.value, &files.value);
         let mut complaints = parsed.diagnostics;
         complaints.extend(lowered.diagnostics);
-        // A deck with errors is shown as far as it can be interpreted.
+        // A deck with errors is shown as far as its model can be built.
         exit = exit_of(&complaints);
         complaints.retain(|d| d.severity == Severity::Error);
         shell.complain(&complaints);
@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit)
 }
 
-/// Returns true if a file is a results file, judged by its first bytes only, because results may be too large to read whole.
+/// Returns true if a file is a results file. Only its first bytes are read, because results may be too large to read whole.
 fn is_results(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = open_to_read(path).and_then(|file| file.take(64).read_to_end(&mut head));
@@ -97,7 +97,7 @@ fn is_results(path: &Path) -> bool {
     read.is_ok() && (begins.starts_with(b"<?xml") || begins.starts_with(b"FILE TYPE AND SOURCE"))
 }
 
-/// Returns the path of the page. An existing file is replaced only if the user names it.
+/// Returns the path of the page. An existing file is replaced only if the user names it with --out.
 fn target(arguments: &Arguments, shell: &Shell) -> Result<PathBuf, Exit> {
     if let Some(out) = &arguments.out {
         return Ok(out.clone());
@@ -124,7 +124,7 @@ fn name(path: &Path) -> String {
     )
 }
 
-/// Adds the steps of a results file to the scene.
+/// Adds the steps of a results file to the scene, as motion of its parts.
 fn moved(scene: &mut Scene, reader: &mut dyn ResultsReader, shell: &Shell) -> Result<(), Exit> {
     let found = motion(scene, reader).map_err(|error| refused(error, shell))?;
     shell.complain(reader.diagnostics());

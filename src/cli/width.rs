@@ -5,8 +5,8 @@ use comfy_table::{ColumnConstraint, Table};
 /// Number of columns for tables and prose.
 pub(super) const WIDTH: usize = 80;
 
-/// Formats a table without trailing blanks. A table that is too wide gets narrower gaps; if that does not suffice, its columns are split
-/// into blocks, each of which repeats the first column.
+/// Formats a table without trailing blanks. If the table is too wide, the gaps between its columns are narrowed. If that does not suffice,
+/// the columns are split into blocks, each of which repeats the first column.
 pub(super) fn table_text(table: &Table) -> String {
     if let Some(text) = within(table) {
         return text;
@@ -41,7 +41,8 @@ pub(super) fn table_text(table: &Table) -> String {
     blocks.join("\n")
 }
 
-/// Wraps a text to the width, with `head` before the first line and equal indentation on the others. The result ends with a line end.
+/// Wraps a text to the width, with `head` before the first line and with the same indentation on all further lines. The result ends with a
+/// line end.
 pub(super) fn hanging(head: &str, text: &str) -> String {
     let margin = head.chars().count();
     let mut out = head.to_string();
@@ -64,7 +65,8 @@ pub(super) fn hanging(head: &str, text: &str) -> String {
     out
 }
 
-/// Breaks long lines of a text at blanks; continuation lines are indented by two more columns. Other lines are unchanged.
+/// Breaks long lines of a text at blanks. Continuation lines are indented by two more columns than the line itself. Short lines are
+/// unchanged.
 pub(super) fn wrapped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -84,8 +86,8 @@ pub(super) fn wrapped(text: &str) -> String {
     out
 }
 
-/// Returns the position at which a line that starts at a column is broken: the last blank within the width, or else the first blank beyond
-/// it.
+/// Returns the offset at which a line that starts at `column` is broken: at the last blank within the width, or else at the first blank
+/// beyond it.
 fn broken(line: &str, column: usize, blanks: usize) -> Option<usize> {
     let text = line.trim_end();
     if column + text.chars().count() <= WIDTH {

@@ -1,4 +1,4 @@
-//! Candidate measurements.
+//! Candidate measurements: load cases, repetitions, loops, marks, wheel curves and load cells.
 
 use crate::settings::{
     ASSUMED_MARK_MM, ASSUMED_WHEEL_ANGLE_DEG, ASSUMED_WHEEL_POSITION_MM, LOAD_CELL_NOISE,
@@ -11,7 +11,7 @@ use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model, PartIx, PartKind};
 
-/// Kind of measurement.
+/// Kind of a candidate measurement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -19,48 +19,49 @@ pub enum Kind {
     Load,
     /// Repetition of a load case of the study.
     Repeat,
-    /// Loop of one load: up, down, to the other side and back.
+    /// Loop of one load: up and back, then to the other side and back.
     Loop,
-    /// Mark on a part, read in all cases.
+    /// New mark (measured point) on a part, read in all cases.
     Mark,
-    /// Curve of the wheel, read in all cases.
+    /// New curve of the wheel, read in all cases.
     Curve,
-    /// Load cell in an element, read in all cases.
+    /// New load cell in an element, read in all cases.
     LoadCell,
 }
 
-/// Candidate measurement.
+/// Candidate for the next measurement.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct ProposedMeasurement {
     /// Kind of measurement.
     pub kind: Kind,
-    /// Instruction for the measurement, as text.
+    /// Instruction for the measurement, in words.
     pub what: String,
-    /// Addition to the study.
+    /// Addition to the study by this measurement.
     pub new: New,
 }
 
-/// Addition of a measurement to the study.
+/// Addition to the study by a measurement.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum New {
-    /// Load cases in order, one value per load. Everything that the study reads is read in them.
+    /// Load cases in order, with one value per load. All instruments of the study are read in these cases.
     Cases(Vec<Vec<f64>>),
-    /// Position of a mark on a part, in the part's frame.
+    /// Position of a new mark on a part, in the frame of the part.
     Mark(PartIx, Vec3),
-    /// Component of the wheel (0 to 2 for x, y, z, 3 for camber, 4 for toe), and standard deviation of a reading.
+    /// Component of the wheel, with the standard deviation of one reading. Components 0 to 2 are x, y and z of the centre, 3 is camber, 4 is
+    /// toe.
     Wheel(usize, f64),
-    /// Deck functions, as a range of indices into [`Candidates::functions`].
+    /// Deck functions that are read, as a range of indices into [`ProposedMeasurements::functions`].
     Functions(std::ops::Range<usize>),
 }
 
-/// All candidate measurements considered.
+/// All candidate measurements that a plan considers.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct ProposedMeasurements {
     /// Candidates in the order of their creation.
     pub list: Vec<ProposedMeasurement>,
-    /// Deck functions that load cells read.
+    /// Deck functions that the load cells read.
     pub functions: Vec<String>,
-    /// Number of load combinations left out to limit the effort.
+    /// Number of load combinations that were not considered, to limit the effort.
     pub left_out: usize,
 }
 
@@ -83,8 +84,8 @@ impl ProposedMeasurement {
 }
 
 impl ProposedMeasurements {
-    /// Creates load cases with each load alone and with pairs of loads, in both directions from the usual values. Deviations are the largest
-    /// of the study times each of `factors`.
+    /// Creates candidate load cases: each load alone, and pairs of loads. Each load deviates from its usual value in both directions, by its
+    /// largest deviation in the study times each of `factors`.
     pub(super) fn loads(programme: &LoadProgramme, factors: &[f64]) -> Self {
         let usual = usual(programme);
         let far: Vec<f64> = (0..usual.len())
@@ -104,7 +105,7 @@ impl ProposedMeasurements {
             for (load, side) in sides {
                 values[*load] += side * factor * far[*load];
             }
-            // Loads are rounded to four digits, which a rig can set.
+            // Loads are rounded to four digits, so that a rig can set them.
             for (load, _) in sides {
                 values[*load] = round(programme, *load, values[*load]);
             }
@@ -139,7 +140,7 @@ impl ProposedMeasurements {
         new
     }
 
-    /// Adds the repetition of each case of the study, and removes load cases that are repetitions.
+    /// Adds the repetition of each case of the study. Removes candidate load cases that only repeat cases of the study.
     pub(super) fn repeats(&mut self, programme: &LoadProgramme) {
         let is_there = |values: &Vec<f64>| programme.cases.iter().any(|c| c.values == *values);
         self.list
@@ -163,7 +164,7 @@ impl ProposedMeasurements {
         }
     }
 
-    /// Adds a loop of each load: from the usual value to the largest deviation and back, on both sides.
+    /// Adds a loop of each load: from the usual value to the largest deviation and back, first to one side, then to the other.
     pub(super) fn loops(&mut self, programme: &LoadProgramme) {
         let usual = usual(programme);
         for load in 0..usual.len() {
@@ -191,7 +192,7 @@ impl ProposedMeasurements {
         }
     }
 
-    /// Adds marks on all parts, at positions where the deck has markers.
+    /// Adds new marks on all movable parts, at positions where the deck has markers.
     pub(super) fn marks(&mut self, model: &Model) {
         for (k, part) in model.parts.iter().enumerate() {
             if part.kind == PartKind::Ground {
@@ -220,7 +221,8 @@ impl ProposedMeasurements {
         }
     }
 
-    /// Adds wheel curves that the study does not read. Without a named wheel, they describe the marker where the loads act.
+    /// Adds the wheel curves that the study does not measure. If the study defines no wheel, the curves describe the marker where the loads
+    /// act.
     pub(super) fn curves(&mut self, subject: &DiagnosisProblem<'_>) {
         let measurement = subject.problem.measurement;
         let read = |words: [&str; 2]| {
@@ -287,7 +289,7 @@ impl ProposedMeasurements {
         }
     }
 
-    /// Adds load cells in bushings and joints, with three forces each.
+    /// Adds load cells in bushings and joints, each with three force components.
     pub(super) fn load_cells(&mut self, model: &Model) {
         let bushings = model.bushings.iter();
         let bushings = bushings.map(|b| (["BUSHING", "BUSH"], &b.header, b.j));
@@ -311,12 +313,12 @@ impl ProposedMeasurements {
     }
 }
 
-/// Returns the standard deviation of a load cell that measures these forces.
+/// Returns the standard deviation of a load cell that measures `forces`.
 pub(super) fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
     LOAD_CELL_NOISE * forces.fold(0.0_f64, |most, force| most.max(force.abs()))
 }
 
-/// Returns the standard deviation of a coordinate of a new mark, in the deck's length unit.
+/// Returns the standard deviation of one coordinate of a new mark, in the deck's length unit.
 pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     if subject.compares_marks() {
         subject.sigma
@@ -325,7 +327,8 @@ pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     }
 }
 
-/// Returns the most frequent value of each load; among equally frequent values, the one nearest to zero.
+/// Returns the usual value of each load: its most frequent value in the study. Among equally frequent values, the value nearest to zero is
+/// used.
 fn usual(programme: &LoadProgramme) -> Vec<f64> {
     let of = |load: usize| {
         let values: Vec<f64> = programme.cases.iter().map(|c| c.values[load]).collect();
@@ -339,7 +342,7 @@ fn usual(programme: &LoadProgramme) -> Vec<f64> {
     (0..programme.loads.len()).map(of).collect()
 }
 
-/// Rounds a load to four significant digits in the unit of the study's file.
+/// Rounds the value of a load to four significant digits in the unit of the study's file.
 fn round(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
     let shown = in_the_file(programme, load, value);
     let digits: f64 = format!("{shown:.3e}").parse().unwrap_or(shown);
@@ -357,7 +360,7 @@ fn in_degrees(programme: &LoadProgramme, load: usize) -> bool {
 /// Returns the value of a load in the unit of the study's file.
 pub(super) fn in_the_file(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
     if in_degrees(programme, load) {
-        // Ten digits are kept, because the conversion to radians and back is not exact to sixteen.
+        // Ten digits are kept, because the conversion to radians and back has rounding errors.
         let degrees = value.to_degrees();
         format!("{degrees:.9e}").parse().unwrap_or(degrees)
     } else {
@@ -379,7 +382,7 @@ fn shown(programme: &LoadProgramme, load: usize, value: f64) -> String {
     )
 }
 
-/// Returns the marker at which the first of the loads with an application point acts.
+/// Returns the marker at which the loads act. It is taken from the first load that acts at a marker.
 pub(super) fn loaded_marker(subject: &DiagnosisProblem<'_>) -> Option<MarkerIx> {
     let problem = &subject.problem;
     let mut loads = problem.programme.loads.iter();
@@ -411,7 +414,7 @@ mod tests {
         }
     }
 
-    /// Vertical preload at which the lateral load is varied, as on a rig.
+    /// Load cases as on a rig: the lateral load is varied at a vertical preload.
     const CASES: [[f64; 2]; 6] = [
         [1500.0, 0.0],
         [4500.0, 0.0],

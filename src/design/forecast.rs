@@ -1,4 +1,4 @@
-//! Predictions of a fitted model for load cases that have not been run and functions that have not been measured.
+//! Predictions of a fitted model for load cases that have not been run, and for functions that have not been measured.
 
 use std::sync::Arc;
 
@@ -11,33 +11,34 @@ use admire_identify::global::{
 use admire_session::backend::LoadProgramme;
 use admire_solver::model::PartIx;
 
-/// Predictions of a fitted model in the load cases of a study and in further ones, with derivatives by the unknowns of its deck.
+/// Predictions of a fitted model in the load cases of a study and in further cases, with derivatives with respect to the unknowns of the
+/// model's deck.
 #[derive(Debug)]
 pub(super) struct Forecast {
-    /// Prediction of each load case of the study.
+    /// Predictions of the load cases of the study.
     pub here: Prediction,
-    /// Predictions of each sequence of further cases. `None` where one of them has no equilibrium.
+    /// Predictions of each sequence of further cases. `None` for a sequence in which a case has no equilibrium.
     pub there: Vec<Option<Vec<CasePrediction>>>,
-    /// Parts whose motions the predictions contain. The parts read by the study come first.
+    /// Quantities that the predictions contain. Parts that the study measures come before other parts.
     pub observed: Observed,
     /// Index of the first requested function among the channels of a prediction.
     pub first_function: usize,
 }
 
-/// Requested predictions in addition to the readings of the study.
+/// Predictions that are requested in addition to the readings of the study.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForecastRequest<'a> {
-    /// Sequences of load cases, one value per load. Each sequence follows the cases of the study.
+    /// Sequences of load cases, with one value per load in each case. Each sequence is applied after the cases of the study.
     pub sequences: &'a [Vec<Vec<f64>>],
-    /// Parts whose motions are needed.
+    /// Parts whose motions are requested.
     pub parts: &'a [PartIx],
-    /// Functions of the deck.
+    /// Function expressions of the deck whose values are requested.
     pub functions: &'a [String],
 }
 
 impl Forecast {
-    /// Solves the cases of the study and the further cases. `None` where the deck cannot be compiled with these functions, or a case of the
-    /// study has no equilibrium.
+    /// Solves the cases of the study and the further cases. Returns `None` if the deck cannot be compiled with these functions, or if a case
+    /// of the study has no equilibrium.
     pub(super) fn new(
         subject: &DiagnosisProblem<'_>,
         fitted: &FittedModel,
@@ -63,7 +64,7 @@ impl Forecast {
             x: &fitted.x,
         };
         let chosen = with_zero_guesses(fitted);
-        let unknowns = Unknowns::new((subject, &problem), &prepared, &chosen, Some(known))?;
+        let unknowns = Unknowns::new(subject, &problem, &prepared, &chosen, Some(known))?;
         let mut observed = observed(subject);
         for part in asked.parts {
             if !observed.parts.contains(part) {
@@ -106,7 +107,8 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// Predicts all cases of the study, then these sequences. Laws with memory start each sequence in their state at the end of the study.
+    /// Predicts all cases of the study, then the further sequences. At the start of each sequence, laws with memory have the state that they
+    /// reach at the end of the study.
     fn predict(&self, sequences: &[Vec<Vec<f64>>]) -> Option<Prediction> {
         let further: Vec<&[f64]> = sequences.iter().flatten().map(Vec::as_slice).collect();
         let further = further.as_slice();
@@ -119,7 +121,8 @@ impl Runs<'_> {
         let x = &self.fitted.x[..list.len()];
         let numbers = list.numbers(&self.unknowns.deck, x);
         let directions = list.directions(&numbers.theta, x);
-        // Along zero-stiffness motions, a further case takes the marks of the nearest case, so that several models can be compared.
+        // Along zero-stiffness motions, a further case takes the mark positions of the nearest case of the study, so that models can be
+        // compared.
         let mut observed = self.observed.clone();
         let near = further.iter().map(|values| {
             let nearest = nearest(programme, values);
@@ -146,7 +149,7 @@ impl Runs<'_> {
     }
 }
 
-/// Returns the case of the study with the nearest loads, each load in units of its range.
+/// Returns the case of the study with the nearest loads. Distances are measured in units of each load's range.
 pub(super) fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize> {
     let range = |load: usize| {
         let all = programme.cases.iter().map(|case| case.values[load]);
@@ -164,7 +167,7 @@ pub(super) fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize
     (0..programme.cases.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
-/// Extends an unknown by its factors in further cases.
+/// Extends the per-case factors of an unknown to the further cases.
 fn continued(unknown: &FitUnknown, programme: &LoadProgramme, further: &[&[f64]]) -> FitUnknown {
     let mut unknown = unknown.clone();
     if let UnknownTarget::PerCase(slots) = &mut unknown.target {
@@ -176,8 +179,8 @@ fn continued(unknown: &FitUnknown, programme: &LoadProgramme, further: &[&[f64]]
     unknown
 }
 
-/// Returns the factors of an unknown in further cases. Factors proportional to a load stay proportional to it, and constant factors stay
-/// constant. All other factors are zero in new cases.
+/// Returns the factors of an unknown in the further cases. Factors that are proportional to a load stay proportional to it, and constant
+/// factors stay constant. Any other unknown has the factor zero in the further cases.
 fn followed(factors: &[f64], programme: &LoadProgramme, further: &[&[f64]]) -> Vec<f64> {
     let follows = (0..programme.loads.len()).find_map(|load| {
         let values = programme.cases.iter().map(|case| case.values[load]);
@@ -199,7 +202,7 @@ fn followed(factors: &[f64], programme: &LoadProgramme, further: &[&[f64]]) -> V
     further.iter().map(of).collect()
 }
 
-/// Returns the quantities that a predictor must report for the readings of the study.
+/// Returns the quantities that a predictor must report to predict the readings of the study.
 fn observed(subject: &DiagnosisProblem<'_>) -> Observed {
     Observations::new(subject.problem.measurement, subject.problem.model, &[]).observed
 }
@@ -237,7 +240,7 @@ mod tests {
         let of = |factors: &[f64]| followed(factors, &programme, &further);
         assert_eq!(of(&[0.5, 1.0, -2.0]), [4.0, 0.0]);
         assert_eq!(of(&[0.0, 50.0, 10.0]), [0.0, -30.0]);
-        // First a zero offset that is equal in all cases, then an error of a load in one case.
+        // The first unknown is equal in all cases, like a zero offset. The second is a load error in a single case.
         assert_eq!(of(&[3.0, 3.0, 3.0]), [3.0, 3.0]);
         assert_eq!(of(&[0.0, 1.0, 0.0]), [0.0, 0.0]);
     }

@@ -1,7 +1,8 @@
 //! Information of the readings about the unknowns of a fit, with and without further measurements.
 //!
-//! With `S` the prior standard deviations and `H = A'W A` over all readings, the covariance is `S (I + S H S)^-1 S`. Tolerances, frames and
-//! positions of marks are unknowns too, and are therefore marginalised. A further measurement adds to `H`; nothing is refitted.
+//! Let `S` be the prior standard deviations and `H = A'W A` the information matrix of all readings.
+//! The covariance of the unknowns is `S (I + S H S)^-1 S`. Tolerances, frame poses and positions of marks are unknowns, too, and are therefore
+//! marginalised. A further measurement adds to `H`; nothing is refitted.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -9,11 +10,11 @@ use super::prospect::Readings;
 use admire_diagnosis::FittedModel;
 use admire_identify::tolerance::transposed;
 
-/// Information about the unknowns of a fit.
+/// Information of readings and priors about the unknowns of a fit.
 #[derive(Clone, Debug)]
 pub(super) struct Information {
     H: DMatrix<f64>,
-    /// Prior standard deviations.
+    /// Prior standard deviations of the unknowns.
     S: DVector<f64>,
 }
 
@@ -28,7 +29,8 @@ impl Information {
         }
     }
 
-    /// Adds the unknowns that a candidate introduces, with their priors only.
+    /// Appends the unknowns that a candidate introduces, given their prior standard deviations. The readings so far contain no information
+    /// about them.
     #[must_use]
     pub(super) fn with_nuisance(&self, further: &[f64]) -> Self {
         let (n, k) = (self.S.len(), further.len());
@@ -42,7 +44,7 @@ impl Information {
         }
     }
 
-    /// Adds the readings of a candidate.
+    /// Adds the information of a candidate's readings.
     #[must_use]
     pub(super) fn with(&self, readings: &Readings) -> Self {
         let mut new = self.with_nuisance(&readings.further);
@@ -53,7 +55,8 @@ impl Information {
         new
     }
 
-    /// Returns `Y` with `rows C rows' = Y'Y`, where `C` is the covariance and each row combines the leading unknowns.
+    /// Returns the matrix `Y` with `rows C rows' = Y'Y`, where `C` is the covariance of the unknowns. Each row is a linear combination of
+    /// the leading unknowns.
     pub(super) fn root(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = self.S.len();
         let mut M = self.H.clone();
@@ -73,14 +76,14 @@ impl Information {
         factor.l_dirty().solve_lower_triangular(&right)
     }
 
-    /// Returns the covariance of some rows, each a combination of the leading unknowns.
+    /// Returns the covariance of some quantities. Each row is a linear combination of the leading unknowns.
     pub(super) fn covariance(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let root = self.root(rows)?;
         Some(root.tr_mul(&root))
     }
 }
 
-/// Returns the log determinant of a covariance.
+/// Returns the log determinant of a covariance matrix, or `None` if the matrix is not positive definite.
 pub(super) fn ln_det(covariance: &DMatrix<f64>) -> Option<f64> {
     let factor = Cholesky::new(covariance.clone())?;
     let diagonal = factor.l_dirty().diagonal();
@@ -92,7 +95,7 @@ mod tests {
     use super::*;
     use admire_study::noise::Noise;
 
-    /// Checks against the inverse of the full information, and against Woodbury's formula for added readings.
+    /// Checks the covariance against the inverse of the full information matrix, and against Woodbury's formula for added readings.
     #[test]
     fn readings_add_information() {
         let mut noise = Noise::new(5, "information");

@@ -1,11 +1,13 @@
 //! Design of experiments: the choice of the next measurement.
 //!
-//! [`plan`](fn@plan) ranks load cases, repeats, marks and channels. The criteria are the information about stiffnesses, about the wheel's
-//! curves, and about the choice between causes. [`propose`] adds to a diagnosis the measurement that separates a finding from its rival. All
-//! predictions are linear at the fit; nothing is refitted. Modules import in one direction: `candidate` <- `forecast` <- `prospect` <-
+//! [`plan`](fn@plan) ranks load cases, repetitions, marks (measured points on parts), wheel curves and load cells. The criteria are the
+//! information about stiffnesses, about the wheel's curves, and about the choice between causes. [`propose`] adds to a diagnosis the
+//! measurement that distinguishes a finding from its rival. All predictions are linearised at the fit; nothing is refitted.
+//!
+//! Modules import in one direction only. In `a <- b`, module `b` imports module `a`: `candidate` <- `forecast` <- `prospect` <-
 //! `information` <- `rivals` <- `next_measurement`, `plan`.
 #![warn(unreachable_pub)]
-// Documentation of private modules links to private items.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

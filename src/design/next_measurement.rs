@@ -1,4 +1,4 @@
-//! Load case in which two equally good explanations differ most.
+//! Choice of the load case in which two rival explanations of the readings predict the most different readings.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::rivals::discrimination_chi_square;
 use crate::settings::SEPARATION_CHI_SQUARE;
 use admire_diagnosis::{CandidateEffect, DiagnosisProblem, FittedModel, NextMeasurement, Outcome};
 
-/// Proposes a measurement that separates a finding of the diagnosis from its rival, if there is one.
+/// Proposes a measurement that distinguishes a finding of the diagnosis from its rival. Proposes none if no finding has a rival.
 pub fn propose(outcome: &mut Outcome<'_>) {
     let best = &*outcome.extended;
     let mut proposed = outcome.rivals.iter().filter_map(|rival| {
@@ -19,8 +19,8 @@ pub fn propose(outcome: &mut Outcome<'_>) {
     outcome.diagnosis.next_measurement = proposed.next();
 }
 
-/// Returns the load case, within the range applied, that best separates a finding from its rival. If either is a fault of a single case, the
-/// proposal is to repeat that case.
+/// Returns the load case within the range applied that best distinguishes a finding from its rival. If either of them is a fault of a single
+/// case, the proposal is to repeat that case.
 fn next_measurement(
     subject: &DiagnosisProblem<'_>,
     (best, finding): (&FittedModel, &CandidateEffect),
@@ -53,7 +53,7 @@ fn next_measurement(
         discrimination_chi_square(&information, &mine, &theirs)
     };
     let each = (0..candidates.list.len()).filter_map(|at| Some((apart(at)?, at)));
-    // Among equal candidates the first one wins.
+    // The first of several equally good candidates is chosen.
     let (separated, at) = each.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
     let why = if separated > SEPARATION_CHI_SQUARE {
         format!("separates {finding} from {rival} by a chi-square of about {separated:.1}")

@@ -1,8 +1,9 @@
-//! Ranking of candidate measurements by their information about stiffnesses, about the wheel's curves, and about the choice between causes.
+//! Ranking of candidate measurements. The criteria are the information about stiffnesses, about the wheel's curves, and about the choice
+//! between causes.
 //!
-//! All predictions are linear at the fit, with exact sensitivities. Covariances before and after a measurement are in closed form, with
-//! tolerances marginalised at the fitted variance components. Nothing is refitted. Source of the expected information: Lindley, Ann. Math.
-//! Stat. 27 (1956) 986.
+//! All predictions are linearised at the fit, with exact sensitivities. Covariances before and after a measurement have a closed form, in
+//! which tolerances are marginalised at the fitted variance components. Nothing is refitted. Source of the expected information: Lindley,
+//! Ann. Math. Stat. 27 (1956) 986.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +29,7 @@ use admire_solver::mechanics::eigen::symmetric_eigen;
 pub enum Aim {
     /// Information about the worst-determined combinations of stiffnesses.
     Stiffnesses,
-    /// Prediction of position, camber and toe of the wheel over the cases of the study.
+    /// Accurate prediction of position, camber and toe of the wheel over the cases of the study.
     Curves,
     /// Decision between two rival explanations.
     Causes,
@@ -45,16 +46,16 @@ impl Aim {
 /// Linear combination of logarithms of stiffnesses.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Combination {
-    /// Unit vector over ln K by address, without small components.
+    /// Coefficients of the logarithms of the stiffnesses, by address. Small coefficients of the unit vector are left out.
     pub combination: BTreeMap<String, f64>,
-    /// Standard deviation of the combination.
+    /// Standard deviation of the combination (of logarithms, hence dimensionless).
     pub sd_log: f64,
-    /// Full unit vector, in the order of the stiffnesses.
+    /// Complete unit vector of coefficients, in the order of the stiffnesses.
     #[serde(skip)]
     pub vector: Vec<f64>,
 }
 
-/// Standard deviation of the predicted wheel: root mean variance over the cases of the study.
+/// Standard deviations of the predicted wheel: square roots of the mean variance over the cases of the study.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct WheelSd {
     /// Standard deviation of toe, in degrees.
@@ -65,20 +66,20 @@ pub struct WheelSd {
     pub position: f64,
 }
 
-/// Predicted wheel and the accuracy of its prediction.
+/// Predicted wheel, and the accuracy of its prediction from the present readings.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Curves {
-    /// Marker that defines the wheel.
+    /// Marker that defines the wheel, as text.
     pub wheel: String,
-    /// Standard deviations given the present readings.
+    /// Standard deviations of the prediction, given the present readings.
     #[serde(flatten)]
     pub sd: WheelSd,
 }
 
-/// Two explanations between which the readings do not decide.
+/// Two explanations between which the readings cannot decide.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Undecided {
-    /// Names of the causes that each explanation holds and the other does not.
+    /// Names of the causes that each explanation contains and the other explanation does not contain.
     pub between: [String; 2],
     /// Posterior probabilities of the two explanations.
     pub probability: [f64; 2],
@@ -89,21 +90,21 @@ pub struct Undecided {
 pub struct Ranked {
     /// Kind of measurement.
     pub kind: Kind,
-    /// Instruction for the measurement, as text.
+    /// Instruction for the measurement, in words.
     pub what: String,
-    /// Load cases in order, in the columns and units of the study's file. Empty for an instrument, which is read in all cases.
+    /// Load cases in order, in the columns and units of the study's file. Empty for an instrument, which is read in all cases of the study.
     pub cases: Vec<BTreeMap<String, f64>>,
-    /// Criterion of the ranking, in nats: the sum over the purposes aimed at.
+    /// Score by which candidates are ranked, in nats: the sum of the benefits for the chosen purposes.
     pub score: f64,
-    /// Expected information about all stiffnesses, in nats.
+    /// Expected information about all stiffnesses together, in nats.
     pub information: Option<f64>,
-    /// Standard deviations of the worst-determined combinations after the measurement.
+    /// Standard deviations of the worst-determined combinations after the measurement, in the order of [`Plan::combinations`].
     pub sd_log: Vec<f64>,
-    /// Accuracy of the predicted wheel after the measurement.
+    /// Standard deviations of the predicted wheel after the measurement.
     pub curves: Option<WheelSd>,
-    /// Expected separation of the two explanations.
+    /// Expected ability of the measurement to distinguish the two undecided explanations.
     pub causes: Option<Separation>,
-    /// Load values of its cases, in the units of the programme.
+    /// Load values of the cases in `cases`, in the units of the load programme.
     #[serde(skip)]
     pub loads: Vec<Vec<f64>>,
 }
@@ -115,21 +116,21 @@ pub struct Plan {
     pub aim: Aim,
     /// Worst-determined combinations of stiffnesses, the worst first.
     pub combinations: Vec<Combination>,
-    /// Accuracy of the predicted wheel. `null` where the loads act at no marker.
+    /// Accuracy of the predicted wheel. `null` if the study defines no wheel, and its loads act at no marker.
     pub curves: Option<Curves>,
-    /// Undecided explanations. `null` where the readings decide, or the purpose does not include causes.
+    /// Explanations between which the readings cannot decide. `null` if the readings decide, or if the purpose does not include causes.
     pub causes: Option<Undecided>,
-    /// Detection limits of the hardpoints. Empty where the purpose does not include causes.
+    /// Detection limits of the hardpoints. Empty if the purpose does not include causes.
     pub detection_limits: Vec<DetectionLimit>,
-    /// Detection limits of all other causes. Empty where the purpose does not include causes.
+    /// Detection limits of all other causes. Empty if the purpose does not include causes.
     pub cause_limits: Vec<CauseLimit>,
-    /// Factor on the largest load deviation of the study, for candidates beyond the range applied.
+    /// Load deviation of candidates beyond the range applied, as a factor on the largest load deviation in the study.
     pub beyond: f64,
-    /// Candidates that cannot be solved or read.
+    /// Candidates that have no equilibrium or yield no reading, as text.
     pub not_possible: Vec<String>,
-    /// Number of load combinations left out to limit the effort.
+    /// Number of load combinations that were not considered, to limit the effort.
     pub left_out: usize,
-    /// All candidates, the best first. Empty if the purpose is causes alone and the readings decide.
+    /// Ranked candidates, the best first. Empty if causes are the only purpose and the readings decide between them.
     pub candidates: Vec<Ranked>,
 }
 
@@ -141,10 +142,10 @@ impl Plan {
     }
 }
 
-/// Ranks the candidate measurements of a study by the uncertainty that they would remove.
+/// Ranks the candidate measurements of a study by their expected benefit for the purpose `aim`.
 ///
 /// # Errors
-/// [`IdentifyError::NoCases`] when the deck cannot be solved where the fit starts.
+/// [`IdentifyError::NoCases`] if the deck has no equilibrium at the start of the fit.
 pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan, IdentifyError> {
     let no_cases = || IdentifyError::NoCases(None);
     let held = |case: &admire_study::Case| case.held_out;
@@ -188,7 +189,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         }
     }
     ranked.sort_by(|(_, a), (_, b)| b.score.total_cmp(&a.score));
-    // Only the best mark position on each part is kept.
+    // Only the best mark position on each part is kept in the ranking.
     let mut parts = Vec::new();
     ranked.retain(|(at, _)| match candidates.list[*at].new {
         super::candidate::New::Mark(part, _) => {
@@ -215,7 +216,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     })
 }
 
-/// Comparison of two rival models over the candidates.
+/// Two rival models, prepared for their comparison in each candidate measurement.
 struct Apart<'a, 'b> {
     prospects: [MeasurementPredictor<'a, 'b>; 2],
     information: Information,
@@ -246,7 +247,7 @@ impl<'a, 'b> Apart<'a, 'b> {
     }
 }
 
-/// Evaluation of the candidates against the present uncertainty of the study.
+/// Evaluation of the candidates, starting from the present uncertainty of the study.
 struct Weighing<'a, 'b> {
     subject: &'a DiagnosisProblem<'b>,
     prospect: MeasurementPredictor<'a, 'b>,
@@ -254,13 +255,13 @@ struct Weighing<'a, 'b> {
     aim: Aim,
     combinations: Vec<Combination>,
     curves: Option<Curves>,
-    /// Number of stiffnesses, which are the first rows. Five rows follow for each case of the wheel.
+    /// Number of stiffnesses, which are the first rows of `rows`. Five rows for the wheel follow for each case.
     count: usize,
     rows: DMatrix<f64>,
     ln_det: Option<f64>,
 }
 
-/// Covariance of the stiffnesses and accuracy of the predicted wheel.
+/// Covariance of the stiffnesses, and accuracy of the predicted wheel.
 struct Said {
     stiffnesses: DMatrix<f64>,
     wheel: Option<WheelSd>,
@@ -328,7 +329,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
         })
     }
 
-    /// Returns the expected benefit of a candidate; `None` where it cannot be measured.
+    /// Returns the expected benefit of a candidate, or `None` if it cannot be measured.
     fn of(
         &self,
         at: usize,
@@ -389,7 +390,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
     }
 }
 
-/// Returns the directions of largest variance among the logarithms of stiffnesses.
+/// Returns the combinations of stiffnesses with the largest variance: eigenvectors of the covariance of their logarithms.
 fn combinations(subject: &DiagnosisProblem<'_>, covariance: &DMatrix<f64>) -> Vec<Combination> {
     if covariance.nrows() == 0 {
         return Vec::new();
@@ -399,7 +400,7 @@ fn combinations(subject: &DiagnosisProblem<'_>, covariance: &DMatrix<f64>) -> Ve
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let of = |k: usize| {
         let column = eigen.eigenvectors.column(k);
-        // The sign makes the largest component positive.
+        // The sign of an eigenvector is chosen so that its largest component is positive.
         let sign = column[column.iamax()].signum();
         let vector: Vec<f64> = column.iter().map(|share| share * sign).collect();
         let named = subject.problem.unknowns.iter().zip(&vector);

@@ -1,4 +1,4 @@
-//! Predicted readings of candidate measurements, in units of their noise, with derivatives by the unknowns of a fit.
+//! Predicted readings of candidate measurements in units of their noise, with derivatives with respect to the unknowns of a fit.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,27 +16,29 @@ use admire_study::wheel::WheelReading;
 use admire_study::{Case, MarkReading, Measurement};
 use admire_syntax::text::Span;
 
-/// Predicted readings of one candidate.
+/// Predicted readings of one candidate measurement.
 #[derive(Clone, Debug)]
 pub(super) struct Readings {
-    /// Derivatives of independent rows of unit variance: by the unknowns of the fit, then by the additional unknowns of the candidate.
+    /// Derivatives of the whitened (independent, unit variance) rows. The first columns belong to the unknowns of the fit, the others to the
+    /// additional unknowns of the candidate.
     pub jacobian: DMatrix<f64>,
     /// Prior standard deviations of the additional unknowns.
     pub further: Vec<f64>,
-    /// Rows of the study that `jacobian` contains a second time, because they share errors with the new readings.
+    /// Whitened rows of the study that `jacobian` contains a second time, because they share errors with the new readings.
     pub replaced: DMatrix<f64>,
-    /// Prediction of each reading, in units of its noise.
+    /// Predicted values of the readings, each in units of its noise.
     value: DVector<f64>,
-    /// Noise unit of each reading.
+    /// Noise of each reading, which is the unit of its value.
     unit: Vec<f64>,
-    /// Transformation of differences of the readings to independent rows of unit variance. `None` where the readings already are independent.
+    /// Whitening transformation of differences of the readings, and the weights that scale to unit variance. `None` if the readings are
+    /// independent.
     turning: Option<(Whitening, DVector<f64>)>,
-    /// Derivatives of the new readings, where `jacobian` holds other rows too.
+    /// Derivatives of the new readings alone, if `jacobian` also contains other rows.
     own: Option<DMatrix<f64>>,
 }
 
 impl Readings {
-    /// Creates readings whose errors are independent.
+    /// Creates readings with independent errors.
     pub(super) fn new(jacobian: DMatrix<f64>, value: DVector<f64>, unit: Vec<f64>) -> Self {
         Self {
             further: Vec::new(),
@@ -49,8 +51,8 @@ impl Readings {
         }
     }
 
-    /// Returns the predictions of another model minus these, with the derivatives of the same rows. `None` if the models do not predict the
-    /// same readings.
+    /// Returns the predictions of `other`, the same readings by another model, minus these predictions, with the derivatives of these rows.
+    /// Returns `None` if the models do not predict the same readings.
     pub(super) fn against(&self, other: &Self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
         if self.value.len() != other.value.len() {
             return None;
@@ -75,15 +77,15 @@ pub(super) struct MeasurementPredictor<'a, 'b> {
     fitted: &'a FittedModel,
     forecast: Forecast,
     candidates: &'a ProposedMeasurements,
-    /// Index of each candidate's sequence of cases in the forecast.
+    /// Index in the forecast of each candidate's sequence of cases. `None` for an instrument.
     sequence: Vec<Option<usize>>,
     wheel: Option<WheelPlace>,
-    /// Cases used by the fit.
+    /// Cases that the fit used.
     seen: Vec<usize>,
 }
 
 impl<'a, 'b> MeasurementPredictor<'a, 'b> {
-    /// Solves all cases that the candidates need. `None` where the deck cannot be solved in a case of the study.
+    /// Solves all cases that the candidates need. Returns `None` if a case of the study has no equilibrium.
     pub(super) fn new(
         subject: &'a DiagnosisProblem<'b>,
         fitted: &'a FittedModel,
@@ -108,7 +110,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
             parts: &parts,
             functions,
         };
-        // If a force cannot be read in this deck, load cells are left out.
+        // If one of the forces cannot be computed in this deck, load cells are left out.
         let forecast = Forecast::new(subject, fitted, asked(&candidates.functions))
             .or_else(|| Forecast::new(subject, fitted, asked(&[])))?;
         let mut seen: Vec<usize> = Vec::new();
@@ -128,7 +130,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         })
     }
 
-    /// Returns the readings of a candidate; `None` where a load case has no equilibrium, or nothing would be read.
+    /// Returns the readings of candidate `at`, or `None` if a load case has no equilibrium or nothing would be read.
     pub(super) fn readings(&self, at: usize) -> Option<Readings> {
         let candidate = &self.candidates.list[at];
         match &candidate.new {
@@ -147,7 +149,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         }
     }
 
-    /// Returns the readings of a load cell, without components that are always zero.
+    /// Returns the readings of a load cell. Force components that are zero in all cases are left out.
     fn of_functions(&self, functions: std::ops::Range<usize>) -> Option<Readings> {
         let mut all: Option<Readings> = None;
         for function in functions {
@@ -168,8 +170,8 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         all
     }
 
-    /// Returns the derivatives of position, camber and toe of the wheel in each of these cases, by the unknowns of the fit. Load errors of
-    /// the rig are left out.
+    /// Returns the derivatives of the wheel's position, camber and toe in these cases, with respect to the unknowns of the fit. Load errors
+    /// of the rig are left out.
     pub(super) fn wheel(&self, cases: &[usize]) -> Option<(String, DMatrix<f64>)> {
         let wheel = self.wheel.as_ref()?;
         let at = self.place(wheel.part)?;
@@ -207,7 +209,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         parts.iter().position(|of| *of == part)
     }
 
-    /// Returns everything that the study reads, in further cases.
+    /// Returns the readings of all instruments of the study in a candidate's load cases.
     fn of_cases(&self, candidate: &ProposedMeasurement, sequence: usize) -> Option<Readings> {
         let (subject, fitted) = (self.subject, self.fitted);
         let further = self.forecast.there[sequence].as_ref()?;
@@ -215,7 +217,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         let count = subject.problem.measurement.cases.len();
         let cases: Vec<usize> = (count..count + further.len()).collect();
         let observations = Observations::new(&measurement, &fitted.deck.model, &cases);
-        // Only channels compare with other cases.
+        // Only channel readings can be relative to other cases, so only they require the predictions of the study's cases.
         let mut prediction = if measurement.channels.is_empty() {
             vec![None; count]
         } else {
@@ -224,7 +226,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         prediction.extend(further.iter().cloned().map(Some));
         let inner = fitted.unknowns.len() + fitted.layout.sd.len();
         let x = &fitted.x[..inner];
-        // The frame of a further case is unknown; its pose is an additional unknown of the candidate.
+        // The pose of the measuring frame in a further case is unknown. It is an additional unknown of the candidate.
         let mut layout = NuisanceLayout {
             frames: None,
             ..fitted.layout.clone()
@@ -242,7 +244,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         };
         let whitening =
             subject.whitening_ahead(&observations.rows, &measurement, &seen, &found.free);
-        // Unknowns that act on single readings have no effect on new readings.
+        // Unknowns that act on single readings of the study have no effect on new readings.
         let mut jacobian = found.jacobian.resize_horizontally(fitted.x.len(), 0.0);
         let mut prior = Vec::new();
         if fitted.layout.frames.is_some() {
@@ -254,7 +256,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
                 let readings = 0..measurement.cases[*case].marks.len();
                 let places: Vec<Vec3> = readings.map(|k| seen(*case, k)).collect();
                 jacobian = jacobian.resize_horizontally(first + 6, 0.0);
-                let by = by_frame(&observations.rows, *case, &places, (subject.sigma, 1.0));
+                let by = by_frame(&observations.rows, *case, &places, subject.sigma, 1.0);
                 for (k, column) in by.iter().enumerate() {
                     for (row, value) in column {
                         jacobian[(*row, first + k)] = *value;
@@ -275,7 +277,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         readings.is_finite().then_some(readings)
     }
 
-    /// Returns the readings of a new mark on a part, in all cases of the fit, together with the existing marks of that part.
+    /// Returns the readings of a new mark on a part in all cases that the fit used, together with the existing marks of that part.
     fn of_a_mark(&self, part: PartIx, place: &Vec3) -> Option<Readings> {
         let (subject, fitted) = (self.subject, self.fitted);
         let at = self.place(part)?;
@@ -296,7 +298,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
                 levers: Vec::new(),
                 unit: sigma,
             };
-            // Marks of the same part share the errors of its pose.
+            // Marks of the same part share the errors of the part's pose.
             for (row, of) in subject.rows.iter().enumerate() {
                 let Row::Mark {
                     case: c,
@@ -349,7 +351,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
                 value.push(point[axis] / sigma);
                 precision.push(usual);
             }
-            // Directions of zero-stiffness motions are excluded from the comparison.
+            // Directions along zero-stiffness motions are excluded from the comparison.
             for motion in predicted.free.iter() {
                 let by_mark = |(row, seen): (&usize, &Vec3)| {
                     let by = moved(motion, at, &(seen - pose.p)) / sigma;
@@ -408,7 +410,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         readings.is_finite().then_some(readings)
     }
 
-    /// Returns the readings of a sensor with independent errors, in all cases of the fit.
+    /// Returns the readings of a sensor with independent errors, in all cases that the fit used.
     fn alone(
         &self,
         sigma: f64,
@@ -433,7 +435,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
 }
 
 impl Readings {
-    /// Joins two sets of independent readings.
+    /// Joins two sets of readings with independent errors.
     fn and(mut self, more: Self) -> Self {
         let (rows, n) = (self.value.len(), self.jacobian.ncols());
         let count = rows + more.value.len();
@@ -453,7 +455,7 @@ impl Readings {
     }
 }
 
-/// Whitens rows: decorrelates them, then scales them to unit variance.
+/// Whitens rows: decorrelates them, and scales them to unit variance.
 fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -> DMatrix<f64> {
     let mut turned = whitening.apply(rows);
     for (mut row, weight) in turned.row_iter_mut().zip(weights.iter()) {
@@ -462,12 +464,12 @@ fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -
     turned
 }
 
-/// Returns the measurement of a study with further cases appended, with all kinds of readings that the study has. The values of the new
-/// readings are zero. With zero-stiffness motions, marks take their readings from the nearest case, so that predictions can be aligned to
+/// Returns the measurement of a study with further cases appended, which have all kinds of readings of the study. The new readings are zero.
+/// With zero-stiffness motions, however, marks take their readings from the nearest case of the study, so that predictions can be aligned to
 /// them.
 fn continued(subject: &DiagnosisProblem<'_>, further: &[Vec<f64>]) -> Measurement {
     let mut new = subject.problem.measurement.clone();
-    // The unit of a mark's row stays the unit of the study.
+    // The unit of a mark's row stays the declared noise of the study.
     new.sigma = subject.sigma;
     let mut marks: Vec<(usize, usize)> = new
         .cases
@@ -516,7 +518,7 @@ fn continued(subject: &DiagnosisProblem<'_>, further: &[Vec<f64>]) -> Measuremen
     new
 }
 
-/// Returns the displacement of a point of a part; `arm` points from the part's origin to it.
+/// Returns the displacement of a point on the observed part `at`. `arm` points from the origin of the part to the point.
 fn moved(change: CaseChange<'_>, at: usize, arm: &Vec3) -> Vec3 {
     let [x, y, z, a, b, c] = change.parts[at];
     Vec3::new(x, y, z) + Vec3::new(a, b, c).cross(arm)

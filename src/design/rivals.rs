@@ -1,4 +1,4 @@
-//! Two rival explanations of the same readings, and their separation by a further measurement.
+//! Two rival explanations of the same readings, and how well a further measurement distinguishes them.
 
 use std::sync::Arc;
 
@@ -15,25 +15,25 @@ use admire_diagnosis::{CandidateEffect, FittedModel, Found, Visited};
 pub(super) struct CompetingModels {
     /// Both fits, the leading model first.
     pub fits: [Arc<FittedModel>; 2],
-    /// Names of the causes that each model holds and the other does not.
+    /// Names of the causes that each model contains and the other model does not contain.
     pub names: [String; 2],
-    /// Posterior probability of each, on a scale where all models together have one.
+    /// Posterior probability of each of the two models, among all models of the search.
     pub probability: [f64; 2],
 }
 
-/// Expected separation of two rivals by a measurement.
+/// Expected ability of a measurement to distinguish two rival models.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Separation {
-    /// Chi-square that separates the rivals.
+    /// Expected chi-square between the predictions of the two rivals.
     pub chi_square: f64,
-    /// Expected rise of the probability of the true model.
+    /// Expected increase of the true model's probability.
     pub probability_shift: f64,
-    /// Expected information about which model is true, in nats.
+    /// Expected information about which of the two models is true, in nats.
     pub nats: f64,
 }
 
 impl CompetingModels {
-    /// Returns the rivals found by a search; `None` if the leading model has no serious rival.
+    /// Returns the leading model and its most probable rival from a search, or `None` if no rival is probable enough.
     pub(super) fn of(found: &Found, leading: &Arc<FittedModel>) -> Option<Self> {
         let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
         let mut fits: Vec<(Arc<FittedModel>, f64)> =
@@ -58,26 +58,26 @@ impl CompetingModels {
         })
     }
 
-    /// Returns true if either model depends on the order of the load cases.
+    /// Returns true if the response of either model depends on the order of the load cases.
     pub(super) fn remember(&self) -> bool {
         let mut causes = self.fits.iter().flat_map(|fit| &fit.effects);
         causes.any(|h| h.memory.is_some())
     }
 
-    /// Returns the probability of the leading model, given that one of the two is true.
+    /// Returns the probability of the leading model, given that one of the two models is true.
     pub(super) fn probability_of_first(&self) -> f64 {
         self.probability[0] / (self.probability[0] + self.probability[1])
     }
 }
 
-/// Returns the causes of one model at sites where the other has none.
+/// Returns the causes of a model at sites where the other model has no cause.
 fn without<'a>(fit: &'a FittedModel, other: &FittedModel) -> Vec<&'a CandidateEffect> {
     let there = |h: &&CandidateEffect| !other.effects.iter().any(|o| o.same_site(h));
     fit.effects.iter().filter(there).collect()
 }
 
-/// Returns the chi-square `d' (I + J C J')^-1 d` by which readings separate two models. The uncertainty of the first model's prediction is
-/// part of the covariance.
+/// Returns the chi-square `d' (I + J C J')^-1 d` that distinguishes two models, with the difference `d` of their predicted readings. The
+/// uncertainty of the first model's prediction is part of the covariance.
 pub(super) fn discrimination_chi_square(
     information: &Information,
     first: &Readings,
@@ -90,9 +90,9 @@ pub(super) fn discrimination_chi_square(
 }
 
 impl Separation {
-    /// Returns the expected effect of a measurement that separates two models by this chi-square. `odds` is the probability of the first
-    /// model. The log Bayes factor in favour of the true model is Gaussian, with mean half the chi-square and with the chi-square as
-    /// variance.
+    /// Returns the expected benefit of a measurement that distinguishes two models by this chi-square. `odds` is the probability of the
+    /// first model before the measurement. The log Bayes factor in favour of the true model is Gaussian: its mean is half the chi-square,
+    /// its variance the chi-square.
     pub fn of(chi_square: f64, odds: f64) -> Self {
         let (mut right, mut entropy, mut sum) = (0.0, 0.0, 0.0);
         let prior = libm::log(odds / (1.0 - odds));
@@ -117,7 +117,7 @@ impl Separation {
     }
 }
 
-/// Returns the entropy of a choice between two, in nats.
+/// Returns the entropy of a choice between two alternatives with probabilities `p` and `1 - p`, in nats.
 fn of_two(p: f64) -> f64 {
     let term = |p: f64| if p > 0.0 { -p * libm::log(p) } else { 0.0 };
     term(p) + term(1.0 - p)
@@ -137,7 +137,8 @@ mod tests {
         assert!((all.nats - (-0.7 * 0.7_f64.ln() - 0.3 * 0.3_f64.ln())).abs() < 1e-6);
     }
 
-    /// For small separations the expected probability of the true model rises by `2 p^2 q^2 D^2`, and the information is `p q D^2 / 2`.
+    /// For a small chi-square `D^2`, the expected probability of the true model rises by `2 p^2 q^2 D^2`, and the expected information is `p
+    /// q D^2 / 2`.
     #[test]
     fn small_separations_are_those_of_the_series() {
         let (p, q, d2) = (0.6, 0.4, 1e-3);

@@ -3,33 +3,33 @@
 admire_study::constants! {
     // ## Candidates: candidate.rs
 
-    /// Factor on the largest load deviation of the study, for candidates beyond the range applied.
+    /// Load deviation of candidates beyond the range applied, as a factor on the largest load deviation in the study.
     BEYOND_RANGE_FACTOR: f64 = 1.25, "";
-    /// Maximum number of load cases considered.
+    /// Maximum number of load cases considered as candidates.
     MAX_LOAD_CASES: usize = 160, "";
     /// Maximum number of cases considered for repetition.
     MAX_REPEATED_CASES: usize = 24, "";
-    /// Maximum number of mark positions considered on a part.
+    /// Maximum number of mark positions considered on one part.
     MAX_MARK_POSITIONS: usize = 6, "";
     /// Maximum number of elements considered for a load cell.
     MAX_LOAD_CELLS: usize = 24, "";
-    /// Assumed standard deviation of a wheel angle that the study does not measure.
+    /// Standard deviation assumed for a wheel angle that the study does not measure.
     ASSUMED_WHEEL_ANGLE_DEG: f64 = 0.01, "deg";
-    /// Assumed standard deviation of a wheel position that the study does not measure.
+    /// Standard deviation assumed for a coordinate of the wheel centre that the study does not measure.
     ASSUMED_WHEEL_POSITION_MM: f64 = 0.05, "mm";
-    /// Assumed standard deviation of a mark coordinate, where the study has no marks.
+    /// Standard deviation assumed for a mark coordinate if the study has no marks.
     ASSUMED_MARK_MM: f64 = 0.05, "mm";
-    /// Standard deviation of a load cell, as a fraction of the largest force it measures.
+    /// Standard deviation of a load cell reading, as a fraction of the largest force that the cell measures.
     LOAD_CELL_NOISE: f64 = 0.005, "of full scale";
 
     // ## Criteria: plan.rs, rivals.rs, next_measurement.rs
 
-    /// Number of worst-determined combinations of stiffnesses considered.
+    /// Number of worst-determined combinations of stiffnesses that the plan considers.
     WORST_COMBINATIONS: usize = 3, "";
-    /// Maximum number of cases at which the wheel is predicted.
+    /// Maximum number of cases for which the wheel is predicted.
     MAX_WHEEL_CASES: usize = 40, "";
-    /// Probability of a second model, given that it or the leading model is true, up to which it does not count as a rival.
+    /// Minimum probability of a rival model. The probability is conditional on either the rival or the leading model being true.
     RIVAL_MIN_PROBABILITY: f64 = 0.01, "";
-    /// Chi-square above which a load case is said to separate two explanations.
+    /// Chi-square above which a load case is reported to distinguish two explanations.
     SEPARATION_CHI_SQUARE: f64 = 6.0, "";
 }

@@ -1,4 +1,4 @@
-//! Wheel whose position and angles are predicted, whether or not the study reads them.
+//! Position and angles of the wheel, predicted whether or not the study measures them.
 
 use super::candidate::loaded_marker;
 use admire_diagnosis::DiagnosisProblem;
@@ -6,10 +6,10 @@ use admire_identify::global::{CaseChange, CasePrediction};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::PartIx;
 
-/// Wheel on its carrier.
+/// Wheel, fixed to its carrier part.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct WheelPlace {
-    /// Description of the source of the wheel.
+    /// Text that states how the wheel was defined.
     pub told: String,
     /// Carrier part.
     pub part: PartIx,
@@ -19,13 +19,13 @@ pub(super) struct WheelPlace {
     spin: Vec3,
 }
 
-/// Position of the wheel centre in the deck's length unit, then camber and toe in degrees. The angles are defined up to a constant and a
-/// sign.
+/// Position of the wheel centre (x, y, z) in the deck's length unit, then camber and toe in degrees. Constant offsets and signs of the
+/// angles are not defined.
 pub(super) type Five = [f64; 5];
 
 impl WheelPlace {
-    /// Returns the wheel of `[wheel]`, otherwise the wheel of `[kc]`. Otherwise the wheel is the point where the loads act, with the spin
-    /// axis along y of ground.
+    /// Returns the wheel defined by the section `[wheel]` of the study, otherwise by `[kc]`. If both are absent, the wheel centre is the
+    /// point where the loads act, and the spin axis is parallel to y of ground.
     pub(super) fn of(subject: &DiagnosisProblem<'_>) -> Option<Self> {
         let (model, measurement) = (subject.problem.model, subject.problem.measurement);
         if let Some(wheel) = &measurement.wheel {
@@ -38,7 +38,7 @@ impl WheelPlace {
                 spin: column * wheel.spin.sense,
             });
         }
-        // The channels of rig curves bring helper markers: the wheel centre first, then one along the spin axis.
+        // Channels of rig curves define helper markers: first the wheel centre, then a point on the spin axis.
         let helpers = measurement.channels.iter().map(|channel| &channel.helpers);
         if let Some([centre, outboard, ..]) = helpers
             .map(Vec::as_slice)
@@ -65,11 +65,11 @@ impl WheelPlace {
         })
     }
 
-    /// Returns position and angles of the wheel in a case.
+    /// Returns the position and the angles of the wheel in a case.
     pub(super) fn place(&self, case: &CasePrediction) -> Five {
         let pose = &case.poses[self.part.0];
         let (p, s) = (pose.point(&self.centre), pose.R * self.spin);
-        // Toe of the axis as a line, independent of its sense.
+        // The toe angle of the spin axis as a line does not depend on the sense of the axis.
         let toe = if s.y.abs() > s.x.abs() {
             -libm::atan(s.x / s.y)
         } else {
@@ -84,7 +84,7 @@ impl WheelPlace {
         ]
     }
 
-    /// Returns the derivative of position and angles by an unknown. `at` is the index of the carrier among the observed parts.
+    /// Returns the derivatives of position and angles with respect to an unknown. `at` is the index of the carrier among the observed parts.
     pub(super) fn change(&self, case: &CasePrediction, change: CaseChange<'_>, at: usize) -> Five {
         let pose = &case.poses[self.part.0];
         let [x, y, z, a, b, c] = change.parts[at];

@@ -1,4 +1,4 @@
-//! Stiffnesses averaged over the probable models.
+//! Stiffnesses averaged over the probable models (Bayesian model averaging).
 
 use nalgebra::DVector;
 
@@ -9,8 +9,9 @@ use crate::settings::{AVERAGED_MIN_PROBABILITY, ONE_SIDED_HALF_WIDTH};
 use admire_identify::Status;
 use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
 
-/// Returns the mean and variance of each stiffness over the mixture of fitted models. The mean and variance are taken in logarithms. The
-/// interval is symmetric in the stiffness itself, where the posterior of a poorly determined stiffness is closer to a Gaussian.
+/// Returns each stiffness averaged over the fitted models, weighted by the probabilities of the models. Mean and variance are computed for
+/// the logarithm of the stiffness. The 95 percent interval is symmetric in the stiffness itself: the posterior of a poorly determined
+/// stiffness is closer to a Gaussian in the stiffness than in its logarithm.
 pub(super) fn model_averaged_parameters(
     subject: &DiagnosisProblem<'_>,
     models: &[(Visited, f64)],
@@ -25,7 +26,7 @@ pub(super) fn model_averaged_parameters(
     let (mut mean, mut square, mut exact) = (zero(), zero(), zero());
     for (model, probability) in &fitted {
         let weight = probability / sum;
-        // Variance without tolerances: the random effects are known, stiffnesses and causes are not.
+        // Variance without tolerances: the random effects are held fixed, while stiffnesses and parameters of causes remain uncertain.
         let kept: Vec<usize> = (0..model.x.len())
             .filter(|k| model.is_of_the_model(*k))
             .collect();

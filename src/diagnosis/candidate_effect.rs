@@ -1,4 +1,4 @@
-//! Candidate effect as data: the cause and its site, its first-order effect on the readings, and its parametrisation in a fit.
+//! Candidate effect as data: a cause at a site of the deck, its first-order effect on the readings, and its parameters as unknowns of a fit.
 
 use super::cause::Cause;
 use crate::priors::PROGRESSIVE_IN_OTHER_AXIS;
@@ -8,58 +8,59 @@ use admire_solver::mechanics::Vec6;
 use admire_solver::model::MarkerIx;
 use admire_syntax::{Address, NewStatement};
 
-/// First-order effect of one parameter of a candidate, per unit of the parameter.
+/// First-order effect of one parameter of a candidate on the model or on the readings, per unit of the parameter.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Sensitivity {
-    /// No column of its own: the parameter belongs to a random effect, or only a nonlinear fit can determine it.
+    /// No first-order effect of its own. The parameter belongs to a random effect, or only a nonlinear fit can determine it.
     None,
-    /// Changes of deck parameters that are the same in every load case.
+    /// Changes of deck parameters that are the same in every load case. Each pair holds an address and the change.
     Always(Vec<(Address, f64)>),
-    /// Changes of deck parameters, one value per load case.
+    /// Changes of deck parameters that differ between load cases. Each pair holds an address and one change per load case.
     PerCase(Vec<(Address, Vec<f64>)>),
-    /// Wrench on marker I and its opposite on the part of J, in the axes of J; one per load case.
+    /// Wrench on the first marker (I), with the opposite wrench on the part of the second marker (J). The list holds one wrench per load
+    /// case, in the axes of J.
     Wrench((MarkerIx, MarkerIx), Vec<Vec6>),
-    /// Changes of residual rows, as pairs of row index and value.
+    /// Changes of residual rows (prediction minus reading, in units of the noise). Each pair holds a row index and the change.
     Rows(Vec<(usize, f64)>),
 }
 
-/// Representation of a parameter as an unknown of a fit.
+/// Representation of a candidate's parameter as an unknown of a fit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Parametrisation {
-    /// Linear effect as given by the column, valid for any size.
+    /// Effect proportional to the parameter, whatever its size. The first-order effect in `column` is then exact.
     Linear,
-    /// Relative gain error: the readings of these rows are `1 + parameter` times the truth. Each pair holds a row index and the reading in
+    /// Relative gain error: each listed reading is `1 + parameter` times its true value. Each pair holds a row index and the reading in
     /// units of its noise.
     Gain(Vec<(usize, f64)>),
-    /// Random effect with this index. Its prior variance grows by the square of the parameter's standard deviation, so that it may exceed its
-    /// tolerance group.
+    /// Random effect with this index, freed from its tolerance group. The variance of the parameter is added to the prior variance of the
+    /// random effect.
     Member(usize),
-    /// Changes of parameters of the extended deck per unit of the parameter.
+    /// Changes of parameters of the extended deck. Each pair holds an address and the change per unit of the parameter.
     Extended(Vec<(Address, f64)>),
-    /// Compliance. Its inverse is the value of each of these stiffnesses of the extended deck.
+    /// Compliance, fitted as the logarithm of its inverse. The inverse is the value of each of these stiffnesses of the extended deck.
     Compliance(Vec<Address>),
     /// Logarithm of a stiffness of the extended deck.
     Rate {
         /// Address of the stiffness.
         address: Address,
-        /// First guess, and median of the prior.
+        /// First guess of the stiffness, and median of its prior.
         usual: f64,
     },
-    /// Displacement between the two sides of a bushing along one of its components. The preload follows as stiffness times displacement.
+    /// Offset between the two sides of a bushing in one component (translation or rotation). The preload changes by stiffness times offset.
     Offset {
-        /// Address of the K or KT component.
+        /// Address of the component's stiffness, an element of K or KT.
         stiffness: Address,
-        /// Address of the FORCE or TORQUE component.
+        /// Address of the component's preload, an element of FORCE or TORQUE.
         preload: Address,
     },
-    /// Logarithm of the slip length, which is the stretch of a friction spring at which the slider moves. Reported as a stiffness: the first
-    /// parameter of the effect, a force, divided by this length.
+    /// Logarithm of the slip length: the stretch of a friction spring at which its slider starts to move. The report states a stiffness
+    /// instead: the first parameter of the effect, which is a force, divided by the slip length.
     SlipLength {
         /// Address of the slip length.
         address: Address,
-        /// First guess.
+        /// First guess of the slip length.
         start: f64,
-        /// Median of the prior.
+        /// Median of the prior of the slip length.
         usual: f64,
     },
 }
@@ -67,96 +68,101 @@ pub enum Parametrisation {
 /// Parameter of a candidate effect.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EffectParameter {
-    /// Name in `diagnosis.json`.
+    /// Name of the parameter in `diagnosis.json`.
     pub name: String,
-    /// Prior mean, and start of the fit. Zero for effects that are absent from a correct model.
+    /// Prior mean of the parameter. Guesses for a fit are deviations from this mean. Zero for a parameter that vanishes in a correct model.
     pub mean: f64,
-    /// Prior standard deviation: a plausible size of the effect.
+    /// Prior standard deviation: a plausible size of the parameter.
     pub sd: f64,
-    /// Factor that converts the parameter to the units of `diagnosis.json`.
+    /// Factor that converts the parameter to its unit in `diagnosis.json`.
     pub unit: f64,
-    /// First-order effect on the model or on the readings.
+    /// First-order effect of the parameter on the model or on the readings.
     pub column: Sensitivity,
-    /// Representation as an unknown of a fit.
+    /// Representation of the parameter as an unknown of a fit.
     pub unknown: Parametrisation,
 }
 
-/// Change of the deck's structure.
+/// Change of the deck's structure by a candidate effect.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Change {
-    /// New statement.
+    /// Statement added to the deck.
     Add(NewStatement),
-    /// New part split off the part with this id. Its initial pose is the pose of that part.
+    /// Statement of a new part that is split off the part with this id. The new part starts at the pose of that part.
     Piece(NewStatement, u32),
-    /// New text of an argument.
+    /// New text of the argument at this address.
     Text(Address, String),
 }
 
 /// Candidate effect: a cause at a site of the deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CandidateEffect {
-    /// Cause.
+    /// Cause that produces the effect.
     pub cause: Cause,
     /// Address of the site in the deck.
     pub address: String,
-    /// Addresses of all members if the site has several.
+    /// Addresses of all members of the site, such as the markers of one hardpoint. Empty for a site with a single address.
     pub members: Vec<String>,
-    /// `point` if all parts that meet there move together, `part` if only one side moves. Empty where the distinction does not apply.
+    /// `point` if all parts that meet at the site move together, `part` if only one part moves. Empty for causes without this distinction.
     pub side: &'static str,
-    /// Name that distinguishes forms of the same cause at the same site.
+    /// Name that distinguishes forms of the same cause at the same site. Two forms have different laws, or one law with different first
+    /// guesses.
     pub form: &'static str,
-    /// Parameters.
+    /// Parameters of the effect.
     pub numbers: Vec<EffectParameter>,
-    /// Log prior odds.
+    /// Logarithm of the prior odds that the effect acts.
     pub ln_prior: f64,
     /// True if the first parameter must not be negative.
     pub one_sided: bool,
-    /// Changes of the deck's structure. They have no effect while the parameters are zero.
+    /// Changes of the deck's structure that the effect requires. They do not change the response while the effect is absent.
     pub changes: Vec<Change>,
-    /// History variable carried from case to case.
+    /// History variable that is carried from one load case to the next. `None` for a law without memory.
     pub memory: Option<MemoryPlan>,
-    /// Term of the law of the cause.
+    /// Term of the cause's force law that this effect represents.
     pub term: Term,
-    /// Further term that enters the model together with the main term. Its parameters and changes are the last in this candidate; a fit
-    /// separates the two.
+    /// Further term of the same law, which enters the model together with this main term. Its parameters and changes are the last entries of
+    /// `numbers` and `changes`. A fit treats the two terms separately.
     pub joint_with: Option<Box<CandidateEffect>>,
 }
 
-/// Term of the law of a cause. Terms other than the main term are reported together with it. Later terms are larger.
+/// Term of the force law of a cause. Only the main term is a cause of its own; the other terms are reported with it. Terms are ordered: each
+/// refines the terms before it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Term {
-    /// Main term, a cause of its own.
+    /// Main term, which is a cause of its own.
     Main,
-    /// Further term of the same law, counted from 1: a further slider of a friction, or the growth of a coupling.
+    /// Further term of the same law, counted from 1: a further slider of a friction law, or the growth of a bushing coupling with the
+    /// deflection.
     Further(usize),
-    /// Dependence of a friction limit on the direction.
+    /// Dependence of a friction limit on the direction of motion.
     Asymmetry,
-    /// Misfit of the law: a force at its site that differs from case to case.
+    /// Deviation of the true force law from the fitted law: an extra force at the same site that differs from case to case.
     LawMisfit,
 }
 
-/// History variable of a contact or of flowing rubber, and the function that measures its displacement.
+/// History variable of a friction law or of creeping rubber, and the function that measures the displacement that drives it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MemoryPlan {
-    /// Parameter of the extended deck: displacement at which the spring is unstretched before the first case.
+    /// Address of the history variable in the extended deck. Its value there is the displacement at which the spring is unstretched before
+    /// the first case.
     pub anchor: Address,
-    /// Rule by which the anchor moves from case to case.
+    /// Rule by which the history variable changes from case to case.
     pub carries: Evolution,
-    /// Parameter of the extended deck: slip length of a slider, or fraction of the displacement that flows in one case.
+    /// Address of the rule's parameter in the extended deck: the slip length of a slider, or the fraction of the remaining displacement by
+    /// which rubber flows in one case.
     pub by: Address,
-    /// Function expression in the extended deck that measures the displacement.
+    /// ADAMS function expression in the extended deck that measures the displacement.
     pub measure: String,
 }
 
 impl std::fmt::Display for CandidateEffect {
-    /// Writes `cause address`.
+    /// Writes the cause and its address, separated by a blank.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} {}", self.cause, self.address)
     }
 }
 
 impl CandidateEffect {
-    /// Creates a candidate that needs no change of the deck's structure.
+    /// Creates a candidate that requires no change of the deck's structure.
     pub fn plain(
         cause: Cause,
         address: String,
@@ -179,7 +185,7 @@ impl CandidateEffect {
         }
     }
 
-    /// Combines the main term with a further term of its law into one candidate.
+    /// Combines this main term with a further term of the same law into one candidate.
     #[must_use]
     pub fn joined(mut self, further: Self) -> Self {
         self.numbers.extend(further.numbers.iter().cloned());
@@ -189,7 +195,7 @@ impl CandidateEffect {
         self
     }
 
-    /// Splits a combined candidate into the main term and the further term.
+    /// Splits a combined candidate into its main term and its further term.
     pub fn split(&self) -> Vec<Self> {
         let mut own = self.clone();
         let Some(further) = own.joint_with.take() else {
@@ -203,7 +209,8 @@ impl CandidateEffect {
         vec![own, *further]
     }
 
-    /// Creates a candidate that lets random effects exceed their tolerance groups, by standard deviation `sd`.
+    /// Creates a candidate that frees random effects from their tolerance groups, by widening their priors with the standard deviation `sd`.
+    /// Each entry of `members` holds the index of a random effect and the name of its parameter.
     pub fn outstanding(
         cause: Cause,
         address: String,
@@ -222,28 +229,28 @@ impl CandidateEffect {
         Self::plain(cause, address, form, numbers.collect())
     }
 
-    /// Selects the main terms, which are causes of their own.
+    /// Iterates over the main terms in `all`, which are causes of their own.
     pub fn causes(all: &[Self]) -> impl DoubleEndedIterator<Item = &Self> {
         all.iter().filter(|h| h.term == Term::Main)
     }
 
-    /// Returns true if `all` contains a higher term of the same law.
+    /// Returns true if `all` contains a higher term of this effect's law at the same site.
     pub fn is_refined(&self, all: &[Self]) -> bool {
         all.iter().any(|h| h.term > self.term && h.same_site(self))
     }
 
-    /// Returns true if this term is the misfit of a law.
+    /// Returns true if this effect is the misfit of a force law: an extra force that differs from case to case.
     pub fn is_left_by_law(&self) -> bool {
         self.term == Term::LawMisfit
     }
 
-    /// Returns true if both have the same cause and the same site, in any form.
+    /// Returns true if both effects have the same cause and the same site. Their forms may differ.
     pub fn same_site(&self, other: &Self) -> bool {
         self.cause == other.cause && self.address == other.address && self.side == other.side
     }
 
-    /// Returns the log prior odds given the other effects of a model. Rubber that is progressive in one translation of a bushing usually is
-    /// so in the others.
+    /// Returns the log prior odds of this effect, given the other effects of a model. A progressive law in one translation of a bushing
+    /// makes a progressive law in its other translations more probable.
     pub fn ln_prior_given(&self, others: &[Self]) -> f64 {
         let translations = |h: &Self| h.address.rsplit_once(".K.").map(|(of, _)| of.to_string());
         let is_alike = |other: &Self| {
@@ -258,25 +265,28 @@ impl CandidateEffect {
         }
     }
 
-    /// Returns the joint log prior odds of all these effects, independent of their order.
+    /// Returns the joint log prior odds of all these effects. The result does not depend on their order.
     pub fn ln_prior_of(all: &[Self]) -> f64 {
         let own = all.iter().enumerate();
         own.map(|(k, h)| h.ln_prior_given(&all[..k])).sum()
     }
 
-    /// Returns true for a force law that is known in kind but not in shape.
+    /// Returns true if the law of the effect is known in kind but not in shape, so that linearisation approximates it poorly. The asymmetry
+    /// of a friction is linear, and therefore excluded.
     pub fn is_poorly_linearised(&self) -> bool {
         self.cause.has_rough_law() && self.term != Term::Asymmetry
     }
 
-    /// Returns true if both are the same term of the same cause at the same site, in any form. Both or neither must include a further term.
+    /// Returns true if both effects are the same term of the same cause at the same site, in any form. Both or neither must be combined with
+    /// a further term.
     pub fn same_term(&self, other: &Self) -> bool {
         self.same_site(other)
             && self.term == other.term
             && self.joint_with.is_some() == other.joint_with.is_some()
     }
 
-    /// Returns the only load case in which the effect acts, if it is a fault of readings of one case.
+    /// Returns the only load case in which the effect acts, if the cause is a fault of the readings. Returns `None` if it acts in several
+    /// cases, or for other causes.
     pub fn only_case(&self, rows: &[Row]) -> Option<usize> {
         let mut cases = self
             .numbers
@@ -290,17 +300,18 @@ impl CandidateEffect {
         cases.all(|case| case == first).then_some(first)
     }
 
-    /// Returns false for a force that represents an effect outside the catalogue of causes.
+    /// Returns false for a force of unknown law, which represents an effect outside the catalogue of causes.
     pub fn is_in_catalogue(&self) -> bool {
         self.cause != Cause::UnmodelledForce
     }
 
-    /// Returns false for forces of unknown law: unmodelled forces and misfits of a law.
+    /// Returns true if the effect has a force law. Unmodelled forces and misfits of a law have no law; they are modelled as Gaussian
+    /// processes.
     pub fn has_no_gp_term(&self) -> bool {
         self.is_in_catalogue() && !self.is_left_by_law()
     }
 
-    /// Returns true if both have the same cause, site, term and form.
+    /// Returns true if both effects have the same cause, site, term and form.
     pub fn same_form(&self, other: &Self) -> bool {
         self.same_site(other)
             && self.form == other.form
@@ -308,8 +319,8 @@ impl CandidateEffect {
             && self.numbers.len() == other.numbers.len()
     }
 
-    /// Returns true if both are the same law at the same site. Forms of a law with memory count as the same law, because they differ only in
-    /// their first guesses. Statement ids are ignored: they depend on the other causes in the deck.
+    /// Returns true if both effects represent the same law at the same site. Forms of a law with memory count as the same law, because they
+    /// differ only in their first guesses. Statement ids are ignored: they depend on the other causes in the deck.
     pub fn same_law(&self, other: &Self) -> bool {
         let remembers = self.memory.is_some()
             && other.memory.is_some()
@@ -318,7 +329,8 @@ impl CandidateEffect {
         self.same_form(other) || (self.same_site(other) && remembers)
     }
 
-    /// Returns the random effects that this candidate frees, each with the standard deviation of its slab.
+    /// Returns the random effects that this candidate frees. Each pair holds the index and the standard deviation of the slab, the wide
+    /// component of the prior.
     pub fn slab(&self) -> Vec<(usize, f64)> {
         let member = |number: &EffectParameter| match number.unknown {
             Parametrisation::Member(at) => Some((at, number.sd)),
@@ -327,7 +339,7 @@ impl CandidateEffect {
         self.numbers.iter().filter_map(member).collect()
     }
 
-    /// Returns true if the candidate only frees random effects from their tolerance groups.
+    /// Returns true if all parameters of the candidate only free random effects from their tolerance groups.
     pub fn is_slab(&self) -> bool {
         self.numbers
             .iter()
@@ -336,8 +348,8 @@ impl CandidateEffect {
 }
 
 impl EffectParameter {
-    /// Returns the value of the fit's unknown at which the effect is absent. A parameter that does nothing alone, such as the slip length of
-    /// friction, keeps its value.
+    /// Returns the value of the fit's unknown at which the effect is absent; `x` is its fitted value. A compliance gets a stiffness that
+    /// counts as rigid. A parameter without effect of its own, such as the slip length of friction, keeps its value.
     pub fn absent(&self, x: f64) -> f64 {
         match self.unknown {
             Parametrisation::Compliance(_) => x.max(-libm::log(ABSENT_COMPLIANCE * self.sd)),
@@ -346,7 +358,7 @@ impl EffectParameter {
         }
     }
 
-    /// Creates a parameter whose column is valid for any size.
+    /// Creates a parameter whose first-order effect `column` is exact at any size.
     pub fn linear(name: impl Into<String>, sd: f64, column: Sensitivity) -> Self {
         Self {
             column,
@@ -354,7 +366,7 @@ impl EffectParameter {
         }
     }
 
-    /// Creates a parameter without a first-order effect, to be determined by a nonlinear fit.
+    /// Creates a parameter without a first-order effect, which only a nonlinear fit can determine.
     pub fn new(name: impl Into<String>, sd: f64, unknown: Parametrisation) -> Self {
         Self {
             name: name.into(),
@@ -367,7 +379,7 @@ impl EffectParameter {
     }
 }
 
-/// Returns the address of an argument, or of one of its components.
+/// Returns the address of an argument of a statement, or of one component of the argument.
 pub(super) fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
     Address {
         kind: kind.to_string(),
@@ -377,14 +389,14 @@ pub(super) fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) 
     }
 }
 
-/// Returns the last part of the address of a bushing component: `K.1` to `KT.3`.
+/// Returns the last part of the address of a bushing component: `K.1` to `K.3` for translations, `KT.1` to `KT.3` for rotations.
 pub(super) fn component(axis: usize) -> String {
     format!("{}.{}", ["K", "KT"][axis / 3], axis % 3 + 1)
 }
 
-/// Names of the six components: three translations, three rotations.
+/// Names of the six components of a motion: three translations, then three rotations.
 pub(super) const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
-/// Names of the components of a vector force.
+/// Names of the six components of the vector force in a GFORCE statement.
 pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
 #[cfg(test)]

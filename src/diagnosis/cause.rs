@@ -10,7 +10,7 @@ pub enum Cause {
     ProgressiveStiffness,
     /// Rate-independent hysteresis in a bushing or joint.
     DryFriction,
-    /// Viscous flow of rubber from case to case.
+    /// Viscous flow of rubber from one load case to the next.
     Creep,
     /// Compliance of a part along the line through its two joints.
     LinkCompliance,
@@ -18,33 +18,33 @@ pub enum Cause {
     FreePlay,
     /// Compliance of the ground-side attachment of a joint or spring.
     BodyCompliance,
-    /// Offset between the two sides of a bushing, relative to the deck.
+    /// Offset between the two sides of a bushing as mounted, compared with the deck.
     AssemblyOffset,
     /// Wrong location of the connection point of a joint or spring.
     HardpointError,
     /// Bushing mounted with a rotation about one of its axes.
     BushingOrientation,
-    /// Off-diagonal stiffness of a bushing.
+    /// Off-diagonal stiffness of a bushing, which couples two of its components.
     BushingCoupling,
     /// Wrong value of a deck parameter that the study takes as known.
     ElementParameter,
-    /// One-sided spring that engages past a clearance.
+    /// One-sided spring (stop) that engages once a clearance is used up.
     StopContact,
     /// Wrong scale factor of a load.
     LoadGain,
-    /// Cross-talk: a fraction of one load acts along another.
+    /// Cross-talk between loads: a fraction of one load also acts along another load.
     LoadCrosstalk,
     /// Load applied at a point other than its marker.
     LoadPointError,
-    /// Displacement of the measuring frame in one load case.
+    /// Displacement of the measuring frame in a single load case.
     FrameDrift,
-    /// Declared noise that disagrees with the noise of the data.
+    /// Declared noise level that disagrees with the noise of the data.
     NoiseLevel,
-    /// Gross error of one mark reading.
+    /// Gross error of a single mark reading. A mark is a measured point on a part.
     MarkOutlier,
     /// Mark that is listed at a wrong position on its part, or has come loose.
     MarkPlace,
-    /// Wrong gain, zero or single value of a channel.
+    /// Fault of a measuring channel: a wrong gain, a wrong zero, or a single wrong value.
     ChannelFault,
     /// Force whose law is not in the catalogue of causes. Such a force is never a finding; it is reported as the unexplained remainder.
     UnmodelledForce,
@@ -90,7 +90,7 @@ impl Cause {
         )
     }
 
-    /// Returns true for causes that the marks reveal without any model of the axle.
+    /// Returns true for causes that the marks of rigid parts reveal without a model of the axle.
     pub const fn is_told_by_marks(self) -> bool {
         matches!(self, Self::MarkOutlier | Self::MarkPlace | Self::NoiseLevel)
     }

@@ -2,23 +2,23 @@ use super::diagnose::Outcome;
 use super::fit::FittedModel;
 use admire_identify::global::Row;
 
-/// Rms error of a model over all readings of one channel.
+/// Rms errors of the original and of the extended model over all readings of one channel.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChannelMiss {
     /// Name of the channel.
     pub name: String,
-    /// Unit with a leading blank; empty if the channel has none.
+    /// Unit of the channel with a leading blank; empty if the channel has no unit.
     pub behind: String,
     /// Rms error of the original model after its best fit.
     pub before: f64,
-    /// Rms error of the extended model.
+    /// Rms error of the extended model after its fit.
     pub after: f64,
     /// Standard deviation of the noise of one reading.
     pub noise: f64,
 }
 
 impl Outcome<'_> {
-    /// Returns the rms error of each channel.
+    /// Returns the rms errors of both models for each channel.
     pub fn channels(&self) -> Vec<ChannelMiss> {
         let measurement = self.subject.problem.measurement;
         let mut out = Vec::new();

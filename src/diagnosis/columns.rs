@@ -1,6 +1,6 @@
-//! First-order effects of candidates on all rows, from the tangent of each case. No equilibrium is solved again.
+//! First-order effects of candidates on all residual rows, computed from the linearised equilibrium (tangent) of each case. No equilibrium
+//! is solved again.
 
-use admire_identify::global::channel_changes;
 use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
@@ -9,28 +9,31 @@ use rayon::prelude::*;
 use super::candidate_effect::{EffectParameter, Sensitivity};
 use super::operating_points::OperatingPoints;
 use admire_identify::global::{
-    CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations,
+    CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations, StateSensitivities,
+    channel_changes,
 };
 use admire_solver::statics::Tangents;
 use admire_solver::system::{Parameters, Scratch, Slot, State};
 use admire_syntax::Address;
 
-/// Responses of all cases to a list of parameters. They become columns of rows in batches, which are small enough for the processor's cache.
+/// Responses of all load cases to a list of parameters. They are converted to columns over the residual rows in batches small enough for the
+/// processor's cache.
 pub(super) struct Responses<'a> {
     observations: Observations<'a>,
-    /// Predictions of all cases. The changes of each batch are filled in before its rows are computed.
+    /// Predictions of all cases. Each batch fills in its own changes before the residual rows are computed.
     prediction: Vec<CasePrediction>,
-    /// Changes of each case along the parameters that need the solver.
+    /// Changes of poses and channels in each case, per unit of each parameter whose effect requires the solver.
     changes: Vec<CaseChanges>,
-    /// Number of parameters along which `changes` have been converted to columns.
+    /// Number of columns of `changes` that are already converted.
     done: usize,
-    /// Parameters that are left.
+    /// Parameters that are not yet converted to columns.
     numbers: &'a [&'a EffectParameter],
 }
 
 impl Responses<'_> {
-    /// Returns the effects of the next `count` parameters on every row, per unit of prior standard deviation. An effect is the change of
-    /// prediction minus reading, in units of the declared noise. A parameter without an effect of its own has a column of zeros.
+    /// Returns the effects of the next `count` parameters on every residual row, one column per parameter, per unit of its prior standard
+    /// deviation. An effect is the change of prediction minus reading, in units of the declared noise. A parameter without an effect of its
+    /// own gets a column of zeros.
     pub(super) fn columns(&mut self, count: usize) -> DMatrix<f64> {
         let (numbers, rest) = self.numbers.split_at(count);
         self.numbers = rest;
@@ -74,7 +77,7 @@ fn needs_solver(number: &EffectParameter) -> bool {
 }
 
 impl<'a> OperatingPoints<'a> {
-    /// Returns the effects of these parameters on every row; see [`Responses::columns`].
+    /// Returns the effects of these parameters on every residual row; see [`Responses::columns`].
     pub(super) fn columns(&self, numbers: &[&EffectParameter]) -> DMatrix<f64> {
         self.responses(numbers).columns(numbers.len())
     }
@@ -125,7 +128,7 @@ impl<'a> OperatingPoints<'a> {
                     let channels = self.fitted.deck.prepared.channels;
                     let observed = &observations.observed;
                     let [changes, free] =
-                        found.map(|of| observed.changes((system, at.1), &of.0, &of.1));
+                        found.map(|of| observed.changes(system, at.1, &of.0, &of.1));
                     let here = CasePrediction {
                         poses: at.1.poses.clone(),
                         channels: channels
@@ -148,8 +151,8 @@ impl<'a> OperatingPoints<'a> {
         }
     }
 
-    /// Returns the changes of the system's unknowns and of the channels of a case, one column per direction. The second pair holds the
-    /// changes along each zero-stiffness motion.
+    /// Returns two pairs of matrices for one case: changes of the system's unknowns, and changes of the channels, one column per direction.
+    /// The first pair is for the directions of the parameters, the second for the zero-stiffness motions.
     fn changes(
         &self,
         case: usize,
@@ -171,14 +174,17 @@ impl<'a> OperatingPoints<'a> {
         let motions = tangent.free_motions(system);
         let held = vec![Direction::default(); motions.len()];
         let motions = DMatrix::from_iterator(n, motions.len(), motions.into_iter().flatten());
-        let along = (held.as_slice(), &motions);
-        let free = match channel_changes(channels, system, (theta, case), state, scratch, along) {
+        let along = StateSensitivities {
+            directions: &held,
+            responses: &motions,
+        };
+        let free = match channel_changes(channels, system, theta, case, state, scratch, along) {
             Ok(changed) => (motions, changed),
             Err(_) => nothing(0),
         };
         let mut by_slot = vec![0.0; n];
         let (mut known, mut columns) = (BTreeMap::<Slot, usize>::new(), Vec::<f64>::new());
-        // Responses to unit forces along the components of a marker pair, shared by all wrenches between its markers.
+        // Responses to unit forces along the components of a marker pair. All wrenches between the two markers share them.
         let mut units: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
         let mut responses = DMatrix::zeros(n, asked.len());
         let mut open: Vec<usize> = Vec::new();
@@ -222,8 +228,11 @@ impl<'a> OperatingPoints<'a> {
         for (at, response) in open.into_iter().zip(changes.column_iter()) {
             responses.set_column(at, &response);
         }
-        let along = (directions, &responses);
-        match channel_changes(channels, system, (theta, case), state, scratch, along) {
+        let along = StateSensitivities {
+            directions,
+            responses: &responses,
+        };
+        match channel_changes(channels, system, theta, case, state, scratch, along) {
             Ok(changed) => [(responses, changed), free],
             Err(_) => [nothing(asked.len()), free],
         }
@@ -240,7 +249,8 @@ mod tests {
     use crate::scan::Catalogue;
     use crate::sought::tests::{of_the_axle, shipped_axle};
 
-    /// Compares the first-order columns of the last cause of a fit with the derivatives of the deck that contains it.
+    /// Compares the first-order columns of the last effect of a fit with the Jacobian columns of the fit. The deck of the fit contains that
+    /// effect.
     fn compare(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) {
         let at = fitted.effects.len() - 1;
         let own = &fitted.effects[at];
@@ -254,12 +264,12 @@ mod tests {
             let scale = here.numbers[k].sd / own.numbers[k].sd;
             let exact = fitted.jacobian.column(fitted.parameter_index[at][k]) * scale;
             let off = (&exact - column).norm() / exact.norm();
-            // The Jacobian of the fit belongs to the step before the last.
+            // The Jacobian of the fit was computed before its last Gauss-Newton step.
             assert!(off < 1e-3, "{own} {}: {off:e}", own.numbers[k].name);
         }
     }
 
-    /// The first-order effect of a further term equals the effect of its parameters in the extended deck.
+    /// The first-order effect of a further term equals the derivative with respect to its parameters in the extended deck.
     #[test]
     fn a_further_part_does_what_its_numbers_in_the_deck_do() {
         let loaded = shipped_axle();
@@ -275,7 +285,7 @@ mod tests {
             .hypotheses
             .iter()
             .filter(|h| h.joint_with.is_some());
-        // Each requires a fit. Some have no equilibrium on the way.
+        // Each candidate requires a fit. A fit fails if an iterate has no equilibrium.
         let fitted = growing.step_by(5).filter_map(|h| with(&none, h));
         let compared = fitted.map(|fitted| compare(&subject, &fitted)).count();
         assert!(compared > 4, "{compared}");

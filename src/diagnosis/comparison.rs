@@ -1,4 +1,4 @@
-//! Comparison of the study's solver with the built-in solver at the same numbers.
+//! Comparison of the study's solver with the built-in solver at the same parameter values.
 
 use super::diagnose::Outcome;
 use super::solver_difference::SolverDifference;
@@ -6,10 +6,11 @@ use admire_session::backend::{Backend, BackendError, NativeBackend};
 use admire_solver::mechanics::Vec3;
 
 impl Outcome<'_> {
-    /// Solves the deck with the stiffnesses of the fit without causes, by another solver and by the built-in one, and records the difference.
+    /// Solves the deck with the solver `other` and with the built-in solver, both at the stiffnesses of the fit without causes. Records the
+    /// difference of the two solvers in the diagnosis.
     ///
     /// # Errors
-    /// [`BackendError`] when one of them could not solve anything.
+    /// [`BackendError`] if one of the two solvers could not solve any case.
     pub fn compare(&mut self, other: &mut dyn Backend) -> Result<(), BackendError> {
         let problem = &self.subject.problem;
         let values: Vec<f64> = (0..problem.unknowns.len())
@@ -23,8 +24,8 @@ impl Outcome<'_> {
         let mut unsolved = Vec::new();
         let mut most: (f64, Option<String>) = (0.0, None);
         let (mut squares, mut count) = (0.0, 0.0);
-        // Sums of squares of reading minus prediction by the built-in and the other solver, and number of coordinates. First over all cases,
-        // then over the held-out cases.
+        // Sum of squares of reading minus prediction by the built-in solver, the same sum for the other solver, and the number of
+        // coordinates. The first row is for all cases, the second for the held-out cases.
         let mut residuals = [[0.0; 3]; 2];
         for (k, case) in measurement.cases.iter().enumerate() {
             let [Some(own), Some(foreign)] = sweeps.each_ref().map(|sweep| sweep.equilibrium(k))

@@ -1,11 +1,11 @@
-//! Cross-validation: each group of cases is predicted from the others, with the causes selected anew from the others.
+//! Cross-validation: each group of load cases is predicted from the other groups, with causes selected from those other groups.
 //!
-//! [`Folds::validate`] conditions the linear model of each fitted model on the rows of the other groups. The model of largest evidence there
-//! predicts the group. The set of fitted models and their linearisation points come from the search over all cases. [`Folds::search`] repeats
-//! the whole search for each group, without it.
+//! [`Folds::validate`] conditions the linear model of each fitted model on the rows of the other groups. The model with the largest
+//! posterior probability given those rows predicts the group. The set of fitted models and their linearisation points come from the search
+//! over all cases. [`Folds::search`] repeats the whole search for each group without its cases.
 //!
-//! The log density with which a model predicts a group from the rest is `ln Z(all) - ln Z(rest)`, both at the same variance components.
-//! Source: the chain rule of probabilities; MacKay, Neural Computation 4 (1992) 415.
+//! The log predictive density of a group, given all other readings, is `ln Z(all) - ln Z(rest)`. Both evidences use the same variance
+//! components. Source: the chain rule of probabilities; MacKay, Neural Computation 4 (1992) 415.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -28,40 +28,41 @@ use crate::settings::{
 use admire_identify::global::Row;
 use admire_session::backend::LoadCase;
 
-/// Gain in the prediction of one group from the others.
+/// Improvement in the prediction of one group of cases from the other groups.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct GroupGain {
     /// Labels of the cases in the group.
     pub cases: Vec<String>,
     /// Causes selected from the other groups, as `cause address`.
     pub causes: Vec<String>,
-    /// Rms prediction error of the model without causes.
+    /// Rms error of the model without causes in predicting this group.
     pub rms_before: f64,
-    /// Rms prediction error of the selected model.
+    /// Rms error of the selected model in predicting this group.
     pub rms_after: f64,
 }
 
-/// Cross-validation over all groups.
+/// Result of the cross-validation over all groups of cases.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CrossValidation {
     /// True if the search was repeated for each group; false if the causes were selected among the models fitted to all cases.
     pub searched: bool,
-    /// Measure of the error: `mark` for a mark coordinate in the deck's length unit, `noise` for all readings in units of their noise.
+    /// Measure of the rms errors: `mark` for one mark coordinate in the deck's length unit, `noise` for all readings in units of their
+    /// noise.
     pub of: &'static str,
-    /// Rms prediction error over all groups, without causes.
+    /// Rms prediction error over all groups by the model without causes.
     pub rms_before: f64,
-    /// Rms prediction error over all groups, each by the model selected from the others.
+    /// Rms prediction error over all groups. Each group is predicted by the model selected from the other groups.
     pub rms_after: f64,
     /// Decrease of the rms: `rms_before - rms_after`.
     pub gain: f64,
-    /// Standard error of the gain, by a jackknife over the groups.
+    /// Standard error of `gain`, by a jackknife over the groups.
     pub gain_std_error: f64,
-    /// Gain in each group.
+    /// Prediction errors of each group.
     pub groups: Vec<GroupGain>,
 }
 
 impl CrossValidation {
-    /// Returns the groups of least and greatest gain, where the gain depends strongly on the held-out cases.
+    /// Returns the groups with the least and the greatest gain if the gains of the groups differ strongly, otherwise `None`.
     pub fn spread(&self) -> Option<[&GroupGain; 2]> {
         let gain = |group: &&GroupGain| group.rms_before - group.rms_after;
         let by_gain = |a: &&GroupGain, b: &&GroupGain| gain(a).total_cmp(&gain(b));
@@ -72,9 +73,9 @@ impl CrossValidation {
     }
 }
 
-/// Groups the cases by the set of loads away from their usual values and by the signs of the deviations. Groups are in the order of first
-/// application. Cases at the usual loads join the group applied before them. A single group is cut into blocks of neighbours. Empty with too
-/// few cases.
+/// Divides the cases into groups for cross-validation. Two cases belong to the same group if the same loads deviate from their usual values,
+/// with the same signs. Groups are in the order of first application. A case with all loads at their usual values joins the group applied
+/// before it. If a single group results, it is cut into blocks of successive cases. Returns an empty list if there are too few cases.
 pub(super) fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
     if cases.len() < CV_MIN_CASES {
         return Vec::new();
@@ -152,30 +153,30 @@ fn most_frequent(sorted: &[f64], near: f64) -> f64 {
     best.1
 }
 
-/// Groups of cases, and fitted models conditioned on the rest of each group.
+/// Groups of load cases, and fitted models conditioned on the cases outside each group.
 pub(super) struct Folds<'a> {
     subject: &'a DiagnosisProblem<'a>,
     groups: Vec<Vec<usize>>,
-    /// Rows excluded for each group: all rows that depend on a case of the group.
+    /// Rows excluded for each group, one flag per row: all rows that depend on a case of the group.
     left_out: Vec<Vec<bool>>,
-    /// Cache of models conditioned on the rest of each group.
+    /// Cache: fitted models with their refits for all groups.
     known: RefCell<Vec<(Arc<FittedModel>, Rc<Refits>)>>,
 }
 
-/// One model conditioned on the rest of each group.
+/// Refits of one model, one per group. `None` where the conditioned linear model has no solution.
 type Refits = Vec<Option<Refit>>;
 
-/// Model conditioned on the rest of a group.
+/// Linear model conditioned on the readings outside one group.
 #[derive(Debug)]
 struct Refit {
-    /// Prediction minus reading of all rows.
+    /// Prediction minus reading of all rows, in units of the declared noise.
     misfit: DVector<f64>,
-    /// Log evidence of the rest.
+    /// Log evidence of the readings outside the group.
     ln_z: f64,
 }
 
 impl<'a> Folds<'a> {
-    /// Forms the groups of a study's cases; `None` with too few cases.
+    /// Divides the cases of a study into groups. Returns `None` if there are too few cases.
     pub(super) fn new(subject: &'a DiagnosisProblem<'a>) -> Option<Self> {
         let groups = groups(&subject.problem.programme.cases);
         let left_out = |group: &Vec<usize>| {
@@ -191,7 +192,7 @@ impl<'a> Folds<'a> {
         })
     }
 
-    /// Conditions a model of all cases on the rest of each group.
+    /// Conditions a model that was fitted to all cases on the readings outside each group. Results are cached.
     fn refits(&self, fitted: &Arc<FittedModel>) -> Rc<Refits> {
         let is_own = |(of, _): &&(Arc<FittedModel>, Rc<Refits>)| Arc::ptr_eq(of, fitted);
         if let Some((_, refits)) = self.known.borrow().iter().find(is_own) {
@@ -199,8 +200,7 @@ impl<'a> Folds<'a> {
         }
         let (jacobian, residual) = (fitted.whitened_jacobian(), fitted.whitened_residual());
         let without = |left_out: &Vec<bool>| {
-            let rows = (&jacobian, &residual);
-            let (misfit, ln_z) = fitted.evidence_without(rows, left_out)?;
+            let (misfit, ln_z) = fitted.evidence_without(&jacobian, &residual, left_out)?;
             Some(Refit { misfit, ln_z })
         };
         let refits: Rc<Refits> = Rc::new(self.left_out.iter().map(without).collect());
@@ -209,8 +209,8 @@ impl<'a> Folds<'a> {
         refits
     }
 
-    /// Returns the difference of two models in log predictive density, in nats, summed over the groups. Each group is predicted from the
-    /// others.
+    /// Returns the log predictive density of `fitted` minus the log predictive density of `other`, in nats, summed over the groups. Each
+    /// group is predicted from the other groups.
     pub(super) fn advantage(
         &self,
         fitted: &Arc<FittedModel>,
@@ -226,7 +226,7 @@ impl<'a> Folds<'a> {
         Some(score(fitted)? - score(other)?)
     }
 
-    /// Returns the rows of a group by which predictions are compared.
+    /// Returns the rows of a group on which predictions are compared: the mark rows if the study has marks, otherwise all rows in use.
     fn rows(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
         let subject = self.subject;
         let marks = subject.compares_marks();
@@ -239,7 +239,8 @@ impl<'a> Folds<'a> {
         .map(|(k, _)| k)
     }
 
-    /// Predicts each group by the fitted model with the largest posterior given the other groups.
+    /// Predicts each group by the fitted model that has the largest posterior probability given the other groups. `none` is the model
+    /// without causes.
     pub(super) fn validate(
         &self,
         none: &Arc<FittedModel>,
@@ -269,8 +270,8 @@ impl<'a> Folds<'a> {
         })
     }
 
-    /// Repeats the search for each group without its cases, and predicts the group. `unfitted` is the study before any fit. `None` where a
-    /// search may not start or does not finish.
+    /// Repeats the search for each group without its cases, and predicts the group. `unfitted` is the study before any fit. Returns `None`
+    /// if a search cannot start or does not finish.
     pub(super) fn search(
         &self,
         unfitted: &DiagnosisProblem<'_>,
@@ -290,7 +291,8 @@ impl<'a> Folds<'a> {
         })
     }
 
-    /// Collects the rms errors of all groups; `None` where a group cannot be predicted.
+    /// Collects the rms errors of all groups. Returns `None` if a group cannot be predicted, or if fewer than two groups have rows to
+    /// compare.
     fn collected(
         &self,
         searched: bool,
@@ -340,11 +342,11 @@ impl<'a> Folds<'a> {
     }
 }
 
-/// Prediction of a group from the others.
+/// Prediction of one group from the other groups.
 struct GroupPrediction {
-    /// Prediction minus reading of all rows: without causes, and with the selected causes.
+    /// Prediction minus reading of all rows: by the model without causes, then by the model with the selected causes.
     misfits: [DVector<f64>; 2],
-    /// Causes selected, as text.
+    /// Selected causes, each as `cause address`.
     causes: Vec<String>,
 }
 

@@ -26,7 +26,7 @@ use admire_identify::tolerance::{EffectGroup, NoiseScale};
 use admire_identify::{IdentifyError, LackOfFitTest, Problem};
 use admire_study::{Measurement, Study};
 
-/// Diagnosis with the fits behind it.
+/// Diagnosis, and the fitted models behind it.
 #[derive(Debug)]
 pub struct Outcome<'a> {
     /// Diagnosis as written to `diagnosis.json`.
@@ -37,41 +37,41 @@ pub struct Outcome<'a> {
     pub baseline: Arc<FittedModel>,
     /// Extended model, fitted to all cases.
     pub extended: Arc<FittedModel>,
-    /// Prediction of the extended model as exported, without random effects.
+    /// Prediction of the extended model as exported to a deck, without random effects.
     pub plain: DeckOnlyPrediction,
-    /// Tests of structure in the residuals of the original and of the extended model.
+    /// Tests of structure in the residuals: of the original model, then of the extended model.
     pub structure: [Vec<LackOfFitTest>; 2],
-    /// Predictions of the held-out cases by models fitted without them. `None` without such cases or without findings.
+    /// Predictions of the held-out cases by models fitted without these cases. `None` without held-out cases or without findings.
     pub unseen: Option<HoldOutSelection>,
-    /// Stiffnesses of the original and of the extended model.
+    /// Stiffnesses as estimated by the original and by the extended model.
     pub stiffnesses: Vec<CorrectedStiffness>,
-    /// Fitted models that hold another cause in place of a finding, in the order of the findings.
+    /// Fitted models that contain another cause in place of a finding, in the order of the findings. Some findings have no such model.
     pub rivals: Vec<Rival>,
-    /// Number of candidate causes tried.
+    /// Number of candidate effects that the search tried.
     pub places: usize,
-    /// True if the search ended before it finished, by its budget or by request.
+    /// True if the search ended early: its budget was spent, or the user stopped it.
     pub cut_short: bool,
 }
 
 impl Outcome<'_> {
-    /// True if the user stopped the search; false if it ended by itself or by its budget.
+    /// Returns true if the user stopped the search. Returns false if the search was completed or spent its budget.
     pub fn is_stopped(&self) -> bool {
         self.subject.progress().is_stopped()
     }
 }
 
-/// Model that explains the readings with another cause in place of a finding.
+/// Model that explains the readings with another cause in place of one finding.
 #[derive(Debug)]
 pub struct Rival {
-    /// Cause that was found.
+    /// Cause in the finding. The rival model does not contain this cause.
     pub finding: CandidateEffect,
     /// Rival model, fitted to all cases.
     pub fitted: Arc<FittedModel>,
-    /// Cause that the rival model holds instead.
+    /// Cause that takes the place of the finding's cause in the rival model.
     pub instead: CandidateEffect,
 }
 
-/// Marks the held-out cases: those named by the study, otherwise every fourth case.
+/// Flags the held-out cases: the cases that the study names, or every fourth case if it names none.
 pub fn held_out(study: &Study, measurement: &Measurement) -> Vec<bool> {
     match study.hold_out {
         Some(_) => measurement.cases.iter().map(|case| case.held_out).collect(),
@@ -81,10 +81,11 @@ pub fn held_out(study: &Study, measurement: &Measurement) -> Vec<bool> {
     }
 }
 
-/// Selects the causes of the discrepancy between a model and its readings.
+/// Finds the causes of the discrepancy between a model and its readings. `held_out` flags the cases that are left out of the fits that
+/// measure predictive gain.
 ///
 /// # Errors
-/// [`IdentifyError::NoCases`] when the deck cannot be solved where the fit starts.
+/// [`IdentifyError::NoCases`] if the deck has no equilibrium at the start of the fit.
 pub fn diagnose<'a>(
     problem: &Problem<'a>,
     held_out: Vec<bool>,
@@ -97,10 +98,10 @@ pub fn diagnose<'a>(
     )
 }
 
-/// Runs [`diagnose`] with the given effort for the gain check, and reports its progress.
+/// Runs [`diagnose`] with the given effort for the gain check. `progress` reports the state of the search, and can stop it.
 ///
 /// # Errors
-/// As [`diagnose`].
+/// The same errors as [`diagnose`].
 pub fn diagnose_watched<'a>(
     problem: &Problem<'a>,
     held_out: Vec<bool>,
@@ -263,7 +264,7 @@ pub fn diagnose_watched<'a>(
     })
 }
 
-/// Returns the standard deviations of the tolerance groups and of the noise, as stated in the report.
+/// Returns the standard deviations of the tolerance groups and of the noise, by name and in the units of the report.
 pub(super) fn tolerances(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -317,7 +318,7 @@ pub(super) fn tolerances(
             subject.problem.measurement.parts.is_empty(),
         ) {
             let size = &sizes.scales[at - sizes.groups.len()].1;
-            // A pose error larger than the error of one mark is not noise of the marks.
+            // A pose error larger than the noise of one mark coordinate cannot be noise of the marks.
             let coarse =
                 scale == NoiseScale::PoseShift && libm::exp(sizes.ln[at]) > subject.mark_sigma();
             out.insert(
@@ -331,7 +332,7 @@ pub(super) fn tolerances(
             );
         }
     }
-    // Noise scales appear only where they exceed the declared noise by more than their prior allows.
+    // Noise scales are listed only if they exceed the declared noise by more than their prior allows.
     for (scale, size) in &sizes.scales {
         let name = match scale {
             NoiseScale::PoseShift | NoiseScale::PoseTurn => continue,
@@ -384,8 +385,8 @@ fn check_posterior_predictive(test: &HeldOutTest, unexplained: &mut Unexplained)
     }
 }
 
-/// Adds a component to the unexplained structure if two findings with uncertain laws act in it. Their sum follows the readings, but neither
-/// is the true law of the component.
+/// Adds a component to the unexplained structure if two findings act in it and at least one of them has an uncertain law. The sum of the two
+/// laws follows the readings, but neither is the true law of the component.
 fn two_laws_at_one_element(findings: &[Finding], unexplained: &mut Unexplained) {
     for (k, finding) in findings.iter().enumerate() {
         let of_the_model = |f: &&Finding| !f.minor && !f.cause.is_reading_fault();

@@ -10,7 +10,7 @@ use super::solver_difference::SolverDifference;
 use admire_identify::Status;
 pub use admire_identify::{NoiseFound, ToleranceFound};
 
-/// Result of the diagnosis in one word.
+/// Overall result of the diagnosis, in one word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -25,7 +25,7 @@ pub enum Verdict {
 /// Best fit of the original model, without causes.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct BaselineFit {
-    /// Chi-square per degree of freedom of the fitted cases.
+    /// Chi-square of the fit per degree of freedom.
     pub chi2_per_dof: f64,
     /// Rms error of one mark coordinate in the held-out cases, in the deck's length unit.
     pub held_out_rms: Option<f64>,
@@ -34,12 +34,12 @@ pub struct BaselineFit {
 /// Statistical evidence for a finding.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Evidence {
-    /// Name of the statistic: `evidence`, or `marks of rigid parts`.
+    /// Name of the statistic: `evidence` for causes found by the search, `marks of rigid parts` for errors seen in the marks alone.
     pub statistic: &'static str,
-    /// Value of the statistic: twice the log Bayes factor, or the chi-square of an error seen in the marks alone.
+    /// Value of the statistic. For `evidence`, this is twice the log Bayes factor; otherwise it is the chi-square of the error in the marks.
     pub value: f64,
-    /// Chi-square p-value with one degree of freedom per parameter. For causes found by the search, it is multiplied by the number of
-    /// candidates tried.
+    /// P-value of the statistic as a chi-square. For a cause found by the search, it has one degree of freedom per parameter, and is
+    /// multiplied by the number of candidates tried. For an error of the marks, it has one degree of freedom.
     pub p_value: f64,
     /// Twice the log posterior odds of the model with the finding against the model without it.
     pub bic_gain: f64,
@@ -54,11 +54,11 @@ pub struct Indistinguishable {
     pub address: String,
     /// Posterior probability of the alternative cause at its site.
     pub probability: f64,
-    /// Deficit of its refitted model against the leading model: twice the log posterior odds.
+    /// Twice the log posterior odds of the leading model against the refitted model with the alternative cause.
     pub bic_behind: f64,
 }
 
-/// Improvement of the model by a finding.
+/// Improvement of fit and prediction by a finding.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Gain {
     /// Chi-square per degree of freedom without the finding.
@@ -71,35 +71,38 @@ pub struct Gain {
     pub held_out_rms_after: Option<f64>,
     /// P-value of the held-out readings under the extended model's prediction and its covariance.
     pub held_out_p_value: Option<f64>,
-    /// Gain in the cross-validated log predictive density over groups of cases, in nats. `None` for a fault that acts in one case alone.
+    /// Gain in the cross-validated log predictive density over groups of cases, in nats. `None` for a fault that acts in a single case, or
+    /// without cross-validation.
     pub cross_validated_nats: Option<f64>,
 }
 
-/// Name of the parameter that states the misfit of a fitted force law: the force by which the true law differs, rms over the cases.
+/// Name of the reported parameter for the misfit of a fitted force law. Its value is the rms difference between the true and the fitted
+/// force over the cases.
 pub const LAW_MISFIT: &str = "law_misfit";
 
 /// Probable cause of a discrepancy, with its size and evidence.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Finding {
-    /// Cause.
+    /// Cause that was found.
     pub cause: Cause,
-    /// Address of the cause in the deck.
+    /// Address of the site in the deck.
     pub address: String,
-    /// `point`: all markers that meet there moved together. `part`: only one side moved.
+    /// Form of the cause. For a hardpoint: `point` if all markers that meet there moved together, `part` if only one side moved. For a
+    /// misplaced mark: `loose` if it moved during the measurement, otherwise `listed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form: Option<String>,
     /// Addresses of all members if the finding has several, such as the markers of one hardpoint.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub members: Vec<String>,
-    /// Posterior probability of this cause at this site.
+    /// Posterior probability that this cause acts at this site.
     pub probability: f64,
-    /// Posterior probability that this cause or one of `indistinguishable_from` acts.
+    /// Posterior probability that this cause or one of the causes in `indistinguishable_from` acts.
     pub group_probability: f64,
-    /// Estimates of the parameters by name.
+    /// Estimates of the cause's parameters, by name.
     pub parameters: BTreeMap<String, f64>,
-    /// Standard errors of the parameters by name.
+    /// Standard errors of the cause's parameters, by name.
     pub std_error: BTreeMap<String, f64>,
-    /// True if the effect on marks and wheel is too small to matter for the use of the model.
+    /// True if the effect of the finding on marks and wheel is too small to matter for the use of the model.
     pub minor: bool,
     /// Statistical evidence for the finding.
     pub evidence: Evidence,
@@ -114,19 +117,20 @@ pub struct Finding {
 pub struct Unexplained {
     /// True if significant structure remains.
     pub structured: bool,
-    /// Smallest p-value of the tests of structure, corrected for their number. Includes a failed test of the held-out cases.
+    /// Smallest p-value among the tests of structure, corrected for the number of tests. Includes the test of the held-out cases if that
+    /// test fails.
     pub p_value: f64,
-    /// Locations of the remaining structure, one phrase each. For the report only.
+    /// Locations of the remaining structure, one phrase each. Used in the report, and left out of `diagnosis.json`.
     #[serde(skip)]
     pub places: Vec<String>,
-    /// Extra force that best explains the remainder. `None` where no location stands out.
+    /// Extra force that best explains the remaining structure. `None` if no location stands out.
     pub remainder: Option<Remainder>,
 }
 
-/// Proposed measurement that separates rival explanations.
+/// Proposed measurement that distinguishes rival explanations.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NextMeasurement {
-    /// Value of each load by name.
+    /// Value of each load in the proposed load case, by name.
     pub case: BTreeMap<String, f64>,
     /// Purpose of the measurement.
     pub why: String,
@@ -137,17 +141,17 @@ pub struct NextMeasurement {
 pub struct Parameter {
     /// Address in the deck, such as `BUSHING/1.K.1`.
     pub address: String,
-    /// Unit. Rotational stiffnesses KT are per radian.
+    /// Unit of the stiffness. Rotational stiffnesses KT are per radian.
     pub unit: String,
-    /// Initial value from the deck.
+    /// Value in the deck before the fit.
     pub initial: f64,
-    /// Estimate.
+    /// Estimated value.
     pub value: f64,
     /// Standard error, in the unit of the value.
     pub std_error: f64,
-    /// Interval of 95 percent probability, tolerances and causes included. A side without a bound is `null`.
+    /// Interval of 95 percent probability. It includes the uncertainty of tolerances and causes. A side without a bound is `null`.
     pub interval95: [Option<f64>; 2],
-    /// Fraction of its variance that is due to tolerances.
+    /// Fraction of the variance that is due to tolerances.
     pub tolerance_share: f64,
     /// Result of the identification of this stiffness.
     pub status: Status,
@@ -164,41 +168,42 @@ impl Parameter {
     }
 }
 
-/// Smallest error of a hardpoint that would be named with even odds.
+/// Detection limit of a hardpoint: the displacement at which the cause `hardpoint-error` has a posterior probability of one half.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DetectionLimit {
-    /// First marker of the hardpoint.
+    /// Address of the first marker of the hardpoint.
     pub address: String,
-    /// All markers that meet at the hardpoint.
+    /// Addresses of all markers that meet at the hardpoint.
     pub members: Vec<String>,
-    /// Limits along x, y and z of ground, in mm. `null` where the readings are insensitive.
+    /// Limits along x, y and z of ground, in mm. `null` for a direction in which the readings are insensitive.
     pub mm: [Option<f64>; 3],
 }
 
-/// Smallest size of any other cause that would be named with even odds.
+/// Detection limit of a cause other than a hardpoint error: the size of one parameter at which the cause has a posterior probability of one
+/// half.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CauseLimit {
-    /// Cause.
+    /// Cause to which the limit applies.
     pub cause: Cause,
-    /// Address of the cause in the deck.
+    /// Address of the site in the deck.
     pub address: String,
     /// Name of the parameter, as in `findings[].parameters`.
     pub number: String,
-    /// Limit in the unit of the parameter. `null` where the readings are insensitive.
+    /// Limit in the unit of the parameter. `null` if the readings are insensitive to the parameter.
     pub size: Option<f64>,
 }
 
 /// Contents of `diagnosis.json`.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Diagnosis {
-    /// Result in one word.
+    /// Overall result in one word.
     pub verdict: Verdict,
-    /// Difference between the study's solver and the built-in solver that runs the search. Absent if the study names no other solver.
+    /// Difference between the study's solver and the built-in solver that runs the search. Absent if the study uses the built-in solver.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<SolverDifference>,
     /// Best fit of the original model, without causes.
     pub baseline: BaselineFit,
-    /// Findings, the most important first.
+    /// Findings. Errors seen in the marks alone come first, then causes found by the search, the most important first.
     pub findings: Vec<Finding>,
     /// Posterior probability that no cause of the catalogue acts.
     pub none_of_these: f64,
@@ -212,15 +217,16 @@ pub struct Diagnosis {
     pub detection_limits: Vec<DetectionLimit>,
     /// Detection limits of all other causes.
     pub cause_limits: Vec<CauseLimit>,
-    /// Prediction of each group of cases from the other groups, with the causes selected anew. `None` with too few cases or no finding.
+    /// Prediction of each group of cases from the other groups, with causes selected from those groups. `None` with too few cases or without
+    /// a finding.
     pub cross_validation: Option<CrossValidation>,
-    /// Prediction of cases that no fit used. `None` without held-out cases or without a finding.
+    /// Prediction of the held-out cases by models fitted without them. `None` without held-out cases or without a finding.
     pub hold_out: Option<HoldOut>,
     /// Structure that remains in the residuals of the extended model.
     pub unexplained: Unexplained,
-    /// Proposed next measurement.
+    /// Proposed next measurement. `None` without a proposal.
     pub next_measurement: Option<NextMeasurement>,
-    /// True if the search ended before it finished, by its budget or by request.
+    /// True if the search ended early: its budget was spent, or the user stopped it.
     pub interrupted: bool,
 }
 

@@ -23,28 +23,29 @@ use admire_syntax::Address;
 pub struct DiagnosisProblem<'a> {
     /// Identification problem of the study.
     pub problem: Problem<'a>,
-    /// Residual rows of all cases, held out or not.
+    /// Residual rows of all cases, including the held-out cases.
     pub rows: Vec<Row>,
-    /// Declared standard deviation of a mark coordinate, which is the unit of a mark's row.
+    /// Declared standard deviation of one mark coordinate, in the deck's length unit. Residual rows of marks are in units of this standard
+    /// deviation.
     pub sigma: f64,
-    /// Noise of the marks as estimated from the rigidity of the parts, with outliers and misplaced marks.
+    /// Noise of the marks, estimated from the rigidity of the parts. Also lists outliers and misplaced marks.
     pub noise: MarkNoise,
-    /// Student-t noise model, where the residuals of a fit have heavy tails.
+    /// Student-t noise model of the marks. `None` unless the residuals of a fit have heavy tails.
     pub tails: Option<Tails>,
-    /// Random effects: small errors of axle and rig.
+    /// Random effects: small errors of the axle and of the rig.
     pub layer: Arc<RandomEffects>,
-    /// Variance components before any fit.
+    /// Variance components (standard deviations of tolerance groups and noise scales) before any fit.
     pub sizes: VarianceComponents,
-    /// Precision of each row in its own unit. Zero where the row is not used.
+    /// Precision of each residual row in the row's own unit. Zero for a row that is not used.
     pub precision: Vec<f64>,
-    /// Directions in the space of rows that are excluded from the comparison, because zero-stiffness motions act along them.
+    /// Directions in the space of residual rows that are excluded from the comparison, because zero-stiffness motions act along them.
     free: Arc<Vec<Vec<(usize, f64)>>>,
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<NoiseScale>)>,
-    /// Whitening transformations, computed at first use: without the held-out cases, and of all cases.
+    /// Whitening transformations, computed at first use. The first leaves out the held-out cases, the second covers all cases.
     whitenings: [OnceLock<Arc<Whitening>>; 2],
     held_out: Vec<bool>,
-    /// Whether fits leave out the curves that the study holds out.
+    /// True if fits leave out the curves that the study holds out.
     holds_curves: bool,
     progress: Progress,
 }
@@ -63,8 +64,12 @@ impl<'a> DiagnosisProblem<'a> {
         let millimetre = 1e-3 / problem.model.units.length.si;
         let frame = problem.settings.frame_sd;
         let frames = [0, 3].map(|axis| frame.of_axis(axis, &problem.model.units));
-        let of_marks = (measurement.sigma_on_parts, frames);
-        let mut sizes = VarianceComponents::new(problem.tolerances, of_marks, millimetre);
+        let mut sizes = VarianceComponents::new(
+            problem.tolerances,
+            measurement.sigma_on_parts,
+            frames,
+            millimetre,
+        );
         let alignment = problem.tolerances.alignment;
         if alignment != PriorSetting::Estimate
             && !measurement.parts.is_empty()
@@ -105,7 +110,7 @@ impl<'a> DiagnosisProblem<'a> {
         new
     }
 
-    /// Returns a copy with additional tolerance groups.
+    /// Returns a copy of this study with additional tolerance groups.
     #[must_use]
     pub fn with_groups(&self, groups: impl IntoIterator<Item = (EffectGroup, ScalePrior)>) -> Self {
         let mut new = self.clone();
@@ -120,13 +125,13 @@ impl<'a> DiagnosisProblem<'a> {
         new
     }
 
-    /// Returns true if the measuring frame has a separate pose in each case.
+    /// Returns true if the measuring frame has an unknown pose of its own in each case.
     pub fn has_frames(&self) -> bool {
         self.sizes.group(EffectGroup::FrameShifts).is_some()
     }
 
-    /// Sets the precision of all rows. Marks get the precision of their estimated noise, and outliers get zero. With the residuals of a fit,
-    /// heavy tails or Huber's loss lower the precision of far readings.
+    /// Sets the precision of all rows. Mark rows get the precision of the estimated noise, and rows of outliers get zero. If `misfit` gives
+    /// the residuals of a fit, heavy tails or Huber's loss lower the precision of readings far from the fit.
     pub fn set_row_weights(&mut self, misfit: Option<&DVector<f64>>) {
         let least = if self.noise.has_tails() {
             HEAVY_TAILS_NATS
@@ -136,7 +141,8 @@ impl<'a> DiagnosisProblem<'a> {
         self.weigh_by(misfit, least);
     }
 
-    /// Sets the precision of all rows, with a Student-t model if its log likelihood exceeds the Gaussian by more than `least` nats.
+    /// Sets the precision of all rows. A Student-t model is used if its log likelihood exceeds that of the Gaussian model by more than
+    /// `least` nats.
     fn weigh_by(&mut self, misfit: Option<&DVector<f64>>, least: f64) {
         let relative = self.noise.sigma().map_or(1.0, |sigma| self.sigma / sigma);
         let relative = if relative.is_finite() { relative } else { 1.0 };
@@ -186,8 +192,8 @@ impl<'a> DiagnosisProblem<'a> {
         self.whitenings = Default::default();
     }
 
-    /// Flags possible outliers on parts with only three usable marks, from the residuals of a fit. Three marks are too few to identify an
-    /// outlier by the rigidity of the part alone. Returns true if any are flagged.
+    /// Flags possible outliers on parts with only three usable marks, from the residuals of a fit. The rigidity of a part alone cannot show
+    /// which of three marks is an outlier. Returns true if any mark is flagged.
     pub fn flag_three_mark_outliers(&mut self, misfit: &DVector<f64>) -> bool {
         let marks = self.rows.iter().zip(misfit.iter());
         let marks = marks.filter(|(row, _)| matches!(row, Row::Mark { .. }));
@@ -197,7 +203,8 @@ impl<'a> DiagnosisProblem<'a> {
             .flag_three_mark_outliers(self.problem.measurement, &off, usual)
     }
 
-    /// Decides on flagged marks by the residuals of a fit that left them out. Returns true if there were any.
+    /// Decides whether each flagged mark is an outlier, by the residuals of a fit that left the flagged marks out. Returns true if any marks
+    /// were flagged.
     pub fn resolve_flagged(&mut self, misfit: &DVector<f64>) -> bool {
         if self.noise.suspects.is_empty() {
             return false;
@@ -207,8 +214,9 @@ impl<'a> DiagnosisProblem<'a> {
         true
     }
 
-    /// Returns a copy with Student-t weights where the marks alone are too few to show heavy tails. `far` states that isolated far readings
-    /// are the only remaining structure, which lowers the threshold. `None` where heavy tails are already in use or unsupported.
+    /// Returns a copy with Student-t weights, for a study whose marks are too few to show heavy tails by themselves. `far` states that
+    /// isolated far readings are the only remaining structure; weaker evidence for heavy tails is then enough. Returns `None` if heavy tails
+    /// are already in use, or if the evidence for them is too weak.
     pub fn with_tails(&self, misfit: &DVector<f64>, far: bool) -> Option<Self> {
         if self.tails.is_some() || !(far || self.noise.may_have_tails()) {
             return None;
@@ -225,8 +233,8 @@ impl<'a> DiagnosisProblem<'a> {
         tailed.tails.is_some().then_some(tailed)
     }
 
-    /// Returns true if some mark coordinates, but fewer than 3 percent, are far from the fit. A wrong model spreads its error over many
-    /// readings.
+    /// Returns true if some mark coordinates, but fewer than 3 percent, have residuals far from zero. A wrong model spreads its error over
+    /// many readings.
     pub fn has_few_far(&self, misfit: &DVector<f64>) -> bool {
         let sigma = self.mark_sigma() / self.sigma;
         let marks = self.rows.iter().zip(&self.precision).zip(misfit.iter());
@@ -248,8 +256,8 @@ impl<'a> DiagnosisProblem<'a> {
         self.noise.contradicts(tailed)
     }
 
-    /// Returns the factor that brings the mean square of whitened residuals of these rows to an expected value of one. Student-t weights
-    /// lower the mean square of the marks.
+    /// Returns the factor that scales the mean square of the whitened residuals of these rows to an expected value of one. Student-t weights
+    /// lower the mean square of mark rows.
     pub fn variance_factor(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
         let Some(tails) = self.tails else {
             return 1.0;
@@ -266,12 +274,12 @@ impl<'a> DiagnosisProblem<'a> {
         if sum > 0.0 { count / sum } else { 1.0 }
     }
 
-    /// Returns true if residuals changed the precision of the rows.
+    /// Returns true if the precision of the rows depends on the residuals of a fit.
     pub fn is_reweighed(&self) -> bool {
         self.tails.is_some() || self.problem.settings.loss == Loss::Huber
     }
 
-    /// Returns the whitening transformation over the cases of `data`.
+    /// Returns the whitening transformation for the cases that `data` selects.
     pub fn whitening(&self, data: Data) -> Arc<Whitening> {
         let known = &self.whitenings[usize::from(data == Data::All)];
         let new = || {
@@ -290,7 +298,8 @@ impl<'a> DiagnosisProblem<'a> {
         Arc::clone(known.get_or_init(new))
     }
 
-    /// Returns true if a row belongs to a seen case. A summary channel is seen only if all its cases are.
+    /// Returns true if `is_seen` holds for all cases on which the row depends. A row of a summary channel depends on several cases, any
+    /// other row on one.
     pub(super) fn sees(&self, row: &Row, is_seen: &dyn Fn(usize) -> bool) -> bool {
         match *row {
             Row::Channel { case, channel } => {
@@ -304,15 +313,16 @@ impl<'a> DiagnosisProblem<'a> {
         }
     }
 
-    /// Returns true if a row is held out from the fits that measure predictive gain, by its case or by its curve.
+    /// Returns true if the row is left out of the fits that measure predictive gain, because its case or its curve is held out.
     pub fn is_held_out_row(&self, row: &Row) -> bool {
         let channels = &self.problem.measurement.channels;
         let curve = matches!(*row, Row::Channel { channel, .. } if channels[channel].held_out);
         self.holds_curves && curve || !self.sees(row, &|case| !self.held_out[case])
     }
 
-    /// Returns the whitening transformation of readings that have not been taken yet. They get the average precision of existing readings of
-    /// their kind. `rows` refer to `measurement`, `seen` gives the expected position of a mark, and the directions in `free` are excluded.
+    /// Returns the whitening transformation of planned readings. Planned mark readings get the mean precision of the existing mark readings.
+    /// `rows` refer to `measurement`. `seen` returns the expected position of a mark, given the case and the reading. The directions in
+    /// `free` are excluded.
     pub fn whitening_ahead(
         &self,
         rows: &[Row],
@@ -330,7 +340,7 @@ impl<'a> DiagnosisProblem<'a> {
         Whitening::new(&blocks, &single, &precision, &self.sizes, free)
     }
 
-    /// Returns the mean precision of the mark rows in use; 1 without any.
+    /// Returns the mean precision of the mark rows in use; 1 if there are none.
     pub fn usual_precision(&self) -> f64 {
         let rows = self.rows.iter().zip(&self.precision);
         let used = rows.filter(|(row, p)| matches!(row, Row::Mark { .. }) && **p > 0.0);
@@ -354,22 +364,22 @@ impl<'a> DiagnosisProblem<'a> {
             || self.holds_curves && curves.any(|channel| channel.held_out)
     }
 
-    /// Returns one millimetre in the deck's length unit.
+    /// Returns the length of one millimetre in the deck's length unit.
     pub fn millimetre(&self) -> f64 {
         1e-3 / self.problem.model.units.length.si
     }
 
-    /// Returns the standard deviation of a mark coordinate used in the fits, in the deck's length unit.
+    /// Returns the standard deviation of one mark coordinate that the fits use, in the deck's length unit.
     pub fn mark_sigma(&self) -> f64 {
         self.noise.sigma().unwrap_or(self.sigma)
     }
 
-    /// Returns the user's settings of the tolerances.
+    /// Returns the tolerance settings of the study.
     pub fn stated(&self) -> &ToleranceSettings {
         self.problem.tolerances
     }
 
-    /// Adds to the count of sweeps. One sweep solves all load cases once.
+    /// Adds to the number of sweeps. One sweep solves all load cases once.
     pub fn count_sweeps(&self, sweeps: usize) {
         self.progress.spend(sweeps);
     }
@@ -389,7 +399,7 @@ impl<'a> DiagnosisProblem<'a> {
         &self.progress
     }
 
-    /// Counts sweeps in `progress` from now on.
+    /// Uses `progress` as the progress counter from now on.
     pub fn with_progress(&mut self, progress: &Progress) {
         self.progress = progress.clone();
     }
@@ -403,14 +413,15 @@ impl<'a> DiagnosisProblem<'a> {
         }
     }
 
-    /// Returns true if the study has marks. Predictions are then compared by the marks alone.
+    /// Returns true if the study has marks. Predictions are then compared on the marks alone.
     pub fn compares_marks(&self) -> bool {
         !self.problem.measurement.parts.is_empty()
     }
 
-    /// Returns the measure by which predictions are compared, and its unit per row: `mark` in the deck's length unit, otherwise `noise`.
+    /// Returns the measure by which predictions are compared, and the factor that converts a residual row to its unit. The measure is `mark`
+    /// (in the deck's length unit) or `noise` (in units of the noise).
     pub fn compared(&self) -> (&'static str, f64) {
-        // A held-out curve without held-out cases is compared in units of its noise.
+        // If only curves are held out, predictions are compared in units of the noise.
         if self.compares_marks() && (self.cases_held_out().next().is_some() || !self.holds_out()) {
             ("mark", self.sigma)
         } else {
@@ -429,8 +440,8 @@ impl<'a> DiagnosisProblem<'a> {
     }
 }
 
-/// Returns the directions of rows along which zero-stiffness motions act, linearised at the deck's own parameters. `None` where no case has
-/// an equilibrium.
+/// Returns the directions in the space of residual rows along which zero-stiffness motions act, linearised at the deck's own parameters.
+/// Returns `None` without such motions, or if no case has an equilibrium.
 fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
     if problem.free.is_empty() {
         return None;
@@ -447,7 +458,7 @@ fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
         x: Vec::new(),
     };
     let mut prediction = predictor.predict(&numbers, None);
-    // Zero-stiffness motions hardly depend on the load: an unsolved case takes the directions of another.
+    // Zero-stiffness motions hardly depend on the load, so an unsolved case takes the directions of a solved case.
     let known = prediction.iter().flatten().next()?.clone();
     for own in &mut prediction {
         own.get_or_insert_with(|| known.clone());
@@ -456,7 +467,7 @@ fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
     Some(found.free)
 }
 
-/// Returns the random effects of a study's axle and rig.
+/// Returns the random effects of the study's axle and rig.
 fn layer_of(problem: &Problem<'_>, load_errors: bool) -> RandomEffects {
     let is_sought = |address: &Address| {
         let mut unknowns = problem.unknowns.iter();
@@ -470,7 +481,8 @@ fn layer_of(problem: &Problem<'_>, load_errors: bool) -> RandomEffects {
     })
 }
 
-/// Groups the rows by correlation: the marks of one part in one case with their levers from the mean position, and the independent rows.
+/// Divides the rows into correlated blocks and independent rows. A block holds the marks of one part in one case, with their levers from the
+/// mean position.
 fn placed(
     rows: &[Row],
     measurement: &Measurement,
@@ -523,8 +535,8 @@ fn placed(
     (blocks.into_iter().map(|(_, block)| block).collect(), single)
 }
 
-/// Returns the error of a mark reading, as reading minus prediction in length units. `misfit` is prediction minus reading in units of
-/// `sigma`.
+/// Returns a function of the case and the reading index. Its result is the error vector of that mark reading: reading minus prediction, in
+/// length units. `misfit` is prediction minus reading in units of `sigma`.
 fn off<'a>(
     rows: &'a [Row],
     misfit: &'a DVector<f64>,

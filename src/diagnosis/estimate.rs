@@ -1,12 +1,12 @@
-//! Fitted parameter of an effect.
+//! Estimate of a parameter of a fitted effect.
 
 /// Estimate of a parameter and its standard error, in the units of `diagnosis.json`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Estimate {
     /// Name of the parameter.
     pub name: String,
-    /// Estimate.
+    /// Estimated value.
     pub value: f64,
-    /// Standard error.
+    /// Standard error of the value.
     pub std_error: f64,
 }

@@ -1,4 +1,4 @@
-//! Deck with the statements of some causes, compiled.
+//! Deck extended by the statements of some causes, and compiled.
 
 use std::sync::Arc;
 
@@ -10,20 +10,21 @@ use admire_solver::model::Model;
 use admire_solver::system::State;
 use admire_syntax::Dataset;
 
-/// Deck extended by some effects, compiled.
+/// Deck extended by the statements of some effects, and its compiled model.
 #[derive(Debug)]
 pub struct ExtendedDeck {
-    /// Statements of the extended deck, with unfitted numbers.
+    /// Statements of the extended deck, before its parameters are fitted.
     pub dataset: Dataset,
     /// Model lowered from the statements.
     pub model: Model,
     /// Compiled model.
     pub prepared: Arc<Prepared>,
-    /// Ids of split-off parts, each with the id of the part it was split from.
+    /// Pairs of part ids: a split-off part, and the part it was split from.
     pieces: Vec<(u32, u32)>,
 }
 
-/// Returns the deck extended by some effects. The deck of `warm` is reused where it has the same extensions.
+/// Returns the deck extended by the `chosen` effects, or `None` if that deck cannot be compiled. Reuses the deck of `warm` if both have the
+/// same extensions.
 pub(super) fn deck_of(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(CandidateEffect, Vec<f64>)],
@@ -71,8 +72,9 @@ fn piece(change: &Change) -> Option<(u32, u32)> {
     }
 }
 
-/// Converts a state of one deck to an initial state of another deck, which may have further parts. A split-off part starts at its own
-/// previous pose, or at the pose of the part it was split from. Anywhere else its stiff bushing would exert a force larger than any load.
+/// Converts `state`, a state of the deck `theirs`, to an initial state of the deck `deck`, which may have further parts. A split-off part
+/// starts at its own pose in `state`, or else at the pose of the part it was split from. At any other pose its stiff bushing would exert a
+/// force larger than any load.
 pub(super) fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) -> State {
     if std::ptr::eq(deck, theirs) {
         return state.clone();
@@ -105,7 +107,7 @@ mod tests {
     use super::super::sought::tests::{of_the_axle, shipped_axle};
     use super::*;
 
-    /// This deck has its angles in degrees. The split-off part is written in radians with truncated digits.
+    /// The deck of this test has angles in degrees. The statement of the split-off part has angles in radians, with truncated digits.
     #[test]
     fn a_piece_begins_where_its_part_is() {
         let loaded = shipped_axle();

@@ -13,7 +13,7 @@ use admire_syntax::text::Edit;
 use admire_syntax::{Address, Dataset};
 
 impl Outcome<'_> {
-    /// Returns the deck with the causes found and the fitted stiffnesses. Random effects are not written into it.
+    /// Returns the text of the deck with the found causes and the fitted stiffnesses. Random effects are not written into it.
     pub fn extended_deck(&self) -> Vec<u8> {
         deck(
             &self.extended,
@@ -22,7 +22,7 @@ impl Outcome<'_> {
         )
     }
 
-    /// Returns the commands that replay the load cases in order on the extended deck.
+    /// Returns an ADAMS command file that replays the load cases in order on the extended deck.
     pub fn extended_commands(&self) -> String {
         let programme = &self.subject.problem.programme;
         let fitted = &self.extended;
@@ -36,7 +36,7 @@ impl Outcome<'_> {
             let Some(slot) = catalogue.slot(&address) else {
                 continue;
             };
-            // A redefinition replaces the whole list.
+            // A redefinition command replaces the whole list of values.
             let same_list = |(known, at): &(Address, Slot)| {
                 let whole = |address: &Address| Address {
                     index: None,
@@ -82,7 +82,7 @@ impl Outcome<'_> {
     }
 }
 
-/// Returns the slots that change from case to case, loads first.
+/// Returns the slots of the deck parameters that change from case to case, loads first.
 pub(super) fn driven(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Slot> {
     let catalogue = fitted.deck.prepared.system.catalogue();
     let loads = &subject.problem.programme.loads;
@@ -98,7 +98,7 @@ pub(super) fn driven(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Ve
     slots
 }
 
-/// Returns the slots of a fit, other than loads, that change from case to case.
+/// Returns the slots of deck parameters, other than loads, that change from case to case in a fit.
 fn per_case(fitted: &FittedModel) -> Vec<Slot> {
     let mut out: Vec<Slot> = fitted.memories.iter().map(|memory| memory.anchor).collect();
     for (k, unknown) in fitted.unknowns.list().iter().enumerate() {
@@ -110,7 +110,8 @@ fn per_case(fitted: &FittedModel) -> Vec<Slot> {
     out
 }
 
-/// Returns a command that sets a number: the whole FUNCTION, or an argument with all its values.
+/// Returns the command that sets the parameter at an address to `value`. The command redefines the whole FUNCTION, or an argument with all
+/// its components; `of` returns their values.
 fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>) -> Option<String> {
     let id = address.id?;
     let kind = &address.kind;
@@ -120,7 +121,7 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
     let Some(_) = address.index else {
         return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
     };
-    // A number inside a function: the value replaces the function, which contains no other number.
+    // The parameter is a literal number inside a function. The value replaces the whole function, which contains no other number.
     if matches!(kind.as_str(), "GFORCE" | "SFORCE" | "VARIABLE") {
         return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
     }
@@ -136,7 +137,7 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
     Some(format!("{kind}/{id}, {argument}={}\n", values.join(",")))
 }
 
-/// Writes the numbers of a fit into its deck. Numbers that change from case to case keep their deck values.
+/// Writes the fitted parameters into the extended deck. Parameters that change from case to case keep their deck values.
 fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Vec<u8> {
     let system = &fitted.deck.prepared.system;
     let catalogue = system.catalogue();
@@ -149,7 +150,7 @@ fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Ve
         }
         let address = catalogue.info(slot).address;
         let edits = dataset.set(&address, new).or_else(|refused| {
-            // The sign of a number inside a function is an operator, so a negative number is put in parentheses.
+            // The sign of a number inside a function is an operator, so a negative number is written in parentheses.
             let number = dataset.number_at(&address).filter(|_| new < 0.0);
             let number = number.ok_or(refused)?;
             let text = format!("({})", admire_syntax::spell_like(new, b"1.0"));
@@ -163,7 +164,8 @@ fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Ve
     dataset.bytes().to_vec()
 }
 
-/// Rotates ZP and XP about QP in the markers that an effect rotates. A marker with only one of the two points gets the other as well.
+/// Rotates the points ZP and XP about QP, for markers whose axes an effect rotates. A marker with only one of the two points gets the other
+/// point as well.
 fn turn_points(dataset: &mut Dataset, model: &Model, (before, after): (&Parameters, &Parameters)) {
     for (k, marker) in model.markers.iter().enumerate() {
         let (Some(old), Some(new)) = [before, after]

@@ -1,4 +1,4 @@
-//! Findings of a search: each cause of the leading model with its rivals and its gain.
+//! Findings of a search: each cause of the leading (reported) model, with its rivals and its gain.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::settings::{
 };
 use admire_study::orientation::chi_square_p_value;
 
-/// Returns a fitted model with another cause in place of one finding, and that cause.
+/// Returns a fitted model with another cause in place of effect `at` of the leading model, and that other cause.
 pub(super) fn rival_fit(
     found: &Found,
     leading: &FittedModel,
@@ -31,7 +31,8 @@ pub(super) fn rival_fit(
     })
 }
 
-/// Returns the cause that a model holds in place of one cause of the leading model. All other causes must be at the same sites.
+/// Returns the cause that `model` contains in place of effect `at` of the leading model. All other causes of the two models must be at the
+/// same sites.
 fn instead<'m>(
     model: &'m Visited,
     leading: &FittedModel,
@@ -50,8 +51,8 @@ fn instead<'m>(
     rest.pop().filter(|h| !h.same_site(own))
 }
 
-/// Returns the findings of the leading model, the most important first, with the index of each among its effects. The flag is true if some
-/// cause probably acts and matters, but no finding that matters qualifies for the list.
+/// Returns the findings of the leading model, the most important first, and the index of each finding among the model's effects. The flag is
+/// true if some cause acts with a probability above one half, but no cause that matters qualifies as a finding.
 pub(super) fn findings(
     subject: &DiagnosisProblem<'_>,
     found: &Found,
@@ -89,7 +90,8 @@ pub(super) fn findings(
         let without = without(found, leading, k);
         let evidence = 2.0 * (leading.posterior.ln_z - without.posterior.ln_z);
         let before = HoldOutPrediction::new(subject, &without);
-        // The importance counts the effect of the cause alone. A refit would absorb part of it by wrong values elsewhere.
+        // The importance counts the effect of the cause alone. A refit without the cause would absorb part of its effect by wrong values of
+        // other parameters.
         let moves = leading
             .effect(subject, k)
             .map(|effect| moved(subject, &effect));
@@ -154,8 +156,8 @@ pub(super) fn findings(
         };
         (finding, k)
     };
-    // Next to a force of unknown law, cases it describes badly look like faults of those cases. Its higher-order effects look like a second
-    // cause at the same element.
+    // If the model contains a force of unknown law, cases that this force describes badly look like faults of those cases. Its higher-order
+    // effects look like a second cause at the same element.
     let stands_in = leading.effects.iter().find(|h| !h.is_in_catalogue());
     let of_a_case = |h: &CandidateEffect| h.only_case(&subject.rows).is_some();
     let faults = leading.effects.iter().filter(|h| of_a_case(h)).count();
@@ -197,7 +199,8 @@ fn is_at(h: &CandidateEffect, cause: Cause, address: &str) -> bool {
     h.cause == cause && h.address == address
 }
 
-/// Returns the best fitted model without one cause and its further terms. Falls back to the model without any cause.
+/// Returns the best fitted model that contains all effects of the leading model except effect `at` and further terms of the same law. Falls
+/// back to the model without any cause.
 pub(super) fn without(found: &Found, leading: &FittedModel, at: usize) -> Arc<FittedModel> {
     let is_rest = |model: &Visited| {
         let own = &leading.effects[at];
@@ -210,7 +213,7 @@ pub(super) fn without(found: &Found, leading: &FittedModel, at: usize) -> Arc<Fi
     Arc::clone(fitted.unwrap_or(&found.none))
 }
 
-/// Returns the findings from the marks alone: their noise, misplaced marks and gross errors.
+/// Returns the findings that the marks alone show: a wrong noise level, misplaced marks and gross errors of readings.
 pub(super) fn mark_findings(subject: &DiagnosisProblem<'_>) -> Vec<Finding> {
     let mut out = Vec::new();
     let measurement = subject.problem.measurement;
@@ -227,7 +230,7 @@ pub(super) fn mark_findings(subject: &DiagnosisProblem<'_>) -> Vec<Finding> {
         evidence: Evidence {
             statistic: "marks of rigid parts",
             value,
-            p_value: chi_square_p_value(value, 1),
+            p_value: chi_square_p_value(value, numbers[0].len()),
             bic_gain: value,
         },
         indistinguishable_from: Vec::new(),

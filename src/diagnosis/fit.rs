@@ -1,4 +1,4 @@
-//! Joint fit of stiffnesses, causes and tolerances of an extended deck, with variance components by evidence.
+//! Joint fit of an extended deck's stiffnesses, causes and tolerances, with variance components estimated by maximum evidence.
 
 use std::sync::Arc;
 
@@ -22,16 +22,16 @@ use admire_identify::tolerance::{
 use admire_identify::{Problem, tolerance};
 use admire_solver::system::{Parameters, State};
 
-/// Model linearised at the end of its fit, with the posterior there.
+/// Fitted model, linearised at the end of its fit, with its posterior.
 #[derive(Clone, Debug)]
 pub struct FittedModel {
-    /// Extended deck. Fits of the same structure share it.
+    /// Extended deck. Fits with the same structure share it.
     pub deck: Arc<ExtendedDeck>,
     /// Effects in the model.
     pub effects: Vec<CandidateEffect>,
-    /// Unknowns of the deck: stiffnesses, random effects, parameters of causes.
+    /// Unknowns of the deck: stiffnesses, random effects and parameters of causes.
     pub unknowns: FitUnknowns,
-    /// Unknowns of the measurement: frames and positions of marks.
+    /// Unknowns of the measurement: poses of the measuring frame and positions of marks.
     pub layout: NuisanceLayout,
     /// Values of all unknowns.
     pub x: Vec<f64>,
@@ -39,9 +39,9 @@ pub struct FittedModel {
     pub priors: Vec<tolerance::Coefficient>,
     /// Prediction minus reading of all rows, in units of the declared noise.
     pub residual: DVector<f64>,
-    /// Derivatives of `residual` by all unknowns.
+    /// Derivatives of `residual` with respect to all unknowns.
     pub jacobian: DMatrix<f64>,
-    /// Transformation that makes the rows independent.
+    /// Whitening transformation, which makes the residual rows independent.
     pub whitening: Arc<Whitening>,
     /// Linear model at the end of the fit.
     pub linear: Arc<LinearModel>,
@@ -49,7 +49,7 @@ pub struct FittedModel {
     pub sizes: VarianceComponents,
     /// Posterior of the linear model.
     pub posterior: Posterior,
-    /// Index among the unknowns of each parameter of each effect.
+    /// Index of each parameter of each effect among all unknowns.
     pub parameter_index: Vec<Vec<usize>>,
     /// Deck parameters of each load case.
     pub thetas: Vec<Parameters>,
@@ -61,13 +61,14 @@ pub struct FittedModel {
 
 impl FittedModel {
     /// Returns the whitened residual (reading minus prediction) at the optimum of the linear model, and the whitened Jacobian. Both use the
-    /// fit's variance components. At the end of the fit itself, the remaining step to the optimum would look like structure along directions
-    /// that the fit absorbs.
+    /// fit's variance components. The residual at the end of the fit is not used: the remaining step to the optimum would look like
+    /// structure along directions that the fit absorbs.
     pub fn whitened(&self) -> (DVector<f64>, DMatrix<f64>) {
         self.whitened_at(&self.sizes, &self.posterior)
     }
 
-    /// Returns the whitened residual and Jacobian of [`Self::whitened`] at other variance components, with their posterior.
+    /// Returns the whitened residual and Jacobian as [`Self::whitened`] does, but at the variance components `sizes` and with their
+    /// `posterior`.
     pub fn whitened_at(
         &self,
         sizes: &VarianceComponents,
@@ -83,7 +84,7 @@ impl FittedModel {
         (residual, jacobian)
     }
 
-    /// Returns true for a stiffness or a parameter of a cause, false for a plain random effect.
+    /// Returns true for an unknown that is a stiffness or a parameter of a cause, false for a plain random effect.
     pub fn is_of_the_model(&self, unknown: usize) -> bool {
         self.priors[unknown].group.is_none()
             || self
@@ -98,17 +99,18 @@ impl FittedModel {
         CandidateEffect::ln_prior_of(&self.effects)
     }
 
-    /// Returns the log of evidence times prior. The predicted decrease that the fit did not realise is subtracted.
+    /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. The predicted decrease that
+    /// the fit did not realise is subtracted.
     pub fn ln_posterior(&self) -> f64 {
         self.posterior.ln_z - self.posterior.gain + self.ln_prior()
     }
 
-    /// Returns false for a fit that stopped early, far from the optimum of its linear model.
+    /// Returns true if the fit ended near the optimum of its linear model, false if it stopped early and far from it.
     pub fn is_converged(&self) -> bool {
         self.posterior.gain < CONVERGED_NATS
     }
 
-    /// Returns the estimates of all parameters of a chosen effect.
+    /// Returns the estimates of all parameters of effect `chosen`.
     pub fn estimates(&self, chosen: usize) -> Vec<Estimate> {
         let hypothesis = &self.effects[chosen];
         let covariance = &self.posterior.covariance;
@@ -144,8 +146,8 @@ impl FittedModel {
             .collect()
     }
 
-    /// Returns true if the estimate violates the sign constraint of a chosen effect. A main term may be negative by two standard errors.
-    /// Further terms and free play may not be negative: negative play would be compliance of the link.
+    /// Returns true if the estimate violates the sign constraint of effect `chosen`. The main term of a cause may be negative by up to two
+    /// standard errors. Further terms and free play may not be negative: negative play would be compliance of the link.
     pub fn has_wrong_sign(&self, chosen: usize) -> bool {
         let hypothesis = &self.effects[chosen];
         let at = self.parameter_index[chosen][0];
@@ -163,7 +165,7 @@ impl FittedModel {
                 }
     }
 
-    /// Returns estimate and standard error of stiffness `k` of the study, in units of the deck.
+    /// Returns the estimate and the standard error of stiffness `k` of the study, in units of the deck.
     pub fn stiffness(&self, k: usize) -> (f64, f64) {
         let value = libm::exp(self.x[k]);
         (
@@ -172,8 +174,8 @@ impl FittedModel {
         )
     }
 
-    /// Returns the effect of one cause on each row, further terms of its law included: the prediction minus the prediction without the cause.
-    /// Stiffnesses, tolerances and other causes keep their values. `None` where a case has no equilibrium without the cause.
+    /// Returns the effect of one cause on each residual row, including further terms of its law: the prediction minus the prediction without
+    /// the cause. Stiffnesses, tolerances and other causes keep their values. Returns `None` if a case has no equilibrium without the cause.
     pub fn effect(&self, subject: &DiagnosisProblem<'_>, chosen: usize) -> Option<DVector<f64>> {
         let inner = self.unknowns.len() + self.layout.sd.len();
         let mut x = self.x.clone();
@@ -214,7 +216,7 @@ impl FittedModel {
         Some(effect)
     }
 
-    /// Returns a predictor for all cases of the extended deck, started from the fitted equilibria.
+    /// Returns a predictor for all cases of the extended deck. It starts from the fitted equilibria.
     fn predictor<'p>(&'p self, problem: &'p Problem<'p>) -> Option<NativePredictor<'p>> {
         let cases: Vec<usize> = (0..self.states.len()).collect();
         let observed = Observations::new(problem.measurement, problem.model, &cases).observed;
@@ -228,14 +230,14 @@ impl FittedModel {
         Some(predictor)
     }
 
-    /// Conditions the same linear model on other rows, at the same variance components. Returns the residual at its optimum (prediction minus
-    /// reading) and the posterior. No equilibrium is solved.
+    /// Conditions the linear model of this fit on the rows that `whitening` includes, at the same variance components. Returns the residual
+    /// (prediction minus reading) at the new optimum, and the posterior. No equilibrium is solved.
     pub fn relinearised_on(&self, whitening: &Whitening) -> Option<(DVector<f64>, Posterior)> {
         self.relinearised_with_offset(whitening, &DVector::zeros(self.residual.len()))
     }
 
-    /// Conditions the same linear model on other rows, after adding `off` to the predictions. Returns the residual at its optimum and the
-    /// posterior.
+    /// Adds `off` to the predictions, and conditions the linear model of this fit on the rows that `whitening` includes. Returns the
+    /// residual (prediction minus reading) at the new optimum, and the posterior.
     pub fn relinearised_with_offset(
         &self,
         whitening: &Whitening,
@@ -254,32 +256,37 @@ impl FittedModel {
         Some((misfit, posterior))
     }
 
-    /// Computes the Jacobian in decorrelated rows. It is not stored, because a search keeps many fits.
+    /// Computes the Jacobian of the decorrelated rows, before scaling to unit variance. The result is not stored, because a search keeps
+    /// many fits.
     pub fn whitened_jacobian(&self) -> DMatrix<f64> {
         self.whitening.apply(&self.jacobian)
     }
 
-    /// Computes the residual (reading minus prediction) in decorrelated rows.
+    /// Computes the residual (reading minus prediction) in the decorrelated rows, before scaling to unit variance.
     pub fn whitened_residual(&self) -> DVector<f64> {
         self.whitening.apply_vector(&-&self.residual)
     }
 
     /// Leaves some rows out of the linear model. Returns the residual of all rows at its optimum (prediction minus reading) and its log
-    /// evidence. `rows` holds Jacobian and residual in decorrelated rows. The marks of one part in one case must be left out together.
+    /// evidence. `jacobian` and `residual` (reading minus prediction) are in decorrelated rows. The marks of one part in one case must be
+    /// left out together.
     pub fn evidence_without(
         &self,
-        rows: (&DMatrix<f64>, &DVector<f64>),
+        jacobian: &DMatrix<f64>,
+        residual: &DVector<f64>,
         left_out: &[bool],
     ) -> Option<(DVector<f64>, f64)> {
-        let linear = self.linear.without(&self.whitening, rows, left_out);
+        let linear = self
+            .linear
+            .without(&self.whitening, jacobian, residual, left_out);
         let reached = linear.solve(&self.sizes, 0.0)?;
         let misfit = &self.residual + &self.jacobian * &reached.step;
         Some((misfit, reached.ln_z))
     }
 }
 
-/// Fits the deck extended by some effects. `guesses` of their parameters are in units of the priors. Values that `warm` provides replace the
-/// guesses. Returns `None` where the extended deck cannot be compiled or solved.
+/// Fits the deck extended by the `chosen` effects. Each effect comes with guesses of its parameters, in units of their priors. Values from
+/// the earlier fit `warm`, where available, replace the guesses. Returns `None` if the extended deck cannot be compiled or solved.
 pub(super) fn fit(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(CandidateEffect, Vec<f64>)],
@@ -292,26 +299,26 @@ pub(super) fn fit(
     }
 }
 
-/// Conditions under which a fit stops early.
+/// Conditions under which a fit stops before it converges.
 #[derive(Clone, Copy)]
 pub(super) struct EarlyStopping<'a> {
-    /// Log evidence of the leading model in nats, prior excluded. A fit that cannot come near it stops.
+    /// Log evidence of the leading model in nats, without prior odds. A fit stops if it cannot come near this value.
     pub lead: f64,
-    /// Fit of the same causes and laws, from any first guesses. A new fit that leads to the same optimum stops.
+    /// Fit of the same causes and laws that started from other guesses. A new fit stops if it leads to the same optimum.
     pub known: Option<&'a FittedModel>,
-    /// Minimum log evidence at the start of a fit in nats, prior excluded. A fit that starts below it stops.
+    /// Minimum log evidence at the start of a fit in nats, without prior odds. A fit stops if it starts below this value.
     pub least: f64,
 }
 
 impl<'a> EarlyStopping<'a> {
-    /// Conditions that stop no fit early.
+    /// Conditions that never stop a fit early.
     pub(super) const NONE: Self = Self {
         lead: f64::NEG_INFINITY,
         known: None,
         least: f64::NEG_INFINITY,
     };
 
-    /// Stops a fit that leads to the optimum of `known`, or that cannot come near its evidence.
+    /// Creates conditions that stop a fit if it leads to the optimum of `known`, or if it cannot come near the evidence of `known`.
     pub(super) fn beyond(known: &'a FittedModel) -> Self {
         Self {
             lead: known.ln_posterior() - known.ln_prior(),
@@ -320,12 +327,12 @@ impl<'a> EarlyStopping<'a> {
         }
     }
 
-    /// Adds the condition that a fit starting below this log evidence stops.
+    /// Adds the condition that a fit stops if it starts below the log evidence `least`.
     pub(super) const fn above(self, least: f64) -> Self {
         Self { least, ..self }
     }
 
-    /// Returns true for a fit that stopped, or would have stopped, because it cannot come near the leading model.
+    /// Returns true if the fit cannot come near the leading model, whether or not it stopped for that reason.
     pub(super) fn is_beaten(&self, fitted: &FittedModel) -> bool {
         let aim = Aim {
             lead: self.lead,
@@ -334,7 +341,7 @@ impl<'a> EarlyStopping<'a> {
         aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
     }
 
-    /// Returns true for a fit that stopped because it started below the minimum evidence.
+    /// Returns true if the fit started below the minimum evidence, and stopped for that reason.
     pub(super) fn is_astray(&self, fitted: &FittedModel) -> bool {
         fitted.posterior.ln_z - fitted.posterior.gain < self.least
     }
@@ -354,17 +361,17 @@ impl<'a> EarlyStopping<'a> {
     }
 }
 
-/// Result of a fit.
+/// Result of a fit with early stopping.
 #[derive(Clone)]
 pub(super) enum FitOutcome {
-    /// Optimum that differs from the known one.
+    /// Fitted model, at an optimum that differs from the optimum of the known fit.
     New(Arc<FittedModel>),
-    /// The optimum of the known fit, reached again.
+    /// The fit led to the optimum of the known fit.
     Duplicate,
 }
 
-/// Fits the extended deck as [`fit`] does, with conditions for an early end. Variance components start from `sizes` if given, otherwise from
-/// `warm`, otherwise from the study's medians.
+/// Fits the extended deck as [`fit`] does, but stops early under the conditions of `target`. Variance components start from `sizes` if
+/// given, otherwise from `warm`, otherwise from the prior medians of the study.
 pub(super) fn fit_with_early_stopping(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(CandidateEffect, Vec<f64>)],
@@ -394,10 +401,10 @@ pub(super) fn fit_with_early_stopping(
         places: &fitted.parameter_index,
         x,
     });
-    let unknowns = Unknowns::new((subject, &problem), &deck.prepared, chosen, known)?;
+    let unknowns = Unknowns::new(subject, &problem, &deck.prepared, chosen, known)?;
     let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
     let whitening = subject.whitening(data);
-    // Each start has its own predictor, because a predictor continues equilibria from one solution to the next.
+    // Each start has its own predictor, because a predictor starts from its latest equilibria.
     let begun = || {
         let observations = Observations::new(problem.measurement, &deck.model, &cases);
         let predictor = deck
@@ -425,8 +432,8 @@ pub(super) fn fit_with_early_stopping(
                 .predictor
                 .start_from(case, state, unknowns.deck.clone());
         }
-        // Large variance components are lowered first, so that a new cause can take up what they had absorbed. A refit of the same causes
-        // keeps them.
+        // Large variance components are lowered before the fit, so that a new cause can take up effects that they had absorbed. A refit of
+        // the same causes keeps them.
         let is_again = parent.is_some_and(|(parent, _)| parent.effects.len() == chosen.len());
         let first = if is_again {
             sizes.clone()
@@ -440,8 +447,9 @@ pub(super) fn fit_with_early_stopping(
         subject.count_sweeps(sweep.predictor.sweeps());
         (sweep, end)
     } else {
-        // Two starts are compared by evidence. A stiffness-only fit takes all else as exact and can end in a wrong minimum. A joint fit from
-        // a distant start fails as often, in other studies. The second fit is skipped where stiffnesses alone nearly explain the readings.
+        // Two starts are compared by evidence. The first start is a fit of the stiffnesses alone. It treats everything else as exact, and
+        // can end in a wrong minimum. The second start is a joint fit from the initial values. It fails as often, but in other studies. The
+        // second start is skipped if the stiffnesses alone nearly explain the readings.
         let from = |alone: bool, aim: Aim<'_>| {
             let (mut sweep, mut x) = (begun()?, x.clone());
             if alone {
@@ -511,7 +519,7 @@ pub(super) fn fit_with_early_stopping(
     })))
 }
 
-/// Returns true if the fit is converged, holds all of these causes, and `x` are its own unknowns.
+/// Returns true if the fit is converged and contains all `chosen` causes, and if `x` are the fit's own unknowns.
 fn is_submodel_start(
     (fitted, x): (&FittedModel, &[f64]),
     chosen: &[(CandidateEffect, Vec<f64>)],
@@ -521,7 +529,7 @@ fn is_submodel_start(
     fitted.is_converged() && fitted.x == x && chosen.iter().all(is_held)
 }
 
-/// Splits combined candidates into main and further terms, each with its guesses.
+/// Splits combined candidates into their main and further terms, each with its own guesses.
 fn apart(chosen: &[(CandidateEffect, Vec<f64>)]) -> Vec<(CandidateEffect, Vec<f64>)> {
     let each = |(h, guesses): &(CandidateEffect, Vec<f64>)| {
         let mut left = guesses.as_slice();
@@ -535,7 +543,7 @@ fn apart(chosen: &[(CandidateEffect, Vec<f64>)]) -> Vec<(CandidateEffect, Vec<f6
     chosen.iter().flat_map(each).collect()
 }
 
-/// Prediction of a model as exported to a deck: causes and stiffnesses only, with all other random effects set to zero.
+/// Prediction of a model as exported to a deck: with its causes and stiffnesses, and with all plain random effects set to zero.
 #[derive(Clone, Debug)]
 pub struct DeckOnlyPrediction {
     /// Deck parameters of each load case.
@@ -545,7 +553,7 @@ pub struct DeckOnlyPrediction {
 }
 
 impl DeckOnlyPrediction {
-    /// Solves all cases of a fitted model without its random effects. `None` where a case cannot be solved.
+    /// Solves all cases of a fitted model without its random effects. Returns `None` if a case has no equilibrium.
     pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {
         let deck = &fitted.deck;
         let problem = Problem {
@@ -579,7 +587,7 @@ impl DeckOnlyPrediction {
     }
 }
 
-/// Refits the model of a fit to other data or with other weights, starting from its end.
+/// Fits the model of an earlier fit again, to other data or with other weights. The refit starts from the end of the earlier fit.
 pub(super) fn refit(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -589,7 +597,8 @@ pub(super) fn refit(
     fit(subject, &with_zero_guesses(fitted), from, data)
 }
 
-/// Returns the effects of a fit with zero guesses, to be replaced by the fit's own values.
+/// Returns the effects of a fit with zero guesses of their parameters. A new fit that starts from `fitted` replaces these guesses by its
+/// values.
 pub fn with_zero_guesses(fitted: &FittedModel) -> Vec<(CandidateEffect, Vec<f64>)> {
     let zeros = |h: &CandidateEffect| (h.clone(), vec![0.0; h.numbers.len()]);
     fitted.effects.iter().map(zeros).collect()

@@ -11,14 +11,15 @@ use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_study::{Case, FramePlace};
 
-/// Returns the change of the mark rows of case `of` by a frame shift along each axis and a rotation about each axis. The rotations are about
-/// the centroid of `places`, the positions of the marks in that case. `unit` is the length of one row unit, `turn` the angle of one rotation
-/// unit in radians.
+/// Returns the changes of the mark rows of case `of` by a unit shift of the measuring frame along each axis, and by a unit rotation about
+/// each axis. Each change is a pair of row index and value. The centre of rotation is the centroid of `places`, which are the positions of
+/// the marks in that case. `unit` is the length of one row unit. `turn` is the angle of a unit rotation in radians.
 pub fn by_frame(
     rows: &[Row],
     of: usize,
     places: &[Vec3],
-    (unit, turn): (f64, f64),
+    unit: f64,
+    turn: f64,
 ) -> [Vec<(usize, f64)>; 6] {
     let mut columns: [Vec<(usize, f64)>; 6] = Default::default();
     let centre = centroid(places);
@@ -44,8 +45,8 @@ pub fn by_frame(
     columns
 }
 
-/// Returns the displacement of a point by three unit shifts and three rotations of `turn` radians. `lever` points from the centre of rotation
-/// to the point.
+/// Returns the displacements of a point by three unit shifts and by three rotations of `turn` radians. `lever` points from the centre of
+/// rotation to the point.
 pub fn at_point(lever: &Vec3, turn: f64) -> [Vec3; 6] {
     std::array::from_fn(|k| match k.checked_sub(3) {
         None => Vec3::ith(k, 1.0),
@@ -53,20 +54,20 @@ pub fn at_point(lever: &Vec3, turn: f64) -> [Vec3; 6] {
     })
 }
 
-/// Returns the mean position; zero for an empty list.
+/// Returns the mean of the given positions; zero for an empty list.
 pub fn centroid(places: &[Vec3]) -> Vec3 {
     places.iter().sum::<Vec3>() / places.len().max(1) as f64
 }
 
-/// Returns true if the readings use another measuring frame than the deck. At the start values, all marks of the fitted cases are then offset
-/// by one common rigid motion.
+/// Returns true if the readings are in a measuring frame other than the deck's. At the start values of the fit, all marks of the fitted
+/// cases are then offset by one common rigid motion.
 pub(super) fn is_another(subject: &DiagnosisProblem<'_>) -> bool {
     let length = subject.problem.model.units.length.si;
     place_at_start(subject).is_some_and(|place| place.is_another(length))
 }
 
-/// Returns the rigid motion from the predicted to the read marks at the start values. `None` without marks, or where the start values have no
-/// equilibrium.
+/// Returns the rigid motion that carries the predicted to the measured mark positions, at the start values of the fit. Returns `None`
+/// without marks, or if a case has no equilibrium at the start values.
 fn place_at_start(subject: &DiagnosisProblem<'_>) -> Option<FramePlace> {
     if !subject.compares_marks() {
         return None;
@@ -90,11 +91,11 @@ fn place_at_start(subject: &DiagnosisProblem<'_>) -> Option<FramePlace> {
     FramePlace::of(&of(&predicted), &of(&problem.measurement.cases))
 }
 
-/// Motion of the frame through the cases: its tolerance group, and its factor in each case.
+/// Motion of the measuring frame through the cases: its tolerance group, and one factor per case.
 pub(super) type Motion = (EffectGroup, Vec<f64>);
 
-/// Returns the frame motions among the tolerances of a study. The factors cover the study's cases, followed by further cases with the given
-/// loads.
+/// Returns the motions of the measuring frame that the study's tolerances include. The factors cover the study's cases, and then further
+/// cases with the loads `further`.
 pub fn motions(subject: &DiagnosisProblem<'_>, further: &[&[f64]]) -> Vec<Motion> {
     let has = |group: EffectGroup| subject.compares_marks() && subject.sizes.group(group).is_some();
     let programme = subject.problem.programme;
@@ -145,8 +146,8 @@ pub(super) fn varying(programme: &LoadProgramme) -> Vec<(usize, f64)> {
     (0..programme.loads.len()).filter_map(of).collect()
 }
 
-/// Returns the leading Karhunen-Loeve functions of a random walk with unit step variance over `count` cases, evaluated in case `of`. They are
-/// `sqrt(2 n) sin(w t / n) / w` with `w = (k - 1/2) pi`.
+/// Returns the leading Karhunen-Loeve functions of a random walk over `count` cases with unit step variance, evaluated in case `of`.
+/// Function `k` is `sqrt(2 n) sin(w t / n) / w` with `w = (k - 1/2) pi`, where `n` is the number of cases and `t` counts the cases from one.
 fn drifts(of: usize, count: usize) -> [f64; FRAME_DRIFT_FUNCTIONS] {
     let n = count as f64;
     std::array::from_fn(|k| {

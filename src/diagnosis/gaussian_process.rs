@@ -1,4 +1,4 @@
-//! Force as a smooth function of one coordinate of the cases: a Gaussian process with squared exponential covariance.
+//! Gaussian process with squared exponential covariance, for a force that is a smooth function of one coordinate of the load cases.
 //!
 //! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
@@ -8,43 +8,46 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Number of combinations of length scale and standard deviation.
+/// Number of combinations of length scale and standard deviation that are tried.
 pub(super) const GRID_SIZE: usize = GP_LENGTH_SCALES.len() * GP_FORCE_SIZES.len();
 
-/// Range of the correlation of a Gaussian-process force along its coordinate.
+/// Range over which a Gaussian-process force is correlated along its coordinate.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Reach {
-    /// Smooth force.
+    /// Long range: the force is smooth.
     Smooth,
-    /// Force that may change from one case to the next.
+    /// Short range: the force may change from one case to the next.
     Short,
 }
 
 /// Posterior of the force in all cases, at the length scale and standard deviation of largest evidence.
 pub(super) struct GpPosterior {
-    /// Gain in log evidence, in nats.
+    /// Gain in log evidence over a model without the force, in nats.
     pub nats: f64,
-    /// Decrease of chi-square.
+    /// Decrease of chi-square by the force.
     pub taken: f64,
     /// Posterior mean of the force in each case.
     pub mean: DVector<f64>,
-    /// Posterior covariance of the force in all cases.
+    /// Posterior covariance of the force between all cases.
     pub covariance: DMatrix<f64>,
-    /// Factor of the prior covariance, which is `root` times its transpose.
+    /// Factor of the prior covariance: the covariance is `root` times its transpose.
     pub root: DMatrix<f64>,
-    /// Coefficients of the mean: the mean is `root` times `weights`.
+    /// Coefficients of the posterior mean, which equals `root` times `weights`.
     pub weights: DVector<f64>,
 }
 
 impl GpPosterior {
-    /// Fits the process and returns its posterior at the length scale and standard deviation of largest evidence. `information` and
-    /// `gradient` belong to a force in each case, with all other unknowns of the fit eliminated. `force` is the typical force. If
-    /// `beyond_a_line`, constant and straight line are projected out. `None` where the coordinate does not vary.
+    /// Fits the process, and returns its posterior at the length scale and standard deviation of largest evidence. `coordinate` holds the
+    /// coordinate of each case. `information` and `gradient` are the information matrix and the score of a separate force in each case, with
+    /// all other unknowns of the fit eliminated. `force` is the typical force. If `beyond_a_line`, the constant and the straight line in the
+    /// coordinate are projected out. Returns `None` if the coordinate does not vary.
     pub(super) fn best(
         coordinate: &[f64],
-        (reach, beyond_a_line): (Reach, bool),
-        (information, gradient): (&DMatrix<f64>, &DVector<f64>),
+        information: &DMatrix<f64>,
+        gradient: &DVector<f64>,
         force: f64,
+        reach: Reach,
+        beyond_a_line: bool,
     ) -> Option<Self> {
         let n = coordinate.len();
         let low = coordinate.iter().copied().fold(f64::INFINITY, f64::min);
@@ -112,8 +115,8 @@ impl GpPosterior {
     }
 }
 
-/// Returns a low-rank factor of a smooth covariance with unit diagonal: the pivoted Cholesky decomposition, largest remaining variance first.
-/// Source: Harbrecht, Peters and Schneider, Applied Numerical Mathematics 62 (2012) 428.
+/// Returns a low-rank factor of a smooth covariance matrix with unit diagonal, by pivoted Cholesky decomposition. Each pivot is the largest
+/// remaining variance. Source: Harbrecht, Peters and Schneider, Applied Numerical Mathematics 62 (2012) 428.
 fn root_of(n: usize, covariance: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
     let mut left = vec![1.0; n];
     let mut columns: Vec<DVector<f64>> = Vec::new();
@@ -152,7 +155,8 @@ fn off_a_line(coordinate: &[f64], (low, range): (f64, f64), columns: DMatrix<f64
 mod tests {
     use super::*;
 
-    /// Thirty forces, each read with unit error. A wave over the deflection is found within its band; a straight line gives no evidence.
+    /// Thirty forces are measured with unit error. A sine wave over the deflection is recovered within its band; a straight line yields no
+    /// evidence.
     #[test]
     fn a_wave_is_found_and_a_line_is_not() {
         let n = 30_u8;
@@ -160,7 +164,7 @@ mod tests {
         let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
         let information = DMatrix::identity(usize::from(n), usize::from(n));
         // Readings equal forces here, so the gradient is the reading itself.
-        let found = GpPosterior::best(&u, (Reach::Smooth, true), (&information, &wave), 100.0);
+        let found = GpPosterior::best(&u, &information, &wave, 100.0, Reach::Smooth, true);
         let GpPosterior {
             nats,
             taken,
@@ -190,7 +194,7 @@ mod tests {
             - DMatrix::from_fn(usize::from(n), usize::from(n), covariance);
         assert!(off.amax() < 1e-8, "{:e}", off.amax());
         let line = DVector::from_fn(usize::from(n), |k, _| 7.0 + 20.0 * u[k]);
-        let found = GpPosterior::best(&u, (Reach::Smooth, true), (&information, &line), 100.0);
+        let found = GpPosterior::best(&u, &information, &line, 100.0, Reach::Smooth, true);
         assert!(found.unwrap().nats < 1.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Prediction of cases that no fit used, usually with causes selected without them.
+//! Prediction of held-out cases, which no fit of the predicting models used. Usually the causes are selected without these cases, too.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,53 +19,56 @@ use admire_session::backend::BackendError;
 /// Predictions of the held-out cases by models fitted without them.
 #[derive(Clone, Debug)]
 pub struct HoldOutSelection {
-    /// Model without causes.
+    /// Fitted model without causes.
     none: Arc<FittedModel>,
-    /// Selected model.
+    /// Fitted model with the selected causes.
     pub chosen: Arc<FittedModel>,
-    /// Tests of the held-out cases: without causes, and with the selected causes.
+    /// Tests of the predictions of the held-out cases: by the model without causes, then by the selected model.
     pub tests: [HeldOutTest; 2],
-    /// Predictions of the held-out cases: without causes, and with the selected causes.
+    /// Predictions of the held-out cases: by the model without causes, then by the selected model.
     pub predicted: [HoldOutPrediction; 2],
-    /// True if a separate search selected the causes; false if they were selected with these cases.
+    /// True if a separate search without the held-out cases selected the causes; false if they were selected with all cases.
     pub searched: bool,
-    /// True if the search ended early, by its budget or by request.
+    /// True if the search ended early: its budget was spent, or the user stopped it.
     cut_short: bool,
     /// All models that the search fitted.
     fits: Vec<Arc<FittedModel>>,
-    /// Rig errors for which the search stopped early.
+    /// Rig errors that made the search stop early, because they explain the readings much better than any cause. `None` if no rig errors did
+    /// so.
     gave_way: Option<RigErrors>,
 }
 
-/// Result on the held-out cases, for `diagnosis.json`.
+/// Result of the prediction of held-out cases, as written to `diagnosis.json`.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct HoldOut {
-    /// True if a search without these cases selected the causes; false if they were selected with these cases.
+    /// True if a search without the held-out cases selected the causes; false if they were selected with all cases.
     pub searched: bool,
     /// Labels of the held-out cases.
     pub cases: Vec<String>,
     /// Names of the held-out curves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<String>,
-    /// Causes of the selected model, as `cause address`.
+    /// Causes of the selected model, each as `cause address`.
     pub causes: Vec<String>,
-    /// Measure of the error: `mark` for a mark coordinate in the deck's length unit, `noise` for all readings in units of their noise.
+    /// Measure of the rms errors: `mark` for one mark coordinate in the deck's length unit, `noise` for all readings in units of their
+    /// noise.
     pub of: &'static str,
-    /// Rms prediction error without causes.
+    /// Rms prediction error of the model without causes.
     pub rms_before: f64,
-    /// Rms prediction error with the selected causes.
+    /// Rms prediction error of the model with the selected causes.
     pub rms_after: f64,
     /// Decrease of the rms: `rms_before - rms_after`.
     pub gain: f64,
-    /// Standard error of the gain, by a jackknife over the cases; the readings of one case share their errors.
+    /// Standard error of `gain`, by a jackknife over the cases. Whole cases are left out, because the readings of one case share their
+    /// errors.
     pub gain_std_error: f64,
-    /// P-value of the readings under the prediction and its covariance.
+    /// P-value of the held-out readings under the prediction and its covariance.
     pub p_value: f64,
 }
 
 impl HoldOutSelection {
-    /// Selects causes without the held-out cases, starting from the fit `begun`. The search stops early in favour of the rig errors in
-    /// `open`. `None` where no further search may start.
+    /// Selects causes without the held-out cases, starting from the fit `begun`. The search stops early if the rig errors in `open` explain
+    /// the readings much better than any cause. Returns `None` if no further search may start, or if nothing can be predicted.
     pub(super) fn new(begun: Begun<'_>, open: &[RigErrors], progress: &Progress) -> Option<Self> {
         if !progress.extend() {
             return None;
@@ -85,8 +88,8 @@ impl HoldOutSelection {
         })
     }
 
-    /// Predicts the held-out cases by two models whose causes were selected with all cases. Their linear models are conditioned on the other
-    /// cases.
+    /// Predicts the held-out cases by two models, without and with causes. Their causes were selected with all cases; only their linear
+    /// models are conditioned on the cases that are not held out.
     pub fn refit_only(
         subject: &DiagnosisProblem<'_>,
         models: [Arc<FittedModel>; 2],
@@ -94,7 +97,7 @@ impl HoldOutSelection {
         Self::of(subject, models, (false, false))
     }
 
-    /// Predicts the held-out cases by two models conditioned on the other cases.
+    /// Predicts the held-out cases by two models, without and with causes, conditioned on the cases that are not held out.
     fn of(
         subject: &DiagnosisProblem<'_>,
         models: [Arc<FittedModel>; 2],
@@ -119,7 +122,7 @@ impl HoldOutSelection {
         })
     }
 
-    /// Refits both models with the same causes, and predicts the held-out cases again.
+    /// Fits both models again by `refit`, with the same causes, and predicts the held-out cases again.
     ///
     /// # Errors
     /// Any error of `refit`.
@@ -133,7 +136,7 @@ impl HoldOutSelection {
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
-    /// Returns the models without and with causes.
+    /// Returns the model without causes and the model with the selected causes.
     pub fn models(&self) -> [&Arc<FittedModel>; 2] {
         [&self.none, &self.chosen]
     }
@@ -143,22 +146,22 @@ impl HoldOutSelection {
         &self.fits
     }
 
-    /// Returns the rig errors for which the search stopped early.
+    /// Returns the rig errors that made the search stop early, if any did so.
     pub(super) fn gave_way(&self) -> Option<RigErrors> {
         self.gave_way
     }
 
-    /// Returns the model selected and fitted without the held-out cases; `None` if it was selected with them.
+    /// Returns the selected model if its causes were selected without the held-out cases, otherwise `None`.
     pub fn selected_without_held_out(&self) -> Option<&Arc<FittedModel>> {
         self.searched.then_some(&self.chosen)
     }
 
-    /// Returns true if the search ended early, by its budget or by request.
+    /// Returns true if the search ended early: its budget was spent, or the user stopped it.
     pub fn is_cut_short(&self) -> bool {
         self.cut_short
     }
 
-    /// Returns the rms errors over the held-out cases; `None` where no rows are compared.
+    /// Returns the rms prediction errors over the held-out cases. Returns `None` if there are no rows to compare.
     pub fn hold_out(&self, subject: &DiagnosisProblem<'_>) -> Option<HoldOut> {
         let (of, unit) = subject.compared();
         let [before, after] = &self.predicted;

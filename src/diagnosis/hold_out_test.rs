@@ -1,4 +1,4 @@
-//! Prediction of held-out cases by a model, and its test.
+//! Prediction of held-out cases by a fitted model, and the test of that prediction.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,33 +8,33 @@ use super::predictive::PredictiveDistribution;
 use admire_identify::global::Row;
 use admire_study::orientation::chi_square_p_value;
 
-/// Agreement of held-out readings with a model's prediction.
+/// Agreement of the held-out readings with a model's prediction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HeldOutTest {
-    /// Rms error of one mark coordinate in the deck's length unit, without outliers.
+    /// Rms error of one mark coordinate without outliers, in the deck's length unit. `None` without held-out marks.
     pub marks_rms: Option<f64>,
-    /// Rms errors of camber and steer of the wheel, in degrees.
+    /// Rms errors of the wheel's camber and steer angles, in degrees. `None` without held-out wheel readings.
     pub wheel_deg_rms: Option<[f64; 2]>,
-    /// Chi-square with the covariance of the prediction.
+    /// Chi-square of the held-out readings under the prediction and its covariance.
     pub chi_square: f64,
-    /// Number of readings in the test.
+    /// Number of readings in the test, which is its number of degrees of freedom.
     pub dof: usize,
     /// P-value of the chi-square.
     pub p_value: f64,
 }
 
-/// Model conditioned on the cases that are not held out.
+/// Linear model of a fit, conditioned on the cases that are not held out.
 #[derive(Clone, Debug)]
 pub struct HoldOutPrediction {
     /// Prediction minus reading of all rows, in units of the declared noise.
     pub misfit: DVector<f64>,
-    /// Covariance of the unknowns.
+    /// Posterior covariance of the unknowns.
     covariance: DMatrix<f64>,
 }
 
 impl HoldOutPrediction {
     /// Conditions the linear model of a fit on the cases that are not held out. Parameters that act on held-out rows alone return to their
-    /// priors. `None` where nothing is held out.
+    /// priors. Returns `None` if nothing is held out.
     pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {
         if !subject.holds_out() {
             return None;
@@ -46,7 +46,7 @@ impl HoldOutPrediction {
         })
     }
 
-    /// Tests the held-out rows; `None` where there are none.
+    /// Tests the prediction of the held-out rows. Returns `None` if no held-out row is in use.
     pub fn test(
         &self,
         subject: &DiagnosisProblem<'_>,
@@ -118,14 +118,14 @@ impl HoldOutPrediction {
     }
 }
 
-/// Returns the rows of the held-out cases and curves.
+/// Returns the indices of the residual rows of held-out cases and curves.
 pub(super) fn unseen(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     (0..subject.rows.len())
         .filter(|k| subject.is_held_out_row(&subject.rows[*k]))
         .collect()
 }
 
-/// Returns the held-out rows by which predictions are compared, without outliers.
+/// Returns the indices of the held-out rows on which predictions are compared, without outliers.
 pub(super) fn compared(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     let marks_alone = subject.compared().0 == "mark";
     let is_compared = |k: &usize| {
@@ -135,8 +135,8 @@ pub(super) fn compared(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     unseen(subject).into_iter().filter(is_compared).collect()
 }
 
-/// Returns the rms size of a change of all rows: marks and channels in units of their noise, and wheel angles in degrees. Without marks and
-/// channels, the first value covers all wheel readings.
+/// Returns two rms sizes of a change of all rows. The first covers marks and channels, in units of their noise. The second covers the wheel
+/// angles, in degrees. Without marks and channels, the first covers all wheel readings, in units of their noise.
 pub(super) fn moved(subject: &DiagnosisProblem<'_>, rows: &DVector<f64>) -> (f64, f64) {
     let (mut marks, mut angles, mut wheel) = ((0.0, 0), (0.0, 0), (0.0, 0));
     let sigmas = subject.problem.measurement.wheel.as_ref();

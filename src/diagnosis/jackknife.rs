@@ -5,9 +5,9 @@
 /// Sums of squared errors of two models over one group of readings that share their errors.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Squares {
-    /// Sum of squares of the first model.
+    /// Sum of squared errors of the first model.
     pub before: f64,
-    /// Sum of squares of the second model.
+    /// Sum of squared errors of the second model.
     pub after: f64,
     /// Number of readings in the group.
     pub count: f64,
@@ -24,7 +24,7 @@ pub(super) struct RmsReduction {
     pub std_error: f64,
 }
 
-/// Returns the rms errors over all groups; `None` without groups.
+/// Returns the rms errors of both models over all groups, and the standard error of their difference. Returns `None` for an empty list.
 pub(super) fn rms_reduction(groups: &[Squares]) -> Option<RmsReduction> {
     let total = |without: Option<usize>| {
         let mut sum = Squares::default();
@@ -67,7 +67,7 @@ pub(super) fn rms_reduction(groups: &[Squares]) -> Option<RmsReduction> {
 mod tests {
     use super::{Squares, rms_reduction};
 
-    /// The jackknife of a mean gives the standard error of the mean.
+    /// With one reading per group, the jackknife gives the standard error of the mean.
     #[test]
     fn the_error_is_that_of_the_mean_where_the_rms_is_one() {
         // The rms is linear for small differences: sqrt(1 + d) is 1 + d/2.

@@ -1,4 +1,5 @@
-//! Identification with random effects: the model without causes, with mark noise from the marks and variance components by evidence.
+//! Identification with random effects: fit of the model without causes. The noise of the marks is estimated from the marks themselves, the
+//! variance components by maximum evidence.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,26 +17,26 @@ use admire_identify::global::gauss_newton::Prior;
 use admire_identify::global::{Joint, Marginal};
 use admire_identify::{Fit, FitTest, FitVerdict, LackOfFitTest, NOT_CONVERGED, Problem, Status};
 
-/// Joint fit of stiffnesses and tolerances under the assumption that the model has no error besides noise and tolerances.
+/// Joint fit of stiffnesses and tolerances. It assumes that the model has no errors other than noise and tolerances.
 #[derive(Clone, Debug)]
 pub struct JointFit {
-    /// Stiffnesses with intervals marginalised over the tolerances.
+    /// Stiffnesses, with intervals that are marginalised over the tolerances.
     pub parameters: Vec<Parameter>,
     /// Estimated standard deviations of the tolerance groups, by name.
     pub tolerances: BTreeMap<String, ToleranceFound>,
     /// Declared and estimated noise of the marks.
     pub noise: NoiseFound,
-    /// Chi-square of the residuals at the fitted variance components, and its degrees of freedom.
+    /// Chi-square of the residuals at the fitted variance components, then its degrees of freedom.
     pub chi_square: (f64, f64),
     /// Tests of structure in the residuals.
     pub structure: Vec<LackOfFitTest>,
     /// Number of equilibria solved.
     pub equilibria: usize,
-    /// Fitted model behind the numbers.
+    /// Fitted model from which the results are computed.
     fitted: Arc<FittedModel>,
 }
 
-/// Fits stiffnesses and tolerances to the cases that are not held out. Returns `None` where the built-in solver cannot.
+/// Fits stiffnesses and tolerances to the cases that are not held out. Returns `None` if the built-in solver cannot solve the deck.
 pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
     let cases = problem.measurement.cases.iter();
     let mut subject = DiagnosisProblem::new(problem, cases.map(|case| case.held_out).collect());
@@ -100,10 +101,10 @@ impl JointFit {
         all.view((0, 0), (sought, sought)).into_owned()
     }
 
-    /// Replaces the results of a stiffness-only identification by the results of this fit. The stiffness-only fit took everything except the
-    /// marks as exact.
+    /// Replaces the results of a stiffness-only identification by the results of this fit. The stiffness-only identification treats
+    /// everything except the stiffnesses as exact.
     pub fn apply(self, fit: &mut Fit) {
-        // The reported numbers come from this fit, whether or not the stiffness-only fit converged.
+        // The reported values come from this fit, so they are valid even if the stiffness-only fit did not converge.
         if !fit.converged && !fit.interrupted && self.fitted.posterior.gain < ENOUGH {
             fit.converged = true;
             for remark in &mut fit.remarks {

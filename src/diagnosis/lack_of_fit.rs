@@ -1,4 +1,4 @@
-//! Tests for structure in the residuals, and its location.
+//! Tests for systematic structure in the residuals. Each test also locates the structure that it finds.
 
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
@@ -9,7 +9,7 @@ use admire_identify::settings::LACK_OF_FIT_LEVEL;
 use admire_identify::{ChiSquare, LackOfFitAspect, LackOfFitTest};
 use admire_solver::mechanics::Vec3;
 
-/// Creates the test of a chi-square statistic.
+/// Creates a lack-of-fit test from a chi-square statistic.
 const fn chi_square_test(
     aspect: LackOfFitAspect,
     what: String,
@@ -24,9 +24,9 @@ const fn chi_square_test(
     }
 }
 
-/// Runs all tests of structure and returns them with the smallest p-value first. They are: chi-square over all rows and of every case, part,
-/// wheel and channel; trends with each load, with the force in each element and with the order of application; loading against unloading; a
-/// rigid motion of all marks in one case; and a constant or a single error of one mark.
+/// Runs all tests of structure, and returns them in the order of increasing p-value. The tests are: chi-square over all rows; chi-square of
+/// each case, part, wheel and channel; trends with each load, with the force in each element and with the order of application; loading
+/// against unloading; a rigid motion of all marks in one case; a constant error of one mark; and an error of a single mark reading.
 pub(super) fn lack_of_fit_tests(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -47,8 +47,8 @@ pub(super) fn lack_of_fit_tests(
     out
 }
 
-/// Returns the p-value of a test, corrected for the number of tests. The test over all readings is not corrected: it asks a single question,
-/// and the other tests are the follow-up.
+/// Returns the p-value of a test, corrected for the number of tests. The test over all readings is not corrected, because it is a single
+/// overall test; the other tests are its follow-up.
 fn corrected(test: &LackOfFitTest, count: usize) -> f64 {
     let asked = match test.aspect {
         LackOfFitAspect::All => 1.0,
@@ -57,25 +57,26 @@ fn corrected(test: &LackOfFitTest, count: usize) -> f64 {
     (test.p_value * asked).min(1.0)
 }
 
-/// Returns true if a test is significant among `count` tests.
+/// Returns true if a test is significant after correction for `count` tests.
 pub(super) fn is_significant(test: &LackOfFitTest, count: usize) -> bool {
     corrected(test, count) < LACK_OF_FIT_LEVEL
 }
 
-/// Returns the smallest p-value, corrected for the number of tests.
+/// Returns the smallest p-value of the tests, corrected for their number.
 pub(super) fn least(tests: &[LackOfFitTest]) -> f64 {
     let values = tests.iter().map(|test| corrected(test, tests.len()));
     values.fold(1.0, f64::min)
 }
 
-/// Returns true if noise does not explain the residuals: the smallest p-value, corrected for the number of tests, is below the significance
-/// level. A correct model fails the test over all readings in one study of a thousand, and any other test in one more. A wrong model is usually
+/// Returns true if noise does not explain the residuals: the smallest corrected p-value is below the significance level. A correct model
+/// fails the test over all readings in about one study of a thousand, and any of the other tests in about one more. A wrong model is usually
 /// far below the level.
 pub(super) fn is_structured(tests: &[LackOfFitTest]) -> bool {
     least(tests) < LACK_OF_FIT_LEVEL
 }
 
-/// Returns true if only isolated readings are significantly off: single marks, or the scatter of a case, part or channel, but no pattern.
+/// Returns true if only isolated readings are significantly off. Such readings are single marks, or the scatter of a case, part or channel,
+/// without a pattern.
 pub(super) fn is_of_far_readings(tests: &[LackOfFitTest]) -> bool {
     let significant = tests
         .iter()
@@ -90,7 +91,7 @@ pub(super) fn is_of_far_readings(tests: &[LackOfFitTest]) -> bool {
 struct Tests<'a> {
     subject: &'a DiagnosisProblem<'a>,
     influence: &'a ResidualCovariance<'a>,
-    /// Contrasts of each case: one for each direction of each part, for the wheel and for each channel.
+    /// Contrasts (sums of residual rows) of each case: one for each direction of each part, five for the wheel, and one for each channel.
     by_case: ByCase,
     out: Vec<LackOfFitTest>,
 }
@@ -111,7 +112,7 @@ impl Tests<'_> {
         ));
     }
 
-    /// Adds a pattern test of the contrasts of every case, weighted by one number per case.
+    /// Adds a pattern test of the contrasts summed over the cases, with one weight per case.
     fn put(&mut self, what: String, weights: &[f64]) {
         if let Some(statistic) = self.by_case.test(weights) {
             let p_value = statistic.p_value();
@@ -120,7 +121,7 @@ impl Tests<'_> {
         }
     }
 
-    /// Runs several tests and adds the worst of them, with its p-value corrected for their number.
+    /// Tests each named set of contrasts. Adds only the most significant test, with its p-value corrected for the number of sets.
     fn worst(&mut self, aspect: LackOfFitAspect, named: Vec<(String, Vec<Contrast>)>) {
         let count = named.len() as f64;
         let tests = named.into_iter().filter_map(|(what, contrasts)| {
@@ -137,7 +138,7 @@ impl Tests<'_> {
         self.out.extend(worst);
     }
 
-    /// Adds a scatter test of all accepted rows.
+    /// Adds a scatter test of all rows for which `accept` is true.
     fn rows(&mut self, what: String, accept: impl Fn(&Row) -> bool) {
         let rows = self.subject.rows.iter().enumerate();
         let rows: Vec<usize> = rows
@@ -262,7 +263,8 @@ impl Tests<'_> {
     }
 }
 
-/// Returns the contrasts of each case: one for each direction of each part, for the wheel and for each channel.
+/// Returns the contrasts (sums of residual rows) of each case: one for each direction of each part, five for the wheel, and one for each
+/// channel.
 fn by_case(subject: &DiagnosisProblem<'_>) -> Vec<Vec<Contrast>> {
     let measurement = subject.problem.measurement;
     let parts = measurement.parts.len();
@@ -283,8 +285,8 @@ fn by_case(subject: &DiagnosisProblem<'_>) -> Vec<Vec<Contrast>> {
     out
 }
 
-/// Returns 1 for each case reached by increasing a load and -1 for each case reached by decreasing it, within the load range covered both
-/// ways. Other cases get zero. `None` where the load was not applied both ways.
+/// Returns one value per case: 1 if the case was reached by increasing the load, and -1 if it was reached by decreasing the load. Cases
+/// outside the load range that is covered in both directions get zero. Returns `None` if no part of the range is covered in both directions.
 fn both_ways(values: &[f64]) -> Option<Vec<f64>> {
     let way = |k: usize| match k.checked_sub(1).map(|before| values[k] - values[before]) {
         Some(step) if step > 0.0 => 1.0,
@@ -320,7 +322,7 @@ mod tests {
     fn a_load_that_only_goes_one_way_has_no_way_back() {
         assert_eq!(both_ways(&[5.0, 4.0, 3.0, 1.0]), None);
         assert_eq!(both_ways(&[1.0, 2.0, 2.0, 8.0]), None);
-        // The load falls to values that it never had on the way up.
+        // The load falls to values that it never had while it increased.
         assert_eq!(both_ways(&[0.0, 5.0, 6.0, -1.0, -2.0]), None);
     }
 
@@ -330,7 +332,8 @@ mod tests {
         assert_eq!(ways, [0.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
     }
 
-    /// Noise alone fails the test over all readings in one of a thousand studies, and the worst single test in another.
+    /// Under noise alone, about one study of a thousand fails the test over all readings, and about one more fails the most significant
+    /// single test.
     #[test]
     fn noise_has_structure_in_two_of_a_thousand_studies() {
         let mut noise = Noise::new(5, "structure");

@@ -1,16 +1,16 @@
 //! Diagnosis: identification of the errors that remain in a model after its best fit.
 //!
-//! [`diagnose`](fn@diagnose) selects the causes that are probable given the readings. Its [`Outcome`] holds the [`Diagnosis`] with
-//! probabilities, and the fits behind it. The extended model is checked on load cases that no fit used. Each cause is one file in `causes`.
-//! [`fit_with_random_effects`] fits a model without causes. [`study_fit`] identifies a study by its own method. The crate reads no files, and
-//! does not contain the laws by which the virtual rig plants effects.
+//! [`diagnose`](fn@diagnose) finds the causes that probably act, given the readings. Its [`Outcome`] holds the [`Diagnosis`] with the
+//! probability of each cause, and the fitted models. The extended model is checked on load cases that no fit used. Each cause is one file in
+//! `causes`. [`fit_with_random_effects`] fits a model without causes. [`study_fit`] identifies the stiffnesses of a study by the method that
+//! the study names. The crate reads no files. It does not contain the laws by which the virtual rig simulates errors.
 //!
-//! Modules import in one direction only: `diagnosis_problem` (readings and their tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <-
-//! `settle` <- `fit` <- `survey` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws; `rig_errors`) <-
-//! `sought`, `predictive` <- `folds` <- `hold_out` <- `cross_validation`, `lack_of_fit`, `gaussian_process` <- `remainder`, `averaged` <-
-//! `findings` <- `searched` <- `diagnose` <- the modules that report its outcome.
+//! Modules import in one direction only: `diagnosis_problem` (readings and their tolerances) and `candidate_effect` (data) <- `unknowns`,
+//! `aim` <- `settle` <- `fit` <- `operating_points` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws;
+//! `rig_errors`) <- `sought`, `predictive` <- `hold_out_test` <- `hold_out` <- `cross_validation`, `residual_covariance` <- `lack_of_fit`,
+//! `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `searched` <- `diagnose` <- the modules that report its outcome.
 #![warn(unreachable_pub)]
-// Documentation of private modules links to private items.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -66,7 +66,7 @@ mod trend;
 mod tried;
 mod unknowns;
 mod visited;
-/// Progress of long computations, and their cancellation.
+/// Progress of long computations, and requests to stop them.
 pub mod watch;
 mod wheel_run;
 

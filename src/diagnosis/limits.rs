@@ -1,4 +1,4 @@
-//! Detection limits: sizes from which an error would be named, so that the report states what the readings cannot show.
+//! Detection limits: the sizes from which errors would be found. The report uses them to state which errors the readings cannot show.
 
 use super::candidate_effect::{CandidateEffect, EffectParameter, Parametrisation, Term};
 use super::cause::Cause;
@@ -9,8 +9,8 @@ use super::scan::{Catalogue, first_member};
 use crate::settings::{MAX_CAUSE_LIMIT_SD, MAX_HARDPOINT_LIMIT_MM};
 use admire_identify::tolerance::EffectGroup;
 
-/// Returns for each hardpoint and axis the error at which a hardpoint error has a posterior probability of one half. The other hardpoints
-/// have errors of the size of their group.
+/// Returns, for each hardpoint and axis, the error at which a hardpoint error has a posterior probability of one half. The other hardpoints
+/// are assumed to have errors of the size of their tolerance group.
 pub fn detection_limits(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -21,7 +21,7 @@ pub fn detection_limits(
     let millimetre = subject.millimetre();
     let slab = subject.problem.priors.hardpoint_mm * millimetre;
     let points = &subject.layer.points;
-    // Four effects per point: all directions together, and each axis alone.
+    // Four candidate effects per hardpoint: all directions together, and each axis alone.
     let odds = subject.problem.priors.class_probability / (4 * points.len()) as f64;
     let mut out = Vec::new();
     for point in points {
@@ -49,8 +49,9 @@ pub fn detection_limits(
     out
 }
 
-/// Returns the size at which a freed random effect has a posterior probability of one half. With `F` the information of the readings on the
-/// error, `V0 = 1/F + tau^2` and `V1 = V0 + slab^2`: `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
+/// Returns the size `d` at which a freed random effect has a posterior probability of one half. `F` is the information of the readings about
+/// the effect, `tau` the standard deviation of its tolerance group, and `slab` the additional standard deviation when freed. With
+/// `V0 = 1/F + tau^2` and `V1 = V0 + slab^2`: `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
 fn outstanding(
     fitted: &FittedModel,
     member: usize,
@@ -70,10 +71,10 @@ fn outstanding(
     Some((needed / (1.0 / before - 1.0 / after)).sqrt())
 }
 
-/// Returns for each parameter of every other cause the size at which the cause has a posterior probability of one half, in an otherwise
-/// correct model. With `F` the information in units of the prior, to first order: `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Among
-/// several forms of a cause at one site the worst limit counts, because any form may act. Among first guesses of one law the best limit
-/// counts. Faults of readings of single cases are left out.
+/// Returns, for each parameter of every other cause, the size `d` at which the cause has a posterior probability of one half in an otherwise
+/// correct model. To first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`, where `F` is the information of the readings in units
+/// of the prior. Among the forms of a cause at one site, the largest limit is reported, because any of the forms may act. Among the first
+/// guesses of one law, the smallest limit is reported. Faults of the readings of single cases are left out.
 pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<CauseLimit> {
     let catalogue = Catalogue::new(subject, fitted);
     let information = catalogue.information(fitted, &fitted.sizes);
@@ -105,13 +106,14 @@ pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec
     out
 }
 
-/// Returns the size, in units of its prior, at which a parameter with this information has a posterior probability of one half.
+/// Returns the size of a parameter, in units of its prior standard deviation, at which its cause has a posterior probability of one half.
+/// `information` is in the same units. Returns `None` if the readings are insensitive.
 fn alone(information: f64, ln_odds: f64) -> Option<f64> {
     let evidence = libm::log1p(information) - 2.0 * ln_odds;
     (information > 1e-6).then(|| (evidence * (1.0 + information)).sqrt() / information)
 }
 
-/// Adds a limit, or merges it with the limit of another form of the same cause.
+/// Adds a detection limit to the list, or merges it with the limit of another form of the same cause.
 fn take(out: &mut Vec<CauseLimit>, h: &CandidateEffect, number: &EffectParameter, d: Option<f64>) {
     let size = d.map(|d| d * number.sd * number.unit);
     let same = |l: &&mut CauseLimit| {
@@ -138,7 +140,7 @@ fn take(out: &mut Vec<CauseLimit>, h: &CandidateEffect, number: &EffectParameter
 mod tests {
     use super::*;
 
-    /// Returns the merged limit of two forms of a cause, in units of their parameters.
+    /// Returns the limit merged from two forms of a cause, in units of its parameter.
     fn joined(cause: Cause, sizes: [Option<f64>; 2]) -> Option<f64> {
         let mut out = Vec::new();
         for size in sizes {

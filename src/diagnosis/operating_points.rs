@@ -10,7 +10,7 @@ use admire_solver::system::{Reading, Scratch};
 use admire_study::{CausePriors, Measurement};
 use admire_syntax::{Address, NewStatement};
 
-/// Attachment point of a part, with the force that acts there.
+/// Attachment point of a part, with the force on the part there.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Attachment {
     /// Marker on the part.
@@ -19,9 +19,9 @@ pub(super) struct Attachment {
     pub force: Vec<Vec3>,
 }
 
-/// State of every load case at a fit: poses, deflections, forces, and first-order responses of the readings.
+/// State of every load case at a fit: poses, deflections and forces, and first-order responses of the readings.
 pub(super) struct OperatingPoints<'a> {
-    /// Deck of the study. Elements added by an extension are not sites for further candidates.
+    /// Model of the study's own deck. Elements added by an extension are not sites for further candidates.
     pub model: &'a Model,
     /// Measurement of the study.
     pub measurement: &'a Measurement,
@@ -75,7 +75,7 @@ impl<'a> OperatingPoints<'a> {
         }
     }
 
-    /// `[priors]` of the study.
+    /// Returns the section `[priors]` of the study.
     pub(super) fn priors(&self) -> &CausePriors {
         self.subject.problem.priors
     }
@@ -85,12 +85,12 @@ impl<'a> OperatingPoints<'a> {
         self.fitted.states.len()
     }
 
-    /// Returns all rows of the residual.
+    /// Returns all residual rows.
     pub(super) fn rows(&self) -> &[Row] {
         &self.subject.rows
     }
 
-    /// Returns prediction minus reading of a row, in units of its declared noise.
+    /// Returns prediction minus reading of one row, in units of the row's declared noise.
     pub(super) fn residual(&self, row: usize) -> f64 {
         self.fitted.residual[row]
     }
@@ -100,12 +100,12 @@ impl<'a> OperatingPoints<'a> {
         self.subject.sigma
     }
 
-    /// Returns one millimetre in the deck's length unit.
+    /// Returns the length of one millimetre in the deck's length unit.
     pub(super) fn millimetre(&self) -> f64 {
         1e-3 / self.model.units.length.si
     }
 
-    /// Returns one newton in the deck's force unit.
+    /// Returns the force of one newton in the deck's force unit.
     pub(super) fn newton(&self) -> f64 {
         1.0 / self.model.units.force.si
     }
@@ -128,7 +128,8 @@ impl<'a> OperatingPoints<'a> {
         &self.subject.layer.points
     }
 
-    /// Returns the random effects of a group at an address, each with the name of its axis. Empty if the group is switched off.
+    /// Returns the random effects of a tolerance group at an address, as pairs of index and axis name. Empty if the study switches the group
+    /// off.
     pub(super) fn members(&self, group: EffectGroup, address: &str) -> Vec<(usize, String)> {
         let layer = &self.subject.layer;
         if self.subject.sizes.group(group).is_none() {
@@ -143,8 +144,8 @@ impl<'a> OperatingPoints<'a> {
         layer.at(group, address).map(named).collect()
     }
 
-    /// Returns the random effects of deck parameters that the study takes as known. Each entry holds the index, address, group, and the
-    /// change of the parameter per unit of the effect.
+    /// Returns the random effects of deck parameters that the study takes as known. Each entry holds the index, the address, the tolerance
+    /// group, and the change of the parameter per unit of the random effect.
     pub(super) fn numbers_of_the_deck(&self) -> Vec<(usize, String, EffectGroup, f64)> {
         let known = |group| {
             matches!(
@@ -172,8 +173,8 @@ impl<'a> OperatingPoints<'a> {
             .map_or(&[], |(_, _, readings)| readings)
     }
 
-    /// Returns the names of all elements and joints of the deck with the magnitude of their force in each case. The loads of the study are
-    /// left out.
+    /// Returns the name of every element and joint of the deck, with the magnitude of its force in each case. Elements that apply a load of
+    /// the study are left out.
     pub(super) fn forces(&self) -> Vec<(String, Vec<f64>)> {
         let loads = self.loads();
         let driven = |kind: &str, id: u32| {
@@ -196,7 +197,7 @@ impl<'a> OperatingPoints<'a> {
         self.element(kind, id)
     }
 
-    /// Returns the deflections of a bushing in each case: three translations along the axes of J, three projected angles.
+    /// Returns the deflections of a bushing in each case: three translations along the axes of J, then three projected angles.
     pub(super) fn bushing_deflections(&self, bushing: usize) -> Vec<[f64; 6]> {
         self.element("BUSHING", self.model.bushings[bushing].header.id)
             .iter()
@@ -207,7 +208,7 @@ impl<'a> OperatingPoints<'a> {
             .collect()
     }
 
-    /// Returns the six stiffnesses of a bushing at the fit.
+    /// Returns the six stiffnesses of a bushing at the fit: three of K, then three of KT.
     pub(super) fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let theta = &self.fitted.thetas[0];
@@ -230,7 +231,7 @@ impl<'a> OperatingPoints<'a> {
         self.fitted.states[case].poses[part.0]
     }
 
-    /// Returns an id that no statement of this kind uses in the fit's deck.
+    /// Returns an id that no statement of this kind uses in the deck of the fit.
     pub(super) fn free_id(&self, kind: &str) -> u32 {
         self.fitted
             .deck
@@ -243,7 +244,7 @@ impl<'a> OperatingPoints<'a> {
             .map_or(1, |id| id + 1)
     }
 
-    /// Returns the function expression for a displacement of I relative to J, in the axes of J.
+    /// Returns the ADAMS function expression for one component of the displacement of I relative to J, in the axes of J.
     pub(super) fn deflection_function(&self, (i, j): (MarkerIx, MarkerIx), axis: usize) -> String {
         let word = ["DX", "DY", "DZ", "AX", "AY", "AZ"][axis];
         let (i, j) = (self.marker_id(i), self.marker_id(j));
@@ -254,7 +255,8 @@ impl<'a> OperatingPoints<'a> {
         }
     }
 
-    /// Returns a GFORCE with these functions along axes of J, together with the floating marker it needs, and its id.
+    /// Returns the id of a new GFORCE, with its statement and the statement of its floating marker. `functions` gives its components along
+    /// the axes of J: component index and function expression.
     pub(super) fn vector_force(
         &self,
         (i, j): (MarkerIx, MarkerIx),
@@ -262,14 +264,16 @@ impl<'a> OperatingPoints<'a> {
     ) -> (u32, Vec<NewStatement>) {
         let part = self.model.parts[self.model.markers[j.0].part.0].header.id;
         let pair = [i, j].map(|marker| self.marker_id(marker));
-        self.force_between(pair, (part, self.free_id("MARKER")), functions)
+        self.force_between(pair, part, self.free_id("MARKER"), functions)
     }
 
-    /// Returns a GFORCE between two markers given by id, with a floating marker on the part of J, and its id.
+    /// Returns the id of a new GFORCE between two markers given by id, with its statement. The statement of the floating marker on the part
+    /// of J is included.
     pub(super) fn force_between(
         &self,
         [i, j]: [u32; 2],
-        (part, floating): (u32, u32),
+        part: u32,
+        floating: u32,
         functions: &[(usize, &str)],
     ) -> (u32, Vec<NewStatement>) {
         let id = self.free_id("GFORCE");
@@ -290,13 +294,15 @@ impl<'a> OperatingPoints<'a> {
         (id, vec![marker, statement("GFORCE", id, &arguments)])
     }
 
-    /// Returns the changes that move a marker of a part to a new, massless part. A bushing with these translational stiffnesses at `place`,
-    /// in axes of the old part, connects the two parts. Also returns the ids of the bushing and its two markers.
+    /// Returns the changes that move a marker of a part to a new, massless part. A bushing with translational stiffnesses `stiffness`
+    /// connects the two parts. Its position is `place` in the axes of the old part, and its axes are rotated from the old part's by
+    /// `angles`. The bushing's id and the ids of its two markers are returned, too.
     pub(super) fn split(
         &self,
         part: u32,
         marker: u32,
-        (place, angles): (Vec3, [f64; 3]),
+        place: Vec3,
+        angles: [f64; 3],
         stiffness: [f64; 3],
     ) -> (u32, [u32; 2], Vec<Change>) {
         let (new, first, bushing) = (
@@ -360,7 +366,7 @@ impl<'a> OperatingPoints<'a> {
         (bushing, [first, first + 1], changes)
     }
 
-    /// Returns all attachment points of a part.
+    /// Returns all points at which elements and joints of the deck attach to a part.
     pub(super) fn attachments(&self, part: PartIx) -> Vec<Attachment> {
         let owner = |marker: MarkerIx| self.model.markers[marker.0].part;
         self.readings
@@ -390,7 +396,7 @@ impl<'a> OperatingPoints<'a> {
             .collect()
     }
 
-    /// Returns false for elements added by an extension.
+    /// Returns true for elements of the study's deck, false for elements added by an extension.
     fn is_of_the_deck(&self, kind: &str, id: u32) -> bool {
         self.subject
             .problem
@@ -400,7 +406,7 @@ impl<'a> OperatingPoints<'a> {
     }
 }
 
-/// Creates a statement from its arguments.
+/// Creates a statement from its kind, id and arguments.
 pub(super) fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
     NewStatement {
         kind: kind.to_string(),

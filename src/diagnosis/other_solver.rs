@@ -1,8 +1,9 @@
-//! Final fit to the solver of the study, with the derivatives of the built-in solver.
+//! Final fit to the predictions of the study's own solver, with derivatives from the built-in solver.
 //!
-//! Let m be the residual of the built-in solver at the end of a fit, J its derivatives, and s the step from there. Let d(s) be the other
-//! solver's predictions minus the built-in ones, at the numbers written into a deck, without random effects. The residual of the other solver
-//! then is `m + J s + d(s)`. Each round solves for s with d from the previous round. Since d changes slowly, a few rounds are enough.
+//! Let m be the residual of the built-in solver at the end of a fit, J the derivatives of m, and s the step from there. Let d(s) be the
+//! predictions of the other solver minus the predictions of the built-in solver, both for the exported deck (without random effects) at step
+//! s. The residual of the other solver is then `m + J s + d(s)`. Each round solves for s with d from the previous round. A few rounds are
+//! enough, because d changes slowly.
 
 use nalgebra::DVector;
 
@@ -22,11 +23,12 @@ use admire_solver::mechanics::Pose;
 use admire_solver::system::Scratch;
 use admire_syntax::Address;
 
-/// Poses of every case; `None` where the case was not solved.
+/// Poses of all parts in every case; `None` where the case was not solved.
 type Poses = Vec<Option<Vec<Pose>>>;
 
 impl Outcome<'_> {
-    /// Compares the solver of the study with the built-in one, then fits the numbers to it. Returns a message on anything that failed.
+    /// Compares the study's solver with the built-in solver, then refits all models to the study's solver. Returns a message if one of these
+    /// steps failed.
     pub fn by_the_study(&mut self, other: &mut dyn Backend) -> Option<String> {
         if let Err(error) = self.compare(other) {
             return Some(format!(
@@ -43,12 +45,12 @@ impl Outcome<'_> {
         ))
     }
 
-    /// Refits the numbers of all models to the predictions of another solver, without changing the selection of causes. The exported deck,
-    /// stiffnesses, parameters of findings and the gain on held-out cases then belong to that solver. Returns false, with nothing changed,
-    /// where the built-in solver finds no equilibrium with the new numbers.
+    /// Refits the parameters of all models to the predictions of another solver, without changing the selection of causes. The exported
+    /// deck, the stiffnesses, the parameters of the findings and the gain on held-out cases then refer to that solver. Returns false, with
+    /// nothing changed, if the built-in solver finds no equilibrium with the new parameters.
     ///
     /// # Errors
-    /// [`BackendError`] when the other solver could not solve anything; nothing is changed then.
+    /// [`BackendError`] if the other solver could not solve any case; nothing is changed then.
     pub fn refit(&mut self, other: &mut dyn Backend) -> Result<bool, BackendError> {
         let subject = &self.subject;
         let baseline = refitted(subject, &self.baseline, Data::All, other)?;
@@ -129,7 +131,7 @@ fn refitted(
                 most = most.max((*next - at.x[k]).abs() / sd.max(f64::MIN_POSITIVE));
             }
         }
-        // The residual belongs to the step actually taken, which may have been shortened.
+        // The residual belongs to the step actually taken, which the limit on stiffness steps may have shortened.
         let step = DVector::from_column_slice(&next) - DVector::from_column_slice(&fitted.x);
         at.residual = &fitted.residual + apart + &fitted.jacobian * step;
         at.x = next;
@@ -143,8 +145,8 @@ fn refitted(
     Ok(at)
 }
 
-/// Returns predictions of another solver minus predictions of the built-in one, in units of the rows. Zero where either has no solution, and
-/// for channels that cannot be computed from poses.
+/// Returns the predictions of another solver minus the predictions of the built-in solver, in units of the residual rows. The difference is
+/// zero for a case that either solver did not solve, and for a channel that cannot be computed from poses.
 fn apart(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -169,7 +171,7 @@ fn apart(
     Ok(out)
 }
 
-/// Returns prediction minus reading of all rows at these poses. Channels that cannot be computed from poses are set to zero.
+/// Returns prediction minus reading of all rows at these poses. Predictions of channels that cannot be computed from poses are set to zero.
 fn residuals(
     (subject, fitted, plain): (&DiagnosisProblem<'_>, &FittedModel, &DeckOnlyPrediction),
     poses: &Poses,
@@ -201,7 +203,8 @@ fn residuals(
     Some(found.residual)
 }
 
-/// Returns the rms error of a mark coordinate in the deck's length unit, without outliers.
+/// Returns the rms error of one mark coordinate at these poses, without outliers, in the deck's length unit. Returns `None` if no mark can
+/// be compared.
 fn missed(subject: &DiagnosisProblem<'_>, poses: &Poses) -> Option<f64> {
     let measurement = subject.problem.measurement;
     let (mut sum, mut count) = (0.0, 0.0);
@@ -226,7 +229,7 @@ fn missed(subject: &DiagnosisProblem<'_>, poses: &Poses) -> Option<f64> {
     (count > 0.0).then(|| f64::sqrt(sum / count))
 }
 
-/// Solves the exported deck of a fit in all cases.
+/// Solves the exported deck of a fit in all cases with the backend `by`.
 fn solved(
     by: &mut dyn Backend,
     fitted: &FittedModel,

@@ -21,12 +21,12 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// Returns the number of sweeps so far.
+    /// Returns the number of sweeps so far. One sweep solves all load cases once.
     pub fn sweeps(&self) -> usize {
         self.sweeps.load(Ordering::Relaxed)
     }
 
-    /// Returns the maximum number of sweeps for all searches up to the current one.
+    /// Returns the maximum number of sweeps, counted over all searches up to the current one.
     pub fn budget(&self) -> usize {
         self.budget.load(Ordering::Relaxed)
     }
@@ -36,18 +36,18 @@ impl Progress {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Stops every fit after its current step, and with them the search. The budget of this search and of any further one then counts as
-    /// spent.
+    /// Stops the diagnosis: every fit ends after its current step, and the search ends with its fits. The budgets of the current search and
+    /// of all further searches then count as spent.
     pub fn stop(&self) {
         self.budget.store(0, Ordering::Relaxed);
     }
 
-    /// Returns true once the diagnosis was stopped.
+    /// Returns true if the diagnosis was stopped.
     pub fn is_stopped(&self) -> bool {
         self.budget() == 0
     }
 
-    /// Sets the name of the current stage.
+    /// Starts a stage with this name.
     pub fn begin(&self, stage: &'static str) {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
     }
@@ -57,7 +57,7 @@ impl Progress {
         self.sweeps.fetch_add(sweeps, Ordering::Relaxed);
     }
 
-    /// Returns true if the budget is spent, so that no further round starts.
+    /// Returns true if the budget is spent, so that no further round of a search starts.
     pub(super) fn is_spent(&self) -> bool {
         self.sweeps() >= self.budget()
     }
@@ -70,7 +70,7 @@ impl Progress {
         let _ = self.budget.fetch_update(order, order, grant);
     }
 
-    /// Grants a further search its budget. Returns false where the first search was stopped or has spent its own.
+    /// Grants a further search a new full budget. Returns false, without a grant, if the previous search was stopped or spent its budget.
     pub(super) fn extend(&self) -> bool {
         let further = self.sweeps() + MAX_SWEEPS;
         let grant = |budget: usize| (budget > self.sweeps()).then_some(further);

@@ -1,12 +1,14 @@
-//! Model discrepancy after all causes, described as an extra force at one site that is a smooth function of one coordinate.
+//! Model discrepancy that remains after all causes, described as an extra force at one site. The force is a smooth function of one
+//! coordinate.
 //!
-//! At each site, a force that differs from case to case is added to the linear model of the fit. It is a Gaussian process with squared
-//! exponential covariance over the site's own deflection, over a load, or over the order of the cases. Over the own deflection, constant and
-//! straight line are projected out, because they are preload and stiffness. The site, coordinate, length scale and standard deviation of
-//! largest evidence are reported. Fitted without the held-out cases, the process predicts them with a band of uncertainty.
+//! At each site, a force that differs from case to case is added to the linear model of the fit. The force is a Gaussian process with
+//! squared exponential covariance over one coordinate: the deflection at the site, a load, or the order of the cases. Over the deflection,
+//! the constant and the straight line are projected out, because they are equivalent to a preload and a stiffness. The combination of site,
+//! coordinate, length scale and standard deviation with the largest evidence is reported. A process fitted without the held-out cases
+//! predicts them with a band of uncertainty.
 //!
-//! [`unnamed`] makes the force a candidate that a search compares with several causes of the catalogue, because one effect outside the
-//! catalogue looks like many effects in it. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
+//! [`gp_terms`] makes the force a candidate, which a search compares with several causes of the catalogue. One effect outside the catalogue
+//! looks like many effects within it. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -27,24 +29,24 @@ use admire_solver::mechanics::Vec6;
 use admire_solver::model::{Header, JointKind, MarkerIx, Model};
 use admire_study::orientation::chi_square_p_value;
 
-/// Coordinate of which the force is a function.
+/// Coordinate on which the extra force depends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Over {
-    /// Deflection at the site itself.
+    /// Deflection at the site of the force.
     Deflection,
-    /// Load of the study.
+    /// One of the study's loads.
     Load,
-    /// Order of the cases.
+    /// Position of the case in the order of application.
     Order,
 }
 
-/// Extra force in one case.
+/// Extra force in one load case.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct RemainderPoint {
     /// Label of the case.
     pub case: String,
-    /// Value of the coordinate in the deck's units, angles in radians. The position in the order counts from one.
+    /// Value of the coordinate in the deck's units, angles in radians. For the order of the cases, the position counted from one.
     pub coordinate: f64,
     /// Force or torque on the I marker along the component, in the deck's units.
     pub force: f64,
@@ -52,53 +54,54 @@ pub struct RemainderPoint {
     pub std_error: f64,
 }
 
-/// Extra force that explains part of the remaining structure.
+/// Extra force that explains part of the structure remaining in the residuals.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Remainder {
-    /// Address of the component: `BUSHING/2.K.1` acts along that component of the bushing, `JOINT/3` along or about the free axis of the
-    /// joint.
+    /// Address of the component. At `BUSHING/2.K.1`, the force acts along that component of the bushing. At `JOINT/3`, it acts along the
+    /// free axis of the joint, or as a torque about it.
     pub address: String,
-    /// Coordinate of which the force is a function.
+    /// Coordinate on which the force depends.
     pub over: Over,
-    /// Name of the load, if the force is a function of a load.
+    /// Name of the load, if the force depends on a load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<String>,
-    /// Fraction of the excess of chi-square over its degrees of freedom that the force explains, 0 to 1.
+    /// Fraction of the excess of chi-square over its degrees of freedom that the force explains, from 0 to 1.
     pub share: f64,
-    /// Gain in log evidence, in nats.
+    /// Gain in log evidence by the force, in nats.
     pub nats: f64,
-    /// Address of the second-best site, and its deficit in nats.
+    /// Address of the second-best site, and its deficit in log evidence against the best site, in nats.
     pub next: Option<(String, f64)>,
-    /// Force in each case, in the order of the coordinate.
+    /// Force in each case, sorted by the coordinate.
     pub points: Vec<RemainderPoint>,
-    /// Prediction of the held-out cases with such a force. `None` without held-out cases, or where the other cases support no force.
+    /// Prediction of the held-out cases with an extra force found without them. `None` without held-out cases, or if the other cases support
+    /// no force.
     pub held_out: Option<Predicted>,
 }
 
-/// Prediction of cases that were used neither for the model nor for the force.
+/// Prediction of the held-out cases, which were used neither for the model nor for the extra force.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Predicted {
-    /// Address of the force as found from the other cases alone.
+    /// Address of the force that was found from the other cases alone.
     pub address: String,
-    /// Rms prediction error without the force, by the measure of `hold_out`.
+    /// Rms prediction error without the force, in the measure of `hold_out`.
     pub rms_before: f64,
-    /// Rms prediction error with the force, by the measure of `hold_out`.
+    /// Rms prediction error with the force, in the measure of `hold_out`.
     pub rms_after: f64,
-    /// Fraction of the decorrelated readings within their 95 percent bands.
+    /// Fraction of the decorrelated readings that lie within their 95 percent bands.
     pub within95: f64,
     /// Number of decorrelated readings.
     pub readings: usize,
-    /// P-value of all readings under the prediction and its covariance.
+    /// P-value of all held-out readings under the prediction and its covariance.
     pub p_value: f64,
 }
 
-/// Component of an element at which a force may be missing.
+/// Component of an element at which the model may lack a force.
 struct Place {
     address: String,
     pair: (MarkerIx, MarkerIx),
     axis: usize,
     deflection: Vec<f64>,
-    /// Typical force at the site.
+    /// Typical force at the site, which scales the prior of the extra force.
     force: f64,
 }
 
@@ -110,17 +113,17 @@ struct Process {
     law: GpPosterior,
 }
 
-/// Site, coordinate and process of largest evidence.
+/// Site, coordinate and process with the largest evidence.
 struct Best {
     address: String,
     place: Place,
     process: Process,
     next: Option<(String, f64)>,
-    /// Effect on all rows of a unit force in each single case, one column per case.
+    /// Effects on all rows of a unit force in each single case, one column per case.
     effect: DMatrix<f64>,
-    /// Decrease of the unknowns of the fit per unit force in each case, as they absorb part of its effect.
+    /// Decrease of the fit's unknowns per unit force in each case. By this decrease the unknowns absorb part of the force's effect.
     taken_up: DMatrix<f64>,
-    /// Effect of the force on all rows after the unknowns of the fit have adapted.
+    /// Effect of the force on all rows after the fit's unknowns have adapted to the force.
     response: DMatrix<f64>,
     /// Posterior of the fit without the force, at the variance components in use.
     posterior: Posterior,
@@ -128,8 +131,8 @@ struct Best {
     tried: usize,
 }
 
-/// Returns the extra force with the largest evidence in the residuals of a fit, at the given variance components. `None` where no site stands
-/// out.
+/// Returns the extra force with the largest evidence in the residuals of a fit, at the given variance components. Returns `None` if no site
+/// stands out.
 pub(super) fn remainder(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -165,9 +168,10 @@ pub(super) fn remainder(
     })
 }
 
-/// Predicts the held-out cases by a fit without them, plus the extra force found in its residuals. Let `f` and `V` be mean and covariance of
-/// the force, `R` the response of the rows, and `C` the covariance of the unknowns. The prediction changes by `R f`, and its covariance is
-/// `J C J' + R V R'` plus noise. `None` where nothing is held out, or no site stands out.
+/// Predicts the held-out cases by a fit without them, plus the extra force found in the residuals of that fit. Let `f` and `V` be the mean
+/// and the covariance of the force, `R` the response of the rows to the force, `J` the Jacobian of the fit, and `C` the covariance of its
+/// unknowns. The force changes the prediction by `R f`; the covariance of the prediction is `J C J' + R V R'` plus noise. Returns `None` if
+/// nothing is held out, or if no site stands out.
 pub(super) fn predicted(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -218,22 +222,23 @@ pub(super) fn predicted(
     })
 }
 
-/// Force of unknown law as a candidate of a search.
+/// Force of unknown law, as a candidate in a search.
 pub(super) struct GpTerm {
-    /// Candidate with one parameter per factor column, in units of the priors. Its effects on the rows are linearised at the end of a fit.
+    /// Candidate with one parameter per column of `root`, in units of the priors. Its effects on the rows are linearised at the end of a
+    /// fit.
     pub hypothesis: CandidateEffect,
     /// First guesses of the candidate's parameters.
     pub guesses: Vec<f64>,
-    /// First guesses of the unknowns of the fit.
+    /// Start values of the unknowns that the fit already has, adapted to the force.
     pub x: Vec<f64>,
-    /// Predicted gain in log evidence by the linear model, in nats, prior excluded.
+    /// Gain in log evidence predicted by the linear model, in nats, without prior odds.
     pub nats: f64,
     place: Place,
     root: DMatrix<f64>,
 }
 
 impl GpTerm {
-    /// Returns the same law linearised at another fit.
+    /// Returns the candidate with its effects linearised at another fit.
     pub(super) fn at(
         &self,
         subject: &DiagnosisProblem<'_>,
@@ -247,9 +252,9 @@ impl GpTerm {
     }
 }
 
-/// Returns forces of unknown law as candidates: the best one at the fit's own variance components, and the best one at components reduced to
-/// their medians. The fit's own components may have absorbed the effect. The prior of one class of causes is divided among all sites,
-/// coordinates, length scales and standard deviations tried.
+/// Returns up to two forces of unknown law as candidates. One has the largest evidence at the fit's own variance components. The other has
+/// the largest evidence at components reduced to their medians, because the fit's own components may have absorbed the effect. The prior
+/// probability of one class of causes is divided among all sites, coordinates, length scales and standard deviations tried.
 pub(super) fn gp_terms(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<GpTerm> {
     let usual = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
     let each = [&usual, &fitted.sizes].into_iter();
@@ -266,8 +271,8 @@ pub(super) fn gp_terms(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> 
     out
 }
 
-/// Returns the misfits of the laws in a fit, each as a further term of its cause. Only laws known in kind but not in shape get a misfit:
-/// friction that is not a slider, rubber that is not a polynomial.
+/// Returns the misfits of the force laws in a fit, each as a further term of its cause. Only laws known in kind but not in shape have a
+/// misfit: friction may differ from a slider, and rubber from a polynomial.
 pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<GpTerm> {
     let chosen = &fitted.effects;
     let is_closed = |h: &CandidateEffect| {
@@ -289,7 +294,7 @@ pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel)
     open.filter_map(left).collect()
 }
 
-/// Returns true if a cause is located at the bushing or joint where a force acts, or at a marker of it.
+/// Returns true if the site of a cause is the bushing or joint where `force` acts, or a marker of that bushing or joint.
 pub(super) fn is_at_element_of(
     model: &Model,
     h: &CandidateEffect,
@@ -310,8 +315,8 @@ pub(super) fn is_at_element_of(
     places.any(|place| element(place) == own || ends.contains(&element(place)))
 }
 
-/// Returns one parameter per column of `root`, with the effect of that pattern of forces on all rows. Its unit makes the report state an rms
-/// force over all cases.
+/// Returns one parameter per column of `root`. Its effect on all rows is the effect of the pattern of forces in that column. Its unit
+/// converts the parameter to the rms of this force over all cases, which the report states.
 fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     let columns = effect * root;
     let number = |(k, column): (usize, nalgebra::DVectorView<'_, f64>)| {
@@ -362,7 +367,8 @@ fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Be
     }
 }
 
-/// Finds the extra force of largest evidence, at all sites or, with `only`, as the misfit of a law at one site.
+/// Finds the extra force with the largest evidence. If `only` names a site, the force is a misfit of the law at that site; otherwise all
+/// sites are searched.
 fn most_spoken_for(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -402,9 +408,14 @@ fn most_spoken_for(
             }
             tried += 1;
             let is_stiffness_apart = over == Over::Deflection;
-            let read = (&information, &gradient);
-            let kind = (reach, is_stiffness_apart);
-            let Some(law) = GpPosterior::best(&coordinate, kind, read, place.force) else {
+            let Some(law) = GpPosterior::best(
+                &coordinate,
+                &information,
+                &gradient,
+                place.force,
+                reach,
+                is_stiffness_apart,
+            ) else {
                 continue;
             };
             found.push((
@@ -448,7 +459,7 @@ fn most_spoken_for(
     })
 }
 
-/// Returns the sites: components of bushings that deflect, and free motions of joints.
+/// Returns the sites at which the model may lack a force: bushing components that deflect, and free motions of joints.
 fn places(survey: &OperatingPoints<'_>) -> Vec<Place> {
     let mut out = Vec::new();
     let mut put = |address: String, pair, axis: usize, deflection: Vec<f64>, force: f64| {
@@ -504,7 +515,8 @@ fn places(survey: &OperatingPoints<'_>) -> Vec<Place> {
     out
 }
 
-/// Returns the coordinates of which the force at a site may be a function.
+/// Returns the coordinates on which the force at a site may depend. Each entry holds the kind, the name of the load if any, and one value
+/// per case.
 fn coordinates(
     subject: &DiagnosisProblem<'_>,
     place: &Place,
@@ -522,7 +534,7 @@ fn coordinates(
     out
 }
 
-/// Returns the effect on all rows of a unit force in each single case, one column per case.
+/// Returns the effects on all rows of a unit force in each single case, one column per case.
 fn effect(survey: &OperatingPoints<'_>, place: &Place) -> DMatrix<f64> {
     let cases = survey.cases();
     let number = |case: usize| {

@@ -1,4 +1,4 @@
-//! Covariance of the residuals of a fit, and score tests of contrasts of them.
+//! Covariance of the residuals of a fit, and score tests of contrasts (weighted sums of residual rows).
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -7,17 +7,17 @@ use admire_identify::ChiSquare;
 use admire_identify::settings::ABSORBED_VARIANCE_SHARE;
 use admire_identify::tolerance::{Factor, covariance_root, transposed};
 
-/// Column of a contrast: rows and their weights.
+/// Contrast: pairs of row index and weight.
 pub(super) type Contrast = Vec<(usize, f64)>;
 
-/// Whitened residuals of a fit with their covariance: `Cov(r) = I - Q Q^T` with `Q = J L`, where `L L^T` is the posterior covariance. Source:
+/// Whitened residuals of a fit, with their covariance `Cov(r) = I - Q Q^T`. Here `Q = J L`, and `L L^T` is the posterior covariance. Source:
 /// the marginal likelihood of a linear model with Gaussian priors.
 pub(super) struct ResidualCovariance<'a> {
     fitted: &'a FittedModel,
     weights: DVector<f64>,
-    /// Reading minus prediction, whitened.
+    /// Whitened residual: reading minus prediction.
     pub residual: DVector<f64>,
-    /// Transposed matrix `Q^T`: one column for each row of the residual.
+    /// Transpose `Q^T` of the matrix `Q` in the covariance, with one column per residual row.
     Q: DMatrix<f64>,
 }
 
@@ -34,7 +34,7 @@ impl<'a> ResidualCovariance<'a> {
         }
     }
 
-    /// Returns the chi-square of whitened rows under their residual covariance.
+    /// Returns the chi-square of the given residual rows under their covariance. Returns `None` if the fit used none of these rows.
     pub(super) fn test_rows(&self, rows: &[usize]) -> Option<ChiSquare> {
         let rows: Vec<usize> = rows
             .iter()
@@ -48,8 +48,8 @@ impl<'a> ResidualCovariance<'a> {
         scatter(&Q, &self.residual.select_rows(&rows))
     }
 
-    /// Score test of these contrasts, which are patterns of change of the readings. Tests for components of the residuals that noise and
-    /// tolerances do not explain.
+    /// Returns the score test of these contrasts, which are patterns of change of the readings. The test detects components of the residuals
+    /// that noise and tolerances do not explain.
     pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<ChiSquare> {
         self.score(contrasts).statistic()
     }
@@ -91,13 +91,13 @@ impl<'a> ResidualCovariance<'a> {
         Along { s, QX, own }
     }
 
-    /// Projects the residuals on the contrasts of each case separately, for weighted sums.
+    /// Projects the residuals on the contrasts of each case separately, so that weighted sums over the cases can be tested.
     pub(super) fn by_case(&self, cases: &[Vec<Contrast>]) -> ByCase {
         ByCase(cases.iter().map(|case| self.score(case)).collect())
     }
 }
 
-/// Projections on contrasts `X` of whitened rows: `X'r`, `Q'X` and `X'X`.
+/// Projections on contrasts with the whitened columns `X`: `X'r`, `Q'X` and `X'X`.
 struct Along {
     s: DVector<f64>,
     QX: DMatrix<f64>,
@@ -105,7 +105,7 @@ struct Along {
 }
 
 impl Along {
-    /// Returns the score test over the contrasts that involve used rows.
+    /// Returns the score test of the contrasts that involve rows used in the fit.
     fn statistic(&self) -> Option<ChiSquare> {
         let used: Vec<usize> = (0..self.s.len())
             .filter(|c| self.own[(*c, *c)] > 0.0)
@@ -116,7 +116,7 @@ impl Along {
         let QX = self.QX.select_columns(&used);
         let mut A = self.own.select_rows(&used).select_columns(&used) - transposed(&QX, &QX);
         let mut s = self.s.select_rows(&used);
-        // Columns are scaled to unit norm, so that the absorbed fraction is comparable.
+        // Columns are scaled to unit norm, so that the fractions absorbed by the fit are comparable.
         for (c, at) in used.iter().enumerate() {
             let norm = self.own[(*at, *at)].sqrt();
             s[c] /= norm;
@@ -127,12 +127,12 @@ impl Along {
     }
 }
 
-/// Projections on the same contrasts in every case. Rows of different cases are independent, so weighted sums do not need the rows
-/// themselves.
+/// Projections on the same contrasts in every case. Rows of different cases are independent, so weighted sums over the cases need only these
+/// projections.
 pub(super) struct ByCase(Vec<Along>);
 
 impl ByCase {
-    /// Score test of the sums of the contrasts, weighted by one number per case.
+    /// Returns the score test of the contrasts summed over the cases, with one weight per case.
     pub(super) fn test(&self, weights: &[f64]) -> Option<ChiSquare> {
         let first = self.0.first()?;
         let mut sum = Along {
@@ -156,8 +156,9 @@ impl ByCase {
     }
 }
 
-/// Returns the chi-square `r'(c - Q'Q)^-1 r` of rows with residual covariance `1 - Q'Q`; `c` is slightly larger than one. With more rows than
-/// unknowns, `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c` needs only a factor of the smaller matrix.
+/// Returns the chi-square `r'(c - Q'Q)^-1 r` of some rows, whose residual covariance is `1 - Q'Q`. The factor `c` is slightly larger than
+/// one. If there are more rows than unknowns, `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c` requires only a factor of the smaller matrix `c -
+/// QQ'`.
 fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<ChiSquare> {
     let c = 1.0 + ABSORBED_VARIANCE_SHARE;
     let rest = |squares: DMatrix<f64>| {
@@ -172,7 +173,7 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<ChiSquare> {
         let factor = rest(Q * Q.transpose())?;
         let along = Q * r;
         let value = (r.norm_squared() + along.dot(&factor.solve(&along))) / c;
-        // By definition of `rest`, `QQ' = c - rest`.
+        // Since `QQ' = c - rest`, the trace of `rest^-1 QQ'` follows from the trace of `rest^-1`.
         let solved = c * factor.inverse_trace() - Q.nrows() as f64;
         (value, (count + solved) / c)
     };
@@ -183,7 +184,7 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<ChiSquare> {
     })
 }
 
-/// Returns `s^T A^-1 s` with a ridge of [`ABSORBED_VARIANCE_SHARE`], which suppresses directions that the fit has absorbed.
+/// Returns `s^T A^-1 s`. A ridge of [`ABSORBED_VARIANCE_SHARE`] is added to `A`, which suppresses directions that the fit has absorbed.
 fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<ChiSquare> {
     let k = s.len();
     let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED_VARIANCE_SHARE)?.inverse();
@@ -195,9 +196,9 @@ fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<ChiSquare> {
     })
 }
 
-/// Returns the posterior covariance, and the step to the posterior mode, with wider priors of the causes' parameters. Each prior is as wide
-/// as the estimate: a cause larger than its prior expects would otherwise leave structure along its own effect. Priors are replaced one after
-/// the other by the Sherman-Morrison formula.
+/// Returns the posterior covariance and the step to the posterior mode, with wider priors of the causes' parameters. Each prior standard
+/// deviation is raised to the distance of the estimate from the prior mean. Otherwise a cause far larger than its prior would leave
+/// structure along its own effect. The priors are replaced one after the other by the Sherman-Morrison formula.
 fn with_wide_priors(fitted: &FittedModel) -> (DMatrix<f64>, DVector<f64>) {
     let mut covariance = fitted.posterior.covariance.clone();
     let mut step = DVector::zeros(covariance.nrows());
@@ -222,7 +223,7 @@ mod tests {
     use admire_solver::mechanics::eigen::singular_values;
     use admire_study::noise::Noise;
 
-    /// Checks more rows than unknowns, and fewer, against the inverse of the full covariance.
+    /// Checks the statistic against the inverse of the full covariance matrix, with fewer unknowns than rows and with more.
     #[test]
     fn scatter_is_that_by_the_inverse_of_the_covariance() {
         for (unknowns, rows) in [(4, 9), (9, 4)] {

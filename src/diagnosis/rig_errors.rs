@@ -239,7 +239,7 @@ fn of_frames(subject: &DiagnosisProblem<'_>) -> ErrorColumns {
     let mut blocks = Vec::new();
     for (case, read) in measurement.cases.iter().enumerate() {
         let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
-        let columns = by_frame(&subject.rows, case, &places, (subject.sigma, turn));
+        let columns = by_frame(&subject.rows, case, &places, subject.sigma, turn);
         for (k, column) in columns.into_iter().enumerate() {
             for (row, value) in column {
                 out[(row, 6 * case + k)] = value;

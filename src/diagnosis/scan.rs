@@ -64,8 +64,7 @@ impl Catalogue {
             from..next
         };
         let ranges: Vec<Range<usize>> = hypotheses.iter().map(range).collect();
-        let known = (&by_class, &residual);
-        let further = CrossProducts::new(&fitted.whitening, known, (&ranges, turned));
+        let further = CrossProducts::new(&fitted.whitening, &by_class, &residual, &ranges, turned);
         Self {
             hypotheses,
             ranges,
@@ -191,8 +190,9 @@ impl Catalogue {
                 sd: 1.0,
                 group: None,
             };
-            let set = (at, self.ranges[at].len());
-            fitted.linear.with(&self.further, set, own)
+            fitted
+                .linear
+                .with(&self.further, at, self.ranges[at].len(), own)
         };
         let sizes = linear.maximise_evidence(start);
         let posterior = linear.posterior(&sizes)?;

@@ -228,7 +228,8 @@ impl Sweep<'_> {
         let linear = point.linear.moved(
             self.whitening,
             &point.derivatives.by_class,
-            (&own, &by_class),
+            &own,
+            &by_class,
             &self.whitening.apply_vector(&-&evaluation.residual),
             DVector::from_column_slice(&x),
         );

@@ -1,4 +1,4 @@
-//! Difference between two solvers on the same deck with the same numbers. The solvers must agree before the model is judged.
+//! Difference between two solvers on the same deck with the same parameters. The solvers must agree before the model is judged.
 
 use crate::settings::NEGLIGIBLE_DIFFERENCE_SIGMA;
 use serde::Serialize;
@@ -8,26 +8,29 @@ use serde::Serialize;
 pub struct SolverDifference {
     /// Name of the study's solver: `command` or `replay`.
     pub solver: &'static str,
-    /// Rms difference of one coordinate, in the deck's length unit. Compares the marks, or the origins of parts if there are no marks.
+    /// Rms difference of one coordinate between the solvers, in the deck's length unit. It compares the marks, or the part origins if there
+    /// are no marks.
     pub rms: f64,
-    /// Largest distance between two positions, in the deck's length unit.
+    /// Largest distance between the two solvers' positions of one point, in the deck's length unit.
     pub most: f64,
-    /// Label of the case with the largest distance; `None` where no case was solved by both.
+    /// Label of the case with the largest distance; `None` if no case was solved by both solvers.
     pub case: Option<String>,
     /// Labels of the cases solved by only one of the solvers.
     pub unsolved: Vec<String>,
-    /// Rms error of one mark coordinate by the built-in solver and by the other, for the fitted model without tolerances. `None` without
-    /// marks.
+    /// Rms errors of one mark coordinate by the built-in solver and by the other solver, for the fitted model without tolerances. `None`
+    /// without marks.
     pub residual_rms: Option<[f64; 2]>,
-    /// Rms error of one mark coordinate over the held-out cases, by the built-in solver and by the other.
+    /// Rms errors of one mark coordinate over the held-out cases, by the built-in solver and by the other solver. `None` without held-out
+    /// marks.
     pub held_out_rms: Option<[f64; 2]>,
-    /// Rms error of one mark coordinate by the other solver, for the extended model fitted to that solver, without tolerances. `None` without
-    /// marks or without such a fit.
+    /// Rms error of one mark coordinate by the other solver, for the extended model refitted to that solver, without tolerances. `None`
+    /// without marks or without a refit.
     pub refitted_rms: Option<f64>,
 }
 
 impl SolverDifference {
-    /// Returns true if the difference is small against the noise of a mark.
+    /// Returns true if both solvers solved the same cases, and if their difference is small against `sigma`, the noise of one mark
+    /// coordinate.
     pub fn is_negligible(&self, sigma: f64) -> bool {
         self.unsolved.is_empty() && self.rms <= NEGLIGIBLE_DIFFERENCE_SIGMA * sigma
     }

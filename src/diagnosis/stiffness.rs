@@ -5,7 +5,7 @@ use admire_identify::settings::UNIDENTIFIABLE_LN_SD;
 /// Stiffness as estimated by the original model and by the extended model.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CorrectedStiffness {
-    /// Address in the deck.
+    /// Address of the stiffness in the deck.
     pub address: String,
     /// Estimate and standard error of the original model.
     pub before: (f64, f64),
@@ -21,7 +21,7 @@ impl CorrectedStiffness {
             .all(|(value, error)| *error <= UNIDENTIFIABLE_LN_SD * value)
     }
 
-    /// Returns the relative bias of the original model's estimate against the corrected value.
+    /// Returns the relative bias of the original model's estimate. The extended model's estimate is the reference.
     pub fn bias(&self) -> f64 {
         self.before.0 / self.after.0 - 1.0
     }

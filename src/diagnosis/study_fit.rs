@@ -1,4 +1,4 @@
-//! Fit of a study by its own method: noise, stiffnesses, tolerances.
+//! Identification of a study by the method that the study names.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -15,11 +15,11 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use crate::watch::ProgressObserver;
 
-/// Identifies the stiffnesses of a study. First estimates the sensor noise that the study does not state, then runs the fit, with tolerances
-/// where the method supports them.
+/// Identifies the stiffnesses of a study. The sensor noise that the study does not state is estimated first. The fit then includes
+/// tolerances if the method supports them.
 ///
 /// # Errors
-/// The reason why there is no fit.
+/// [`IdentifyError`] with the reason why there is no fit.
 pub fn identify(
     loaded: &mut LoadedStudy,
     backend: &mut dyn Backend,
@@ -28,11 +28,11 @@ pub fn identify(
     identify_with(loaded, backend, watch, false).map(|(fit, _)| fit)
 }
 
-/// Identifies a study as [`identify`] does. If `wanted`, also returns the joint posterior of the unknowns with all else marginalised, where
-/// the method provides it.
+/// Identifies a study as [`identify`] does. If `wanted`, also returns the joint posterior of the identified parameters with all other
+/// unknowns marginalised. Not every method provides this posterior.
 ///
 /// # Errors
-/// The reason why there is no fit.
+/// [`IdentifyError`] with the reason why there is no fit.
 pub fn identify_with(
     loaded: &mut LoadedStudy,
     backend: &mut dyn Backend,
@@ -44,8 +44,8 @@ pub fn identify_with(
     among_tolerances(loaded, backend, watch, wanted)
 }
 
-/// Returns an error if the study supports neither bootstrap nor posterior, otherwise `None`. Both repeat the fit thousands of times, which
-/// only the joint fit of the built-in solver allows.
+/// Returns a diagnostic if the study supports neither bootstrap nor posterior sampling, otherwise `None`. Both repeat the fit thousands of
+/// times, which only the joint fit with the built-in solver allows.
 pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
     let study = &loaded.study;
     let (message, keys, help) = if study.identify.method != Method::GaussNewton {
@@ -73,7 +73,7 @@ pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
     Some(error.label(study.source.name(), place, ""))
 }
 
-/// Returns the error for a study that names no parameter to identify, located at the setting.
+/// Returns the diagnostic for a study without parameters to identify. It is located at the setting `bushings`.
 pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
     let study = &loaded.study;
     let message = "the study names nothing to identify";
@@ -100,7 +100,7 @@ pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
     )
 }
 
-/// Returns the error for a study without a wheel, for which wheel curves are not available.
+/// Returns the diagnostic for a study without a wheel, for which wheel curves are not available.
 pub fn no_wheel() -> Diagnostic {
     let message = "the study names no wheel, and its loads act at no marker";
     Diagnostic::error(Code::MissingSetting, message)
@@ -113,8 +113,7 @@ fn noise(loaded: &mut LoadedStudy, backend: &mut dyn Backend) -> Result<(), Iden
     estimate_noise(loaded, external.then_some(backend))
 }
 
-/// Runs the fit with tolerances where possible, otherwise the plain fit. The intervals then include the tolerances, so that profile
-/// likelihoods are not needed.
+/// Runs the fit with tolerances if possible, otherwise the plain fit. Intervals from the fit with tolerances need no profile likelihoods.
 fn among_tolerances(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
@@ -146,7 +145,8 @@ fn among_tolerances(
     Ok((fit, marginal))
 }
 
-/// Returns true if tolerances can be fitted with the stiffnesses: Gauss-Newton with the built-in solver, and no frame errors in the settings.
+/// Returns true if tolerances can be fitted together with the stiffnesses. This requires Gauss-Newton with the built-in solver, and no frame
+/// errors in the settings.
 fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
     let settings = &loaded.study.identify;
     let frames = [0, 3].map(|axis| settings.frame_sd.of_axis(axis, &loaded.model.units));
@@ -156,11 +156,11 @@ fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
         && !frames
 }
 
-/// Runs the study's method on a backend and reports progress. With `profile` and the built-in solver, poorly determined parameters get
-/// intervals by profile likelihood.
+/// Runs the study's method with a backend, and reports progress. If `profile` is set and the solver is the built-in solver, poorly
+/// determined parameters get intervals by profile likelihood.
 ///
 /// # Errors
-/// The reason why there is no fit.
+/// [`IdentifyError`] with the reason why there is no fit.
 pub fn fitted(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
@@ -234,7 +234,7 @@ fn fitted_with(
     Ok((fit, marginal))
 }
 
-/// Breaks off a run that the observer stopped.
+/// Ends the iteration if the observer has requested a stop.
 fn flow(watch: &dyn ProgressObserver) -> ControlFlow<()> {
     if watch.goes_on() {
         ControlFlow::Continue(())

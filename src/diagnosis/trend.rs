@@ -1,25 +1,26 @@
-//! Residual that follows an element force most closely, for a plot in the report.
+//! Residual that depends most strongly on the force in an element, for a plot in the report.
 
 use super::diagnose::Outcome;
 use super::operating_points::OperatingPoints;
 use admire_identify::global::Row;
 
-/// Residual as a function of the force in an element.
+/// Residual of a group of readings as a function of the force in one element.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Trend {
     /// Name of the element.
     pub element: String,
-    /// Name of the residual: a direction of a part's marks, or a channel.
+    /// Name of the residual: the marks of a part in one direction, or a channel.
     pub what: String,
     /// Unit of the residual, if it has one.
     pub unit: Option<String>,
-    /// Force and mean residual (prediction minus reading) of each case in the original model. Units of the deck or of the channel.
+    /// Points of the original model, one per case: force, and mean residual (prediction minus reading). Residuals are in
+    /// the unit `unit`, forces in the unit of the deck.
     pub before: Vec<(f64, f64)>,
-    /// Mean residual of each case in the extended model, paired with the same forces as in `before`.
+    /// Points of the extended model, one per case: the same force as in `before`, and the extended model's mean residual.
     pub after: Vec<(f64, f64)>,
 }
 
-/// Group of rows of which the mean residual per case is taken.
+/// Group of residual rows whose mean is computed for each case.
 struct Group {
     what: String,
     unit: Option<String>,
@@ -28,7 +29,7 @@ struct Group {
 }
 
 impl Outcome<'_> {
-    /// Returns the strongest trend of a residual with a force. `None` where nothing varies.
+    /// Returns the strongest trend of a residual with the force in an element. Returns `None` if no force varies.
     pub fn trend(&self) -> Option<Trend> {
         let subject = &self.subject;
         let forces = OperatingPoints::new(subject, &self.baseline).forces();
@@ -122,7 +123,7 @@ impl Outcome<'_> {
     }
 }
 
-/// Returns the square root of the sum of squares explained by a straight line.
+/// Returns the strength of a trend: the square root of the sum of squares that a straight line explains.
 fn slope_strength(pairs: &[(f64, f64)]) -> f64 {
     let n = pairs.len() as f64;
     let (mx, my) = pairs

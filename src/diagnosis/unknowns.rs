@@ -1,5 +1,5 @@
-//! Unknowns of a fit with their priors: stiffnesses, random effects, parameters of causes, frames, positions of marks, and effects that act
-//! on rows directly.
+//! Unknowns of a fit with their priors: stiffnesses, random effects, parameters of causes, frame poses, positions of marks, and effects that
+//! act directly on residual rows.
 
 use super::candidate_effect::{CandidateEffect, Parametrisation, Sensitivity};
 use super::diagnosis_problem::DiagnosisProblem;
@@ -16,46 +16,47 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::system::{Parameters, Slot};
 use admire_syntax::Address;
 
-/// Unknowns of another fit, as a start.
+/// Unknowns of an earlier fit, from which a new fit starts.
 #[derive(Clone, Copy)]
 pub struct Known<'a> {
-    /// Unknowns of the other fit's deck.
+    /// Unknowns of the deck in the earlier fit.
     pub unknowns: &'a FitUnknowns,
-    /// Effects in the other fit.
+    /// Effects in the earlier fit.
     pub chosen: &'a [CandidateEffect],
-    /// Index of each parameter of each effect among the other fit's unknowns.
+    /// Index of each parameter of each effect among the unknowns of the earlier fit.
     pub places: &'a [Vec<usize>],
-    /// Values of all unknowns of the other fit.
+    /// Values of all unknowns of the earlier fit.
     pub x: &'a [f64],
 }
 
-/// Effect of an unknown that acts on rows directly.
+/// Effect of an unknown that acts directly on residual rows, without the deck.
 pub enum RowColumn {
-    /// Fixed changes of rows per unit.
+    /// Fixed changes of rows per unit of the unknown. Each pair holds a row index and the change.
     Fixed(Vec<(usize, f64)>),
-    /// Gain error: a factor of 1 plus unknown times the first field on the prediction. Each pair holds a row index and the reading in units
-    /// of its noise.
+    /// Gain error: the predictions are multiplied by 1 plus the product of the unknown and the first field. Each pair holds a row index and
+    /// the reading in units of its noise.
     Gain(f64, Vec<(usize, f64)>),
 }
 
-/// Index of an unknown while the unknowns are collected. Effects that act on rows directly are the last unknowns.
+/// Index of an unknown while the unknowns are collected. Effects that act directly on rows get their final index last, because they are the
+/// last unknowns.
 #[derive(Clone, Copy)]
 enum Place {
     /// Index among all unknowns.
     Deck(usize),
-    /// Index among the effects that act on rows directly.
+    /// Index among the effects that act directly on rows.
     Row(usize),
 }
 
-/// Unknowns of a fit.
+/// Unknowns of a fit, with their start values and priors.
 pub struct Unknowns {
-    /// Numerical parameters of the deck before the fit.
+    /// Parameters of the deck before the fit.
     pub deck: Parameters,
-    /// Unknowns of the deck: stiffnesses, random effects in their order, parameters of causes.
+    /// Unknowns of the deck: stiffnesses, then random effects in their order, then parameters of causes.
     pub list: FitUnknowns,
-    /// Unknowns of the measurement: frames and positions of marks.
+    /// Unknowns of the measurement: poses of the measuring frame and positions of marks.
     pub layout: NuisanceLayout,
-    /// Effects that act on rows directly.
+    /// Effects that act directly on residual rows.
     pub rows: Vec<RowColumn>,
     /// History variables of laws with memory.
     pub memories: Vec<HysteresisState>,
@@ -76,9 +77,11 @@ impl Unknowns {
         (0..self.list.len()).filter(is_own).collect()
     }
 
-    /// Collects the unknowns of a deck extended by the `chosen` effects. Their guesses are in units of the priors.
+    /// Collects the unknowns of the deck extended by the `chosen` effects. Each effect comes with guesses of its parameters, in units of the
+    /// priors. Values of the earlier fit `known` replace the guesses. Returns `None` if the deck lacks a parameter of an effect.
     pub fn new(
-        (subject, problem): (&DiagnosisProblem<'_>, &Problem<'_>),
+        subject: &DiagnosisProblem<'_>,
+        problem: &Problem<'_>,
         prepared: &Prepared,
         chosen: &[(CandidateEffect, Vec<f64>)],
         known: Option<Known<'_>>,
@@ -274,12 +277,12 @@ impl Unknowns {
         })
     }
 
-    /// Returns true if the model holds any cause.
+    /// Returns true if the model contains any cause.
     pub(super) fn has_causes(&self) -> bool {
         !self.places.is_empty()
     }
 
-    /// Returns true if the unknown is the logarithm of a stiffness or another positive number.
+    /// Returns true if unknown `k` is the logarithm of a stiffness or of another positive parameter.
     pub(super) fn is_logarithm(&self, k: usize) -> bool {
         matches!(self.list.list()[k].target, UnknownTarget::Stiffness(_))
     }
@@ -293,8 +296,8 @@ const fn own(mean: f64, sd: f64) -> tolerance::Coefficient {
     }
 }
 
-/// Returns the unknowns of the measurement with the group of each: shifts and rotations of the frame, positions of marks on parts, and
-/// motions of the frame. Groups that are switched off are left out.
+/// Returns the unknowns of the measurement, with the tolerance group of each: shifts and rotations of the measuring frame in each case,
+/// positions of marks on parts, and motions of the frame through the cases. Groups that the study switches off are left out.
 fn measurement_unknowns(
     subject: &DiagnosisProblem<'_>,
     first: usize,

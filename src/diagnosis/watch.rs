@@ -7,16 +7,16 @@ pub trait ProgressObserver {
     fn stage(&self, stage: &str);
     /// Reports a detail of the current stage.
     fn detail(&self, detail: String);
-    /// Reports the number of completed units, their maximum if known, and the name of the unit.
+    /// Reports the number of completed units, the maximum number if known, and the name of the unit.
     fn count(&self, done: usize, most: Option<usize>, what: &'static str);
-    /// Returns false to end the computation after its current step.
+    /// Returns true to continue the computation, false to end it after its current step.
     fn goes_on(&self) -> bool;
-    /// Reports the start of a diagnosis, which counts its own progress.
+    /// Reports the start of a diagnosis. The diagnosis counts its progress in its own `Progress`.
     #[doc(hidden)]
     fn diagnoses(&self, _progress: &crate::Progress) {}
 }
 
-/// State of a computation.
+/// State of a computation at one moment.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct ProgressSnapshot {
     /// Name of the current stage.
@@ -29,7 +29,7 @@ pub struct ProgressSnapshot {
     pub most: Option<usize>,
 }
 
-/// [`ProgressObserver`] shared between threads: one computes, another reads the progress and may stop the computation.
+/// [`ProgressObserver`] shared between threads. One thread computes; another reads the progress and may stop the computation.
 #[derive(Clone, Debug, Default)]
 pub struct SharedProgress(Arc<Shared>);
 

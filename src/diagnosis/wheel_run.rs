@@ -1,13 +1,13 @@
-//! Readings of wheel and sensors while one load goes up and down: the hysteresis loops of a K&C rig.
+//! Wheel and sensor readings while one load increases and decreases: the hysteresis loops of a K&C rig.
 
 use super::diagnose::Outcome;
 use crate::settings::{RUN_MAX_CHANNELS, RUN_MIN_CASES};
 use admire_identify::global::Row;
 
-/// Angles of the wheel and their row components.
+/// Angles of the wheel, each with its component index in a wheel row.
 const ANGLES: [(&str, usize); 2] = [("steer", 4), ("camber", 3)];
 
-/// Readings along a run in which only one load changes.
+/// Readings and predictions along a run of successive cases in which only one load changes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelRun {
     /// Name of the load.
@@ -16,28 +16,28 @@ pub struct WheelRun {
     pub what: String,
     /// Unit of the reading, if it has one.
     pub unit: Option<String>,
-    /// Load and measured reading, in the order of application.
+    /// Measurement: pairs of load and reading, in the order of application.
     pub read: Vec<(f64, f64)>,
-    /// Load and prediction of the original model.
+    /// Original model: pairs of load and prediction.
     pub before: Vec<(f64, f64)>,
-    /// Load and prediction of the extended model.
+    /// Extended model: pairs of load and prediction.
     pub after: Vec<(f64, f64)>,
-    /// True if neither model was fitted to these readings.
+    /// True if the predictions come from models that were not fitted to these readings.
     pub unseen: bool,
 }
 
-/// Kind of reading of a case.
+/// Kind of reading along a run.
 #[derive(Clone, Copy)]
 enum Read {
-    /// Angle of the wheel, by its row component.
+    /// Wheel angle, given by its component index in a wheel row.
     Wheel(usize),
-    /// Channel, by its index.
+    /// Channel, given by its index.
     Channel(usize),
 }
 
 impl Outcome<'_> {
-    /// Returns for each load the longest run of cases in which only that load changes. Runs of held-out cases are preferred where there are
-    /// any. The wheel's angles come first, then each channel.
+    /// Returns, for each load, the readings along the longest run of cases in which only that load changes. A run of held-out cases is
+    /// preferred if it is long enough. Within a load, the wheel angles come first, then the channels.
     pub fn wheel_runs(&self) -> Vec<WheelRun> {
         let (programme, measurement) = (
             self.subject.problem.programme,
@@ -112,7 +112,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// Returns the row of a reading of a case, its value, and the standard deviation that is the unit of the row.
+    /// Returns the residual row of a reading in a case, the value of the reading, and the standard deviation that is the unit of the row.
     fn row(&self, read: Read, case: usize) -> Option<(usize, f64, f64)> {
         let measurement = self.subject.problem.measurement;
         let of = &measurement.cases[case];
@@ -145,7 +145,7 @@ impl Outcome<'_> {
     }
 }
 
-/// Returns the longest range of cases in which each case belongs together with the next.
+/// Returns the longest range of cases in which `together` holds for every pair of successive cases.
 fn longest(count: usize, together: impl Fn(usize, usize) -> bool) -> std::ops::Range<usize> {
     let (mut best, mut start) = (0..0, 0);
     for end in 1..=count {

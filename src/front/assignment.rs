@@ -10,8 +10,8 @@ use admire_syntax::lint::{self, Options};
 use admire_syntax::text::Edit;
 use admire_syntax::{Address, Dataset};
 
-/// Creates the edits that assign a value to an address. A flag is set by true and false; any other value is written as typed. `beside` are
-/// the addresses that get a value in the same change.
+/// Creates the edits that assign a value to an address. A flag is set by `true` or `false`; any other value is written as typed. `beside`
+/// contains the addresses that get a value in the same change.
 pub(crate) fn edits(
     dataset: &Dataset,
     address: &Address,
@@ -45,7 +45,7 @@ fn is_flag(address: &Address) -> bool {
     argument.is_some_and(|argument| argument.kind == ValueKind::Flag)
 }
 
-/// Returns the parser errors of a deck after an edit that were not there `before`.
+/// Returns the parser errors of a deck after an edit that are not among the diagnostics `before` the edit.
 pub(crate) fn new_errors<'a>(
     before: &[Diagnostic],
     after: &'a Checked<Dataset>,
@@ -53,7 +53,7 @@ pub(crate) fn new_errors<'a>(
     beyond(before, &after.diagnostics)
 }
 
-/// Diagnostics of a deck before an edit. They are kept instead of the deck, which may be large.
+/// Diagnostics of a deck before an edit. They are kept in place of the deck, which may be large.
 #[derive(Clone, Debug)]
 pub(crate) struct Before {
     read: Vec<Diagnostic>,
@@ -69,7 +69,7 @@ impl Before {
         }
     }
 
-    /// Returns the errors of the parser and of `admire check` that are new in the changed deck, at their places in the new text.
+    /// Returns the errors of the parser and of `admire check` that are new in the changed deck, with their places in the new text.
     pub(crate) fn new_faults(&self, after: &Checked<Dataset>) -> Vec<Diagnostic> {
         let checked = lint::check(&after.value, &Options::default());
         let of_reader = beyond(&self.read, &after.diagnostics).into_iter();
@@ -80,7 +80,7 @@ impl Before {
     }
 }
 
-/// Returns the errors of `new` that are not in `old`, regardless of their places.
+/// Returns the errors in `new` that are not in `old`, regardless of their places.
 fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
     let mut known: BTreeMap<(Code, &str), usize> = BTreeMap::new();
     for diagnostic in old {
@@ -102,8 +102,8 @@ fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> 
         .collect()
 }
 
-/// Computes a digest of the names of all statements and arguments of a deck, independent of their values. The arguments listed in `places`,
-/// by statement index, are left out. The digest is unchanged by an edit that changes only those.
+/// Computes a digest of the names of all statements and arguments in a deck, independent of their values. `places` lists arguments, each
+/// with the index of its statement, that are left out of the digest. An edit that changes only those arguments leaves the digest unchanged.
 pub(crate) fn structure_digest(dataset: &Dataset, places: &BTreeSet<(usize, &str)>) -> [u8; 32] {
     let mut hash = Sha256::new();
     let mut name = |name: Option<&str>| {

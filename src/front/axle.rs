@@ -12,16 +12,16 @@ use admire_syntax::text::Source;
 use super::deck::Deck;
 use super::error::{Complaint, Error, ErrorKind};
 use super::kc_measured::measured;
-use super::kc_page::kc_page;
+use super::kc_page::{KcDeck, kc_page};
 
 /// Characteristics of an axle under the standard K&C tests.
 #[derive(Clone, Debug)]
 pub struct AxleTests {
     /// Contents of `kc.json`: curves, gradients and the state at ride height.
     pub values: Value,
-    /// Contents of `curves.csv`: one row for each state of each test.
+    /// Contents of `curves.csv`: one row for each solved state of each test.
     pub curves: String,
-    /// Contents of `gradients.csv`.
+    /// Contents of `gradients.csv`: one row for each gradient.
     pub gradients: String,
     /// Report as a complete HTML page.
     pub html: String,
@@ -29,10 +29,10 @@ pub struct AxleTests {
     pub complaints: Vec<Complaint>,
 }
 
-/// Comparisons shown in the report of an axle's tests.
+/// Data for comparison in the report of an axle's tests.
 #[derive(Clone, Debug, Default)]
 pub struct Beside {
-    /// Other decks under the same tests, with their names.
+    /// Other decks that run the same tests, with their names in the report.
     pub decks: Vec<(String, Deck)>,
     /// Path of a table of measured curves: CSV with the columns test, value, and characteristics such as `toe_angle.left [deg]`.
     pub measured: Option<PathBuf>,
@@ -42,15 +42,16 @@ impl Deck {
     /// Runs the standard K&C tests of a configuration (`kc.toml`) on the axle of the deck.
     ///
     /// # Errors
-    /// When the configuration or the deck cannot be used, or a test has no equilibrium.
+    /// When the configuration or the deck cannot be used, or when a test has no equilibrium.
     pub fn kc(&self, config: impl AsRef<Path>, convention: Convention) -> Result<AxleTests, Error> {
         self.kc_beside(config, convention, &Beside::default())
     }
 
-    /// Runs the tests as [`kc`](Self::kc) does, and compares with other decks and measured curves in the report.
+    /// Runs the tests as [`kc`](Self::kc) does. The report compares the results with other decks and with measured curves.
     ///
     /// # Errors
-    /// The errors of [`kc`](Self::kc) for any of the decks; another deck in other units; measured curves that cannot be read.
+    /// The errors of [`kc`](Self::kc) for any of the decks. Also an error if another deck has other units, or if the measured curves cannot
+    /// be read.
     pub fn kc_beside(
         &self,
         config: impl AsRef<Path>,
@@ -65,7 +66,7 @@ impl Deck {
         sources.add(source.clone());
         sources.add(self.dataset().source().clone());
         let refused = |found: &[Diagnostic]| Error::new(ErrorKind::Input, found, &sources);
-        let read = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+        let read = Config::read(&source, 1e-3 / units.length.si, 1.0 / units.force.si);
         let Some(config) = read.value else {
             return Err(refused(&read.diagnostics));
         };
@@ -99,9 +100,13 @@ impl Deck {
         let complaints = complaints.map(|found| Complaint::new(found, &sources));
         let complaints = complaints.collect();
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-        let deck = (Path::new(self.name()), self.bytes(), &units);
+        let deck = KcDeck {
+            path: Path::new(self.name()),
+            bytes: self.bytes(),
+            units: &units,
+        };
         let html =
-            kc_page(deck, (&config, &found), (&others, &curves), convention).map_err(|error| {
+            kc_page(&deck, &config, &found, &others, &curves, convention).map_err(|error| {
                 let failed = Diagnostic::error(Code::CannotWrite, error.to_string());
                 Error::plain(ErrorKind::Input, &failed)
             })?;
@@ -121,7 +126,7 @@ impl Deck {
         (sources, told): (&Sources, &mut Vec<Diagnostic>),
     ) -> Result<KcRun, Error> {
         let refused = |found: &[Diagnostic]| Error::new(ErrorKind::Input, found, sources);
-        let bench = Bench::new(config, (self.dataset(), files, model));
+        let bench = Bench::new(config, self.dataset(), files, model);
         let mut bench = bench.map_err(|found| refused(&found))?;
         told.extend(bench.implausible());
         run(&mut bench, &model.units).map_err(|why| match why {

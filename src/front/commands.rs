@@ -1,4 +1,4 @@
-//! Command files as programs see them.
+//! Command files, read and built by programs.
 
 use std::path::Path;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use super::error::{Complaint, Error, ErrorKind};
 use super::run::Run;
 use super::writing::{may_replace, replace_file};
 
-/// A command file (`.acf`): which dataset it loads, and its commands in order.
+/// A command file (`.acf`): the dataset that it loads, and its commands in order.
 ///
 /// ```
 /// use admire::{Commands, Deck};
@@ -22,7 +22,7 @@ use super::writing::{may_replace, replace_file};
 /// # fn main() -> Result<(), admire::Error> {
 /// let mut commands = Commands::new("");
 /// commands.push("SIMULATE/STATICS")?.push("DEACTIVATE/SFORCE, ID=1")?.push("SIMULATE/STATICS")?;
-/// assert_eq!(commands.list()[1].arguments[0], ("ID".to_string(), Some("1".to_string())));
+/// assert_eq!(commands.list()[1].arguments[1], ("ID".to_string(), Some("1".to_string())));
 ///
 /// let run = Deck::open("corpus/pseudo-mcpherson/model.adm")?.execute(&commands);
 /// run.succeeded()?;
@@ -39,7 +39,7 @@ pub struct Commands {
 pub struct Command {
     /// Keyword in capitals, for example `SIMULATE`; as typed if it is unknown.
     pub keyword: String,
-    /// Arguments in order: keyword in capitals, and the text of the value unless it is a flag.
+    /// Arguments in order: the keyword in capitals, and the text of the value; a flag has no value.
     pub arguments: Vec<(String, Option<String>)>,
     /// The whole command as typed.
     pub text: String,
@@ -48,7 +48,7 @@ pub struct Command {
 }
 
 impl Commands {
-    /// Reads a command file. Syntax errors are reported by [`check`](Self::check), and by the run that meets them.
+    /// Reads a command file. Syntax errors are reported by [`check`](Self::check) and by a run that executes the command.
     ///
     /// # Errors
     /// When the file cannot be read.
@@ -59,8 +59,8 @@ impl Commands {
         Ok(Self { file })
     }
 
-    /// A file without commands. `head` is its first line: the dataset and the prefix of the output files, for example `model.adm run1`; empty for
-    /// commands alone, which [`Deck::execute`] takes.
+    /// Creates a file without commands. `head` is the first line of the file: the dataset and the prefix of the output files, for example
+    /// `model.adm run1`. If `head` is empty, the file consists of commands alone, which is enough for [`Deck::execute`].
     pub fn new(head: &str) -> Self {
         let head = head.trim();
         let mut text = String::new();
@@ -75,21 +75,21 @@ impl Commands {
         }
     }
 
-    /// The dataset that the file loads, as typed.
+    /// Returns the name of the dataset that the file loads, as typed; `None` if the file has no first line.
     pub fn model(&self) -> Option<String> {
         let file = &self.file.value;
         file.head()
             .map(|head| file.source().text(head.model).into_owned())
     }
 
-    /// The prefix of the output files, as typed.
+    /// Returns the prefix of the output files, as typed; `None` if there is none.
     pub fn prefix(&self) -> Option<String> {
         let file = &self.file.value;
         let prefix = file.head()?.prefix?;
         Some(file.source().text(prefix).into_owned())
     }
 
-    /// The commands in order.
+    /// Returns the commands in order.
     pub fn list(&self) -> Vec<Command> {
         let file = &self.file.value;
         let source = file.source();
@@ -119,7 +119,7 @@ impl Commands {
     /// Appends one command, for example `SIMULATE/STATICS, END=1, STEPS=10`.
     ///
     /// # Errors
-    /// When the text is not one command, or has an error. The file then stays as it was.
+    /// When the text is not exactly one command, or has an error. The file is then unchanged.
     pub fn push(&mut self, text: &str) -> Result<&mut Self, Error> {
         let mut bytes = self.bytes().to_vec();
         if bytes.last().is_some_and(|last| *last != b'\n') {
@@ -152,12 +152,12 @@ impl Commands {
         Ok(self)
     }
 
-    /// All bytes of the file.
+    /// Returns the bytes of the file.
     pub fn bytes(&self) -> &[u8] {
         self.file.value.bytes()
     }
 
-    /// Syntax errors and warnings, in the order of the file.
+    /// Returns syntax errors and warnings, in the order of the file.
     pub fn check(&self) -> Vec<Complaint> {
         let mut sources = Sources::default();
         sources.add(self.file.value.source().clone());
@@ -168,7 +168,7 @@ impl Commands {
     /// Writes the file. An existing file is replaced only with `replace`.
     ///
     /// # Errors
-    /// When another file is there, or the file cannot be written.
+    /// When the path exists and `replace` is false, or when the file cannot be written.
     pub fn save_as(&self, path: impl AsRef<Path>, replace: bool) -> Result<(), Error> {
         let path = path.as_ref();
         may_replace(path, replace)?;
@@ -176,7 +176,7 @@ impl Commands {
     }
 }
 
-/// Reads the bytes of a command file; `alone` if its first line is a command.
+/// Reads the bytes of a command file; `alone` is true if its first line is a command.
 fn read(name: &str, bytes: Vec<u8>, alone: bool) -> Checked<CommandFile> {
     let source = Source::new(name, bytes);
     if alone {
@@ -187,14 +187,14 @@ fn read(name: &str, bytes: Vec<u8>, alone: bool) -> Checked<CommandFile> {
 }
 
 impl Deck {
-    /// Executes commands on this deck, whatever model they name. Nothing is written: the run holds what files would.
+    /// Executes commands on this deck, whichever model they name. No file is written: the run contains the contents of all output files.
     pub fn execute(&self, commands: &Commands) -> Run {
         self.execute_watched(commands, &SharedProgress::default())
     }
 
-    /// Executes commands on this deck as [`execute`](Self::execute) does; the run ends early when the observer says so.
+    /// Executes commands on this deck as [`execute`](Self::execute) does. The run stops early when `watch` requests it.
     pub fn execute_watched(&self, commands: &Commands, watch: &dyn ProgressObserver) -> Run {
-        Run::execute(&self.read, &commands.file, (Instant::now(), watch))
+        Run::execute(&self.read, &commands.file, Instant::now(), watch)
     }
 }
 

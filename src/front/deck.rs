@@ -23,14 +23,14 @@ use super::value::{address, typed, value};
 use super::writing::{may_replace, replace_file};
 use admire_diagnosis::{ProgressObserver, SharedProgress};
 
-/// ADAMS dataset (.adm): its values by address, its equilibrium, its simulation runs. Cloning is cheap.
+/// ADAMS dataset (.adm): access to its values by address, its equilibrium, and its simulation runs. Cloning is cheap.
 ///
-/// An address is `BUSHING/12.K.2`, `front_arm.K` or `SFORCE/3`. In a pattern, `*` matches any id, name or index of a value. Numbers are in
-/// the deck's units, angles in radians. A change keeps every byte of the file except those of the changed value.
+/// An address is `BUSHING/12.K.2`, `front_arm.K` or `SFORCE/3`. In a pattern, `*` matches any id, any name or any index of a value. Numbers
+/// are in the deck's units, angles in radians. A change keeps every byte of the file except the bytes of the changed value.
 #[derive(Clone, Debug)]
 pub struct Deck {
     pub(super) read: Arc<Checked<Dataset>>,
-    /// Dataset as stored in its file, with the diagnostics of that text.
+    /// Dataset as stored in its file, with its diagnostics.
     stored: Arc<Checked<Dataset>>,
     pub(super) path: Option<PathBuf>,
 }
@@ -38,7 +38,7 @@ pub struct Deck {
 /// New value for an address.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Setting {
-    /// Number in the deck's units; radians for angles.
+    /// Number in the deck's units; angles in radians.
     Number(f64),
     /// All numbers of an argument.
     Numbers(Vec<f64>),
@@ -118,28 +118,28 @@ impl Deck {
         }
     }
 
-    /// Returns the title, which is the first line.
+    /// Returns the title, which is the first line of the dataset.
     pub fn title(&self) -> String {
         self.dataset().title().into_owned()
     }
 
-    /// Returns the path of its file, or the name given to [`parse`](Self::parse).
+    /// Returns the path of the deck's file, or the name given to [`parse`](Self::parse).
     pub fn name(&self) -> &str {
         self.dataset().source().name()
     }
 
-    /// Returns the current text.
+    /// Returns the current text as bytes.
     pub fn bytes(&self) -> &[u8] {
         self.dataset().bytes()
     }
 
-    /// Returns the parsed text.
+    /// Returns the parsed dataset.
     pub(crate) fn dataset(&self) -> &Dataset {
         &self.read.value
     }
 
-    /// Returns the value at an address: a number, a list of numbers, a text, or `true` for a flag. A missing argument has its default
-    /// value. The address of an object alone returns its statement.
+    /// Returns the value at an address: a number, a list of numbers, a text, or `true` for a flag. If the argument is missing in the deck,
+    /// its default value is returned. For the address of an object alone, the statement is returned as text.
     ///
     /// # Errors
     /// When the address is invalid in this deck.
@@ -160,10 +160,10 @@ impl Deck {
         })
     }
 
-    /// Returns the addresses that match a pattern with their values, in the order of the deck.
+    /// Returns the addresses that match a pattern, each with its value, in the order of the deck.
     ///
     /// # Errors
-    /// When nothing matches.
+    /// When no address matches.
     pub fn values(&self, pattern: &str) -> Result<Vec<(String, Value)>, Error> {
         let found = self.matching(pattern)?;
         let each = |address: &Address| {
@@ -177,7 +177,7 @@ impl Deck {
         Address::matching(pattern, self.dataset()).map_err(|refused| usage(typed(refused, pattern)))
     }
 
-    /// Sets the value of an address, or of all addresses that match a pattern. A marker is moved without rotation: ZP and XP move along
+    /// Sets the value at an address, or at all addresses that match a pattern. A marker is moved without rotation: ZP and XP move along
     /// with QP.
     ///
     /// # Errors
@@ -199,7 +199,7 @@ impl Deck {
             self.read = Arc::new(self.edited(&self.read, &all, &addresses, text)?);
             return Ok(self);
         }
-        // Missing values would all be inserted at the same place, so they are written one after the other.
+        // Missing arguments would all be inserted at the same place, so they are written one after the other.
         let mut read = Arc::clone(&self.read);
         for address in &addresses {
             let found = setting.edits(&read.value, address, &beside);
@@ -211,7 +211,8 @@ impl Deck {
         Ok(self)
     }
 
-    /// Applies edits. Fails if the result has new errors, or if anything besides these addresses would change.
+    /// Applies edits to a dataset. Fails if the result has new errors, or if the edits would change anything besides the values at these
+    /// addresses.
     fn edited(
         &self,
         before: &Checked<Dataset>,
@@ -256,8 +257,8 @@ impl Deck {
     /// Writes the deck back to its own file, atomically.
     ///
     /// # Errors
-    /// When the deck has no file, the file has changed since it was read, the deck has an error it did not have when read (`force` saves in
-    /// these two cases), or the file cannot be written.
+    /// An error in each of these cases: the deck has no file; the file has changed since it was read; the deck has an error that its stored
+    /// text does not have; the file cannot be written. With `force`, the deck is saved even in the second and third case.
     pub fn save(&mut self, force: bool) -> Result<(), Error> {
         let Some(path) = self.path.clone() else {
             let nameless = Diagnostic::error(Code::CannotWrite, "this deck was read from no file");
@@ -274,10 +275,10 @@ impl Deck {
         self.store(&path, force)
     }
 
-    /// Writes the deck to a file, which becomes its own file. An existing file is replaced only with `replace`.
+    /// Writes the deck to a file, which becomes the deck's own file. An existing file is replaced only with `replace`.
     ///
     /// # Errors
-    /// The errors of [`save`](Self::save), and an existing file at this path without `replace`.
+    /// The errors of [`save`](Self::save). Also an error if the path exists and `replace` is false.
     pub fn save_as(
         &mut self,
         path: impl AsRef<Path>,
@@ -304,8 +305,8 @@ impl Deck {
         Ok(())
     }
 
-    /// Checks the deck as `admire check` does, with the `admire.toml` of its folder or of a folder above. Each fault is reported once, in
-    /// the order of the file.
+    /// Checks the deck as `admire check` does, with the settings in `admire.toml` of the deck's folder or of a folder above it. Each fault
+    /// is reported once, in the order of the file.
     ///
     /// # Errors
     /// When `admire.toml` cannot be used.
@@ -337,12 +338,12 @@ impl Deck {
             .collect())
     }
 
-    /// Returns the differences from this deck to another, object by object, regardless of layout.
+    /// Returns the differences from this deck to another deck, object by object, regardless of layout.
     pub fn diff(&self, other: &Self, tolerance: DiffTolerance) -> Vec<Difference> {
         diff::diff(self.dataset(), other.dataset(), tolerance)
     }
 
-    /// Finds the static equilibrium, as SIMULATE/STATICS does from the positions of the deck.
+    /// Finds the static equilibrium, starting from the positions in the deck, as SIMULATE/STATICS does.
     ///
     /// # Errors
     /// When the deck has errors or there is no equilibrium.
@@ -352,11 +353,11 @@ impl Deck {
         Ok(run)
     }
 
-    /// Executes a command file on this deck, whichever model it names. No file is written: the run contains the contents of all output
-    /// files.
+    /// Executes a command file on this deck, whichever model the file names. No file is written: the run contains the contents of all
+    /// output files.
     ///
     /// # Errors
-    /// When the command file cannot be read. Failures of the commands are reported by the run.
+    /// When the command file cannot be read. Failures of single commands are reported by the run.
     pub fn run(&self, commands: impl AsRef<Path>) -> Result<Run, Error> {
         self.run_file_watched(commands.as_ref(), &SharedProgress::default())
     }
@@ -373,7 +374,7 @@ impl Deck {
         let start = Instant::now();
         let source = Source::read(path).map_err(|error| Error::unreadable(path, &error))?;
         let parsed = CommandFile::parse(source);
-        Ok(Run::execute(&self.read, &parsed, (start, watch)))
+        Ok(Run::execute(&self.read, &parsed, start, watch))
     }
 
     /// Executes commands given as text. Files named in them are looked up in the folder of `name`. The run stops early when `watch`
@@ -381,13 +382,13 @@ impl Deck {
     pub fn run_watched(&self, name: &str, commands: &str, watch: &dyn ProgressObserver) -> Run {
         let start = Instant::now();
         let parsed = CommandFile::parse_commands(Source::new(name, commands.as_bytes()));
-        Run::execute(&self.read, &parsed, (start, watch))
+        Run::execute(&self.read, &parsed, start, watch)
     }
 
-    /// Computes the derivatives of the equilibrium at a time with respect to numbers of the deck.
+    /// Computes the derivatives of the equilibrium at a time with respect to parameters of the deck.
     ///
     /// `of` names the results: parts (their motion), forces and joints (their force on I), or request components such as `REQUEST/1.F2`.
-    /// `by` names the numbers, such as `BUSHING/1.K`; if empty, all numbers with an effect are used.
+    /// `by` names the parameters, such as `BUSHING/1.K`. If `by` is empty, all parameters with an effect are used.
     ///
     /// # Errors
     /// When a name is invalid, the deck has errors or there is no equilibrium.
@@ -398,17 +399,18 @@ impl Deck {
         time: f64,
     ) -> Result<SensitivityTable, Error> {
         let (model, system) = self.compiled()?;
-        let parts = (self.dataset(), &model, &system);
-        SensitivityTable::new(parts, of, by, time).map_err(|why| match why {
-            Unavailable::Word(refused) => usage(refused),
-            Unavailable::NoAnswer(error) => {
-                let none = Diagnostic::error(Code::NoEquilibrium, error.to_string());
-                Error::plain(ErrorKind::NoAnswer, &none)
-            }
-        })
+        SensitivityTable::new(self.dataset(), &model, &system, of, by, time).map_err(
+            |why| match why {
+                Unavailable::Word(refused) => usage(refused),
+                Unavailable::NoAnswer(error) => {
+                    let none = Diagnostic::error(Code::NoEquilibrium, error.to_string());
+                    Error::plain(ErrorKind::NoAnswer, &none)
+                }
+            },
+        )
     }
 
-    /// Builds the model of the deck, and returns the files it uses.
+    /// Builds the model of the deck. Returns the model and the files that the deck names.
     pub(super) fn model(&self) -> Result<(Model, admire_syntax::files::Files), Error> {
         let folder = folder_of(self.dataset().source());
         let files = read_files(self.dataset(), &folder, &check::policy(&folder));

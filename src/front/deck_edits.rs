@@ -17,10 +17,11 @@ use super::error::{Error, ErrorKind};
 use super::unit_words::units;
 
 impl Deck {
-    /// Adds statements, such as `MARKER/99, PART=2, QP=1,2,3`, each after the others of its kind.
+    /// Adds statements, such as `MARKER/99, PART=2, QP=1,2,3`. Each is inserted after the existing statements of its kind.
     ///
     /// # Errors
-    /// When the text is not a statement, its id is taken, or it refers to an object that the deck lacks. The deck is then unchanged.
+    /// When the text is not a statement, when its id is taken, or when it refers to an object that is missing in the deck. The deck is then
+    /// unchanged.
     pub fn add(&mut self, text: &str) -> Result<&mut Self, Error> {
         let typed = Source::new("statement", text.as_bytes());
         let statements = NewStatement::read(&typed);
@@ -34,10 +35,11 @@ impl Deck {
         self.replace_by(after)
     }
 
-    /// Removes an object, all objects of a pattern, or an argument: `REQUEST/*`, `BUSHING/12.PRELOAD`.
+    /// Removes an object, all objects that match a pattern, or an argument. Examples: `REQUEST/*`, `BUSHING/12.PRELOAD`.
     ///
     /// # Errors
-    /// When the address does not exist or is one value of a list, or another statement refers to the object. The deck is then unchanged.
+    /// When the address does not exist, when it is one value of a list, or when another statement refers to the object. The deck is then
+    /// unchanged.
     pub fn remove(&mut self, text: &str) -> Result<&mut Self, Error> {
         let mut after = (*self.read).clone();
         for address in self.matching(text)? {
@@ -48,7 +50,8 @@ impl Deck {
         self.replace_by(after)
     }
 
-    /// Gives the statements of a kind, such as `MARKER`, the ids `first`, `first + step`, ... in their order, and updates all references.
+    /// Gives the statements of a kind, such as `MARKER`, the ids `first`, `first + step`, ... in the order of the deck, and updates all
+    /// references.
     ///
     /// # Errors
     /// When the kind has no ids, or two statements would get the same id. The deck is then unchanged.
@@ -64,8 +67,8 @@ impl Deck {
         self.replace_by(after)
     }
 
-    /// Returns a deck of the named parts, given by addresses or patterns, with the elements between them and to ground. All other parts
-    /// become ground.
+    /// Returns a deck of the named parts, given by addresses or patterns, with the elements between these parts and between them and
+    /// ground. All other parts become ground.
     ///
     /// # Errors
     /// When a name is not a moving part, or an element refers to something that would be missing.
@@ -81,10 +84,11 @@ impl Deck {
         Ok(Self::parse(self.name(), after.value.bytes()))
     }
 
-    /// Converts all numbers to other units: `mmks`, `mks`, `cgs`, `ips`, or words such as `meter,newton`. Command files are not converted.
+    /// Converts all numbers of the deck to other units. The units are `mmks`, `mks`, `cgs`, `ips`, or words such as `meter,newton`. Command
+    /// files are not converted.
     ///
     /// # Errors
-    /// When a word is not a unit, or the dimension of a number is unknown. The deck is then unchanged.
+    /// When a word is not a unit, or when the dimension of a number is unknown. The deck is then unchanged.
     pub fn convert_units(&mut self, to: &str) -> Result<&mut Self, Error> {
         let (model, _) = self.model()?;
         let old = &model.units;
@@ -97,7 +101,7 @@ impl Deck {
         self.replace_by(after)
     }
 
-    /// Replaces the text, unless the new text has a fault that the old text does not have.
+    /// Replaces the text of the deck, unless the new text has a fault that the old text does not have.
     fn replace_by(&mut self, after: Checked<Dataset>) -> Result<&mut Self, Error> {
         let faults = Before::of(&self.read).new_faults(&after);
         if !faults.is_empty() {
@@ -122,7 +126,7 @@ pub(crate) fn no_statement(text: &str) -> Diagnostic {
     Diagnostic::error(Code::SyntaxError, message)
 }
 
-/// Adds statements to a dataset; their ids must be free.
+/// Adds statements to a dataset; it is an error if an id is already taken.
 pub(crate) fn with_statements(
     before: &Checked<Dataset>,
     statements: &[NewStatement],
@@ -141,7 +145,7 @@ pub(crate) fn with_statements(
     Ok(after)
 }
 
-/// Creates the edits that remove a statement or an argument; `text` is the address as typed.
+/// Creates the edits that remove a statement or an argument. `text` is the address as the user typed it.
 pub(crate) fn removal(
     dataset: &Dataset,
     address: &Address,
@@ -155,7 +159,7 @@ pub(crate) fn removal(
     Err(Diagnostic::error(Code::WrongType, message).help(help))
 }
 
-/// Returns the moving parts that match a pattern; fails if there are none.
+/// Returns the moving parts that match a pattern; it is an error if there are none.
 pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<ObjectId>, Diagnostic> {
     let addresses = Address::matching(text, dataset).map_err(|mut refused| {
         refused.labels.clear();
@@ -176,7 +180,8 @@ pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<ObjectId
     Ok(found)
 }
 
-/// Returns the full keyword of a kind of statement with ids, from the keyword or its abbreviation. A name such as `MARKER_3` is rejected.
+/// Returns the full keyword of a statement kind that has ids, from the keyword or its abbreviation. `None` for any other word, such as the
+/// name `MARKER_3`.
 pub(crate) fn kind_with_ids(word: &str) -> Option<&'static str> {
     match find_statement(word.as_bytes(), Role::Dataset) {
         Lookup::Found(def) if def.id.is_some() && word.len() <= def.name.len() => Some(def.name),
@@ -199,7 +204,8 @@ mod tests {
         deck.add("MARKER/900, PART=4, QP=0, 0, 100").unwrap();
         assert_eq!(deck.number("MARKER/900.QP.3").unwrap(), 100.0);
         let before = deck.bytes().to_vec();
-        // These must fail: the same statement again, an undefined reference, no statement, a part with markers, and one value of a list.
+        // These edits must fail: the same statement again, an undefined reference, a text that is not a statement, a part with markers, and
+        // one value of a list.
         assert!(deck.add("MARKER/900, PART=4").is_err());
         assert!(deck.add("REQUEST/900, DISPLACEMENT, I=901, J=2").is_err());
         assert!(deck.add("not a statement").is_err());
@@ -210,7 +216,7 @@ mod tests {
         assert!(deck.number("MARKER/900.QP.3").is_err());
     }
 
-    /// Newtons, kilograms and seconds occur in both systems; a length in metres is a thousandth of the length in millimetres.
+    /// Both systems measure in newtons, kilograms and seconds. A length in metres is a thousandth of the length in millimetres.
     #[test]
     fn other_ids_and_units_are_the_same_model() {
         let place = |deck: &Deck| {

@@ -5,7 +5,7 @@ use std::path::Path;
 use admire_session::{Sources, located};
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
-/// Error of an operation, with the same diagnostics as the command line, located in their files.
+/// Error of an operation. It contains the same diagnostics as the command line shows, with their places in the files.
 #[derive(Clone, Debug)]
 pub struct Error {
     /// Kind of error.
@@ -19,7 +19,7 @@ pub struct Error {
 pub enum ErrorKind {
     /// A deck, command file, study or results file has errors.
     Input,
-    /// An address, a column or an option is invalid here.
+    /// An address, a column or an option is invalid for this deck, run or study.
     Usage,
     /// There is no equilibrium, no motion or no fit.
     NoAnswer,
@@ -27,10 +27,10 @@ pub enum ErrorKind {
     File(io::ErrorKind),
 }
 
-/// Diagnostic with resolved places.
+/// Diagnostic with resolved places: file, line and column.
 #[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Complaint {
-    /// Stable code, for example `undefined-id`.
+    /// Stable code of the diagnostic, for example `undefined-id`.
     pub code: Code,
     /// Severity.
     pub severity: Severity,
@@ -38,31 +38,31 @@ pub struct Complaint {
     pub message: String,
     /// Suggested remedy.
     pub help: Option<String>,
-    /// Places, the main place first.
+    /// Places of the fault, the main place first.
     pub places: Vec<Place>,
-    /// Complete text, with the line of the file and the place marked.
+    /// Complete text of the diagnostic, with the line of the file and the place marked.
     pub text: String,
 }
 
 /// Place in a file.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Place {
-    /// File, as it was named.
+    /// Name of the file, as the user or another file named it.
     pub file: String,
-    /// Offset of the first byte.
+    /// Byte offset of the place's first byte.
     pub start: usize,
-    /// Offset past the last byte.
+    /// Byte offset after the place's last byte.
     pub end: usize,
-    /// Line, from 1; `None` if the text is not available.
+    /// Line number, from 1; `None` if the text of the file is not available.
     pub line: Option<usize>,
-    /// Column in bytes, from 1; `None` if the text is not available.
+    /// Column in bytes, from 1; `None` if the text of the file is not available.
     pub column: Option<usize>,
-    /// Message for this place.
+    /// Message for this place alone.
     pub message: String,
 }
 
 impl Complaint {
-    /// Creates a complaint with its places in these files.
+    /// Creates a complaint. Its places are resolved in the texts of `sources`.
     pub(crate) fn new(diagnostic: &Diagnostic, sources: &Sources) -> Self {
         let place = |label: &admire_syntax::diagnostic::Label| {
             let source = sources.get(&label.file);
@@ -88,7 +88,7 @@ impl Complaint {
 }
 
 impl Error {
-    /// Creates an error from diagnostics, sorted by severity.
+    /// Creates an error from diagnostics. The complaints are sorted by severity, the most severe first.
     pub(crate) fn new(kind: ErrorKind, diagnostics: &[Diagnostic], sources: &Sources) -> Self {
         let mut complaints: Vec<Complaint> = diagnostics
             .iter()

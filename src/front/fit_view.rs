@@ -6,14 +6,14 @@ use admire_report::scene::Role;
 use admire_session::backend::Backend;
 use admire_study::settings::BackendChoice;
 
-/// Returns the positions of the parts with the initial and with the identified numbers. Positions that the solver cannot provide are left
-/// out.
+/// Returns the positions of the parts with the initial and with the identified parameters. Positions for which the solver finds no
+/// equilibrium are left out.
 pub(crate) fn positions(
     loaded: &LoadedStudy,
     fit: &Fit,
     backend: &mut dyn Backend,
 ) -> Vec<Positions> {
-    // Pictures do not justify the use of another solver's licences.
+    // Drawing pictures does not justify the use of another solver's licences.
     if loaded.study.solver.backend != BackendChoice::Native {
         return Vec::new();
     }

@@ -2,7 +2,8 @@ use admire_identify::LoadedStudy;
 use admire_study::{ForeignMarks, foreign_marks};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Returns an error for each group of marks that belong to other parts, with the cases concerned.
+/// Returns an error for each part with marks (measured points) that cannot be on this part, because no rigid motion fits them. The error
+/// names the load cases concerned.
 pub(crate) fn foreign_parts(loaded: &LoadedStudy) -> Vec<Diagnostic> {
     let measurement = &loaded.measurement;
     let Some(marks) = &loaded.study.marks else {

@@ -8,8 +8,8 @@ use admire_syntax::units::Units;
 
 /// Reads a table with the columns `test`, `value` and characteristics.
 ///
-/// A heading may end in a unit as in `curves.csv`, such as `[deg]`; without a unit, values are in the deck's units and radians. Cells may
-/// be empty. Semicolons or tabs are accepted as separators, with decimal commas.
+/// The heading of a column may end in a unit as in `curves.csv`, such as `[deg]`. Without a unit, values are in the deck's units and
+/// radians. Cells may be empty. Commas, semicolons and tabs are accepted as separators; with the latter two, decimals may have commas.
 pub(crate) fn measured(
     source: &Source,
     config: &Config,

@@ -8,14 +8,28 @@ use admire_results::Timestamp;
 use admire_study::digest;
 use admire_syntax::units::Units;
 
-/// Creates the report of K&C tests, with other decks and measured curves for comparison.
+/// Deck of a report of K&C tests.
+pub(crate) struct KcDeck<'a> {
+    /// Path of the dataset.
+    pub path: &'a Path,
+    /// Bytes of the dataset.
+    pub bytes: &'a [u8],
+    /// Units of the dataset.
+    pub units: &'a Units,
+}
+
+/// Creates the report of K&C tests, with the tests of other decks and measured curves for comparison.
 pub(crate) fn kc_page(
-    (deck, bytes, units): (&Path, &[u8], &Units),
-    (config, found): (&Config, &KcRun),
-    (others, curves): (&[(String, KcRun)], &[MeasuredCurve]),
+    deck: &KcDeck<'_>,
+    config: &Config,
+    found: &KcRun,
+    others: &[(String, KcRun)],
+    curves: &[MeasuredCurve],
     convention: Convention,
 ) -> Result<String, DrawingError> {
+    let units = deck.units;
     let name = deck
+        .path
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let (force, length) = (
@@ -24,7 +38,10 @@ pub(crate) fn kc_page(
     );
     let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
     let facts = [
-        ("Deck", format!("{}, axes {}", deck.display(), config.axes)),
+        (
+            "Deck",
+            format!("{}, axes {}", deck.path.display(), config.axes),
+        ),
         (
             "Axle",
             if config.mirror {
@@ -91,7 +108,7 @@ pub(crate) fn kc_page(
         ("Made by", format!("admire {}", admire_report::VERSION)),
         (
             "Inputs",
-            format!("SHA-256 {}", digest([bytes, config.source.bytes()])),
+            format!("SHA-256 {}", digest([deck.bytes, config.source.bytes()])),
         ),
     ];
     let report = KcReport {

@@ -1,6 +1,6 @@
-//! Front of the library: a deck, its runs, studies and results files, each with a few methods.
+//! Front of the library: a deck, its runs, studies and results files, each as a type with a few methods.
 //!
-//! The Python package and the subcommands use the same functions, so that all three give the same results.
+//! The Python package and the subcommands use the same functions, so the library, Python and the command line give the same results.
 
 mod assignment;
 #[cfg(feature = "kc")]
@@ -47,7 +47,7 @@ pub(crate) use foreign::foreign_parts;
 #[cfg(feature = "kc")]
 pub(crate) use kc_measured::measured;
 #[cfg(feature = "kc")]
-pub(crate) use kc_page::kc_page;
+pub(crate) use kc_page::{KcDeck, kc_page};
 pub use results::{Results, Rows};
 pub use run::Run;
 pub(crate) use sensitivity::Unavailable;

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-/// Gives a temporary file the usual permissions of a new file, because it will replace a user's file. By default, a temporary file is
-/// private.
+/// Gives a temporary file the permissions of an ordinary new file, because it will replace a user's file. Without this call, the temporary
+/// file would be private.
 #[cfg(unix)]
 pub(crate) fn as_new_files<'a, 'b>(
     builder: &'a mut tempfile::Builder<'b, 'b>,
 ) -> &'a mut tempfile::Builder<'b, 'b> {
     use std::os::unix::fs::PermissionsExt;
-    // The operating system removes the permissions excluded by the user's umask.
+    // The operating system removes the permissions that the user's umask excludes.
     builder.permissions(std::fs::Permissions::from_mode(0o666))
 }
 
@@ -20,7 +20,8 @@ pub(crate) fn as_new_files<'a, 'b>(
     builder
 }
 
-/// Returns true if a new file can replace an old one: the old file has no other hard links, and the new file can be given its owner.
+/// Returns true if a new file can replace an old file. The old file must have no other hard links, and it must be possible to give its
+/// owner to the new file.
 #[cfg(unix)]
 pub(crate) fn can_be_replaced(path: &Path, new: &Path) -> bool {
     use std::os::unix::fs::{MetadataExt, chown};
@@ -32,7 +33,8 @@ pub(crate) fn can_be_replaced(path: &Path, new: &Path) -> bool {
     old.nlink() < 2 && (same || chown(new, Some(old.uid()), Some(old.gid())).is_ok())
 }
 
-/// Returns true if a new file can replace an old one: the old file has no other hard links. Its attributes are restored elsewhere.
+/// Returns true if a new file can replace an old file: the old file must have no other hard links. The function `persist` restores its
+/// attributes.
 #[cfg(windows)]
 pub(crate) fn can_be_replaced(path: &Path, _: &Path) -> bool {
     let opened = winapi_util::Handle::from_path_any(path);
@@ -64,7 +66,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&path).unwrap();
-        // As root, `-o /dev/null` once replaced the device by a regular file.
+        // With `-o /dev/null`, run as root, an earlier version replaced the device by a regular file.
         assert!(replace_file(&path, b"text").is_err());
         let kind = std::fs::metadata(&path).unwrap().file_type();
         assert!(kind.is_socket());
@@ -83,7 +85,7 @@ mod tests {
         let data = std::fs::metadata(&path).unwrap();
         assert_eq!((data.nlink(), data.mode() & 0o777), (2, 0o640));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
-        // The owner is preserved; only root can change it.
+        // The owner is preserved. This is tested only as root, because only root can change the owner.
         let third = folder.path().join("c.adm");
         std::fs::write(&third, "text").unwrap();
         if std::os::unix::fs::chown(&third, Some(4242), Some(4243)).is_ok() {

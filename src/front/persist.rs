@@ -6,8 +6,8 @@ use std::path::Path;
 use admire_syntax::text::patiently;
 use tempfile::NamedTempFile;
 
-/// Replaces the file at `path` by a complete new file. On Windows the attributes of the old file (read-only, hidden) are preserved;
-/// elsewhere the caller sets the permissions of the new file beforehand.
+/// Replaces the file at `path` by a complete new file. On Windows, the attributes of the old file (read-only, hidden) are preserved. On
+/// other systems, the caller sets the permissions of the new file beforehand.
 ///
 /// # Errors
 /// When the file cannot be replaced; the old file is then unchanged.
@@ -20,7 +20,7 @@ pub(super) fn persist(new: NamedTempFile, path: &Path) -> Result<()> {
         // Windows does not replace a read-only file.
         let mut writable = before.clone();
         #[allow(clippy::permissions_set_readonly_false)]
-        // On Windows this is an attribute and not a mode.
+        // On Windows, `readonly` is a file attribute, not a permission mode.
         writable.set_readonly(false);
         std::fs::set_permissions(path, writable)?;
     }

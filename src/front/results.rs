@@ -10,8 +10,8 @@ use admire_syntax::grammar::nearest;
 use super::error::{Error, ErrorKind};
 use admire_diagnosis::ProgressObserver;
 
-/// Results file of any kind (.res, .req, .gra). Names and units are read on opening, and values on request, step by step, so that files may
-/// be of any size.
+/// Results file of any kind (.res, .req, .gra). Names and units are read when the file is opened. Values are read step by step when they
+/// are requested, so that files of any size can be used.
 ///
 /// Example: find the bushing force that a lateral load changes most.
 ///
@@ -50,11 +50,11 @@ pub struct Results {
 /// Selected columns of a results file, with one row for each step.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Rows {
-    /// Columns in the order of their values.
+    /// Columns, in the order of the values in a row.
     pub columns: Vec<SelectedColumn>,
     /// Kind of each step.
     pub kinds: Vec<StepKind>,
-    /// All values, step by step.
+    /// All values, row by row: one row for each step.
     pub values: Vec<f64>,
 }
 
@@ -74,36 +74,36 @@ impl Results {
         })
     }
 
-    /// Returns its path.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns its header.
+    /// Returns the header of the file.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// Returns the columns with their units.
+    /// Returns all columns with their units.
     pub fn columns(&self) -> &[SelectedColumn] {
         &self.columns
     }
 
-    /// Reads a column, one value for each step: `KNUCKLE.X`, `KNUCKLE_XFORM.X`, `BUSHING/1.FX`.
+    /// Reads a column, one value for each step. Examples of names: `KNUCKLE.X`, `KNUCKLE_XFORM.X`, `BUSHING/1.FX`.
     ///
     /// # Errors
-    /// When there is no such column, the name is ambiguous, or the file cannot be read to its end.
+    /// When no column has this name, when the name is ambiguous, or when the file cannot be read to its end.
     pub fn column(&self, name: &str, watch: &dyn ProgressObserver) -> Result<Vec<f64>, Error> {
         let columns = vec![one_column(&self.catalogue, name)?];
         let read = self.read(Selection { columns }, &StepFilter::default(), watch)?;
         Ok(read.values)
     }
 
-    /// Reads the columns that match any of the patterns, in the steps that pass a filter. `*` matches any text, `?` one character, and the
-    /// name of an entity all its components. Without patterns, all columns are read.
+    /// Reads the columns that match any of the patterns, in the steps that pass a filter. `*` matches any text, and `?` one character. The
+    /// name of an entity matches all components of the entity. Without patterns, all columns are read.
     ///
     /// # Errors
-    /// When a pattern matches nothing, or the file cannot be read to its end.
+    /// When a pattern matches no column, or when the file cannot be read to its end.
     pub fn select(
         &self,
         patterns: &[&str],
@@ -156,7 +156,7 @@ fn failed(path: &Path, error: ResultsError) -> Error {
     }
 }
 
-/// Selects the columns that match patterns; every pattern must match at least one column.
+/// Selects the columns that match patterns; it is an error if a pattern matches no column.
 pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selection, Error> {
     let (selection, unused) = Selection::matching(catalogue, patterns);
     let Some(pattern) = unused.first() else {
@@ -184,7 +184,7 @@ pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selec
     Err(Error::plain(ErrorKind::Usage, &refused))
 }
 
-/// Returns the single column with a name.
+/// Returns the column with this name; it is an error if there is no such column or more than one.
 pub(crate) fn one_column(catalogue: &Catalogue, name: &str) -> Result<SelectedColumn, Error> {
     let mut found = selected(catalogue, &[name])?.columns;
     if found.len() == 1 {

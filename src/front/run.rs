@@ -34,7 +34,8 @@ impl Run {
     pub(super) fn execute(
         deck: &Checked<Dataset>,
         commands: &Checked<CommandFile>,
-        (start, watch): (Instant, &dyn ProgressObserver),
+        start: Instant,
+        watch: &dyn ProgressObserver,
     ) -> Self {
         let folders = [deck.value.source(), commands.value.source()].map(folder_of);
         let (ending, mut record) = Session::new(Box::new(io::sink()), Path::new(""))
@@ -58,7 +59,7 @@ impl Run {
         });
         let balance = left.collect();
         let table = record.results.take();
-        // The elapsed time includes the release of resources.
+        // The elapsed time includes the time to free the memory of the run.
         drop(record);
         Self {
             ending,
@@ -75,10 +76,10 @@ impl Run {
         &self.ending
     }
 
-    /// Checks the outcome. The run failed if `admire solve` would end with an exit code other than 0.
+    /// Checks the outcome of the run. The run has failed if `admire solve` would end with an exit code other than 0.
     ///
     /// # Errors
-    /// When a command was not understood, was refused, or had no result.
+    /// When a command was not understood, was refused, or gave no result.
     pub fn succeeded(&self) -> Result<(), Error> {
         if self.ending.exit_code(true) == 0 {
             return Ok(());
@@ -91,7 +92,7 @@ impl Run {
         let mut told = self.complaints.clone();
         told.sort_by_key(|complaint| std::cmp::Reverse(complaint.severity));
         if told.first().is_none_or(|c| c.severity != Severity::Error) {
-            // The run ended for a reason that is not an error elsewhere.
+            // The run was stopped without a diagnostic that is an error.
             let last = Diagnostic::error(Code::NoEquilibrium, "the run did not come to its end");
             let help = last.help("the messages of the run say why");
             return Err(Error::plain(kind, &help));
@@ -102,24 +103,25 @@ impl Run {
         })
     }
 
-    /// Returns warnings and errors in the order of their occurrence.
+    /// Returns warnings and errors, in the order in which they occurred.
     pub fn complaints(&self) -> &[Complaint] {
         &self.complaints
     }
 
-    /// Returns the worst imbalance on a part over all static solutions, from an independent sum of the loads. The keys are `force` and
-    /// `torque`; the values are the size in units of the deck, and the part. Empty without static solutions.
+    /// Returns the worst imbalance on a part over all static solutions. The loads on each part are summed independently of the solver. The
+    /// keys are `force` and `torque`; each value is the size of the imbalance in units of the deck, and the name of the part. The map is
+    /// empty without static solutions.
     pub fn balance(&self) -> &BTreeMap<String, (f64, String)> {
         &self.balance
     }
 
-    /// Returns the message file.
+    /// Returns the contents of the message file.
     pub fn messages(&self) -> String {
         let said = self.files.get("msg").map_or(&[][..], Vec::as_slice);
         String::from_utf8_lossy(said).into_owned()
     }
 
-    /// Returns the elapsed time, including the reading of the commands.
+    /// Returns the elapsed time in which the commands were read and executed.
     pub fn elapsed(&self) -> Duration {
         self.elapsed
     }
@@ -129,7 +131,7 @@ impl Run {
         self.table.as_ref()
     }
 
-    /// Restores the values that serialisation omits.
+    /// Puts back the values of the table, which serialisation leaves out.
     #[cfg(feature = "python")]
     pub(crate) fn set_values(&mut self, values: Vec<f64>) {
         if let Some(table) = &mut self.table {
@@ -137,7 +139,7 @@ impl Run {
         }
     }
 
-    /// Returns the columns in the order of their values.
+    /// Returns the columns, in the order of the values in a step.
     pub fn columns(&self) -> Vec<SelectedColumn> {
         self.table()
             .map_or_else(Vec::new, |table| Selection::all(&table.catalogue).columns)
@@ -148,10 +150,11 @@ impl Run {
         self.table().map_or(&[], |table| &table.kinds)
     }
 
-    /// Returns the index, from 0, of a column in the values of a step: `KNUCKLE.X`, `knuckle_XFORM.X`, `BUSHING/1.FX`.
+    /// Returns the index, from 0, of a column within the values of a step. Examples of names: `KNUCKLE.X`, `knuckle_XFORM.X`,
+    /// `BUSHING/1.FX`.
     ///
     /// # Errors
-    /// When there is no such column, or the name is ambiguous.
+    /// When no column has this name, or when the name is ambiguous.
     pub fn position(&self, name: &str) -> Result<usize, Error> {
         let Some(table) = self.table() else {
             let none = Diagnostic::error(Code::CannotRead, "the run has no results");
@@ -160,10 +163,10 @@ impl Run {
         Ok(one_column(&table.catalogue, name)?.id - 1)
     }
 
-    /// Returns the columns that match patterns, with the rules of [`Results::select`](super::Results::select).
+    /// Returns the columns that match patterns, by the same rules as [`Results::select`](super::Results::select).
     ///
     /// # Errors
-    /// When a pattern matches nothing.
+    /// When a pattern matches no column.
     pub fn select(&self, patterns: &[String]) -> Result<Vec<SelectedColumn>, Error> {
         let patterns: Vec<&str> = patterns.iter().map(String::as_str).collect();
         let none = Catalogue::default();
@@ -171,7 +174,7 @@ impl Run {
         Ok(selected(catalogue, &patterns)?.columns)
     }
 
-    /// Returns a column, one value for each step. The first step is the model as read.
+    /// Returns a column, one value for each step. The first step holds the model as read, before any simulation.
     ///
     /// # Errors
     /// As [`position`](Self::position).
@@ -185,7 +188,8 @@ impl Run {
         Ok(values.copied().collect())
     }
 
-    /// Returns the other files by extension (`msg`, `req`, `gra`, `out`), and the files of LINEAR by their names.
+    /// Returns the contents of all files other than the results file. The keys are the extensions `msg`, `req`, `gra` and `out`, and for
+    /// files written by LINEAR commands their names.
     pub fn files(&self) -> &BTreeMap<String, Vec<u8>> {
         &self.files
     }
@@ -194,7 +198,7 @@ impl Run {
     /// `replace`.
     ///
     /// # Errors
-    /// When the run has no such file, or it cannot be written.
+    /// When the run has no such file, or when the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>, replace: bool) -> Result<(), Error> {
         let path = path.as_ref();
         let extension = path.extension().unwrap_or_default().to_string_lossy();

@@ -5,28 +5,28 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 use admire_syntax::{Address, Dataset};
 
-/// Exact derivatives of an equilibrium with respect to numbers of a deck, in the deck's units (angles in radians). A change of QP moves a
-/// marker without rotation; markers defined in its frame (RM) move with it.
+/// Exact derivatives of an equilibrium with respect to parameters of a deck, in the deck's units (angles in radians). A change of QP moves
+/// a marker without rotation. Markers that are defined in the frame of another marker (RM) move with that marker.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SensitivityTable {
-    /// Names of the results, which are the columns, for example `PART/4 x`.
+    /// Names of the results, which are the columns of the table, for example `PART/4 x`.
     pub of: Vec<String>,
-    /// Units of the results; empty where unknown.
+    /// Units of the results; empty if unknown.
     pub units: Vec<String>,
-    /// Rows, one for each number of the deck.
+    /// Rows of the table, one for each parameter.
     pub by: Vec<SensitivityRow>,
 }
 
-/// Derivatives with respect to one number.
+/// Derivatives of all results with respect to one parameter.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SensitivityRow {
-    /// Address of the number.
+    /// Address of the parameter.
     pub address: String,
-    /// Its value; NaN if it is a function.
+    /// Value of the parameter; NaN if it is a function.
     pub value: f64,
-    /// Its unit; empty if dimensionless. A derivative is in the unit of its column per this unit.
+    /// Unit of the parameter; empty if dimensionless. A derivative is in the unit of its column divided by this unit.
     pub unit: String,
-    /// Derivative of each column with respect to the number.
+    /// Derivative of each column with respect to the parameter.
     pub derivatives: Vec<f64>,
 }
 
@@ -41,9 +41,11 @@ pub(crate) enum Unavailable {
 
 impl SensitivityTable {
     /// Solves the equilibrium at a time and differentiates it. `of` names parts (their motion), forces and joints (their force on I), or
-    /// `REQUEST/1.F2`. `by` names numbers; if empty, all numbers with an effect are used.
+    /// request components such as `REQUEST/1.F2`. `by` names parameters; if it is empty, all parameters with an effect are used.
     pub(crate) fn new(
-        (dataset, model, system): (&Dataset, &Model, &System),
+        dataset: &Dataset,
+        model: &Model,
+        system: &System,
         of: &[String],
         by: &[String],
         time: f64,
@@ -72,7 +74,8 @@ impl SensitivityTable {
                 unit: model.units.name(system.catalogue().info(slot).dimension),
                 derivatives,
             });
-        // Numbers requested by name are listed even if their derivatives are zero; otherwise only numbers with an effect are listed.
+        // Parameters that `by` names are listed even if all their derivatives are zero. Without names, only parameters with an effect are
+        // listed.
         let all = !by.is_empty();
         let by = named.filter(|row| all || row.derivatives.iter().any(|d| *d != 0.0));
         Ok(Self {
@@ -83,14 +86,14 @@ impl SensitivityTable {
     }
 }
 
-/// Column of the table.
+/// Result that is a column of the table.
 struct Column {
     head: String,
     unit: String,
     quantity: Quantity,
 }
 
-/// Returns the quantities named by a word.
+/// Returns the quantities that a word of `of` names.
 fn quantities(
     text: &str,
     (dataset, model, system): (&Dataset, &Model, &System),
@@ -141,14 +144,14 @@ fn quantities(
     Err(Diagnostic::error(Code::WrongType, message))
 }
 
-/// Returns the numbers whose addresses begin with the words. Without words, returns all numbers except literals of functions, and numbers
-/// of REQUEST and SENSOR.
+/// Returns the parameters whose addresses begin with one of the words. Without words, returns all parameters except literals in functions
+/// and the parameters of REQUEST and SENSOR.
 fn slots(
     words: &[String],
     (dataset, system): (&Dataset, &System),
 ) -> Result<Vec<Slot>, Diagnostic> {
     let catalogue = system.catalogue();
-    // Angles defined by points (ZP, XP) instead of REULER are not numbers that could be changed.
+    // Angles defined by points (ZP, XP) instead of REULER are not parameters that could be changed.
     let by_points = |address: &Address| {
         let marker = dataset.find(address).filter(|_| address.kind == "MARKER");
         address.argument.as_deref() == Some("REULER")

@@ -20,7 +20,7 @@ use super::suggested::suggested;
 use admire_diagnosis::{ProgressObserver, study_fit as fit};
 use admire_study::{NamedProgram, solver};
 
-/// Size in bytes up to which a file is read to show places in it.
+/// Largest size in bytes of a file that is read in order to show places in it.
 const LARGEST_SHOWN: u64 = 64 << 20;
 
 /// Study folder: a deck, load cases and measurements.
@@ -33,18 +33,18 @@ pub struct Study {
     sources: Sources,
 }
 
-/// Identified stiffnesses of a study with their uncertainty.
+/// Result of an identification: the identified stiffnesses of a study and their uncertainty.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// Contents of `identification.json`: the identified numbers, and how well they explain the readings.
+    /// Contents of `identification.json`: the identified parameters, and how well the fit explains the readings.
     pub fit: Fit,
-    /// Summary in a few sentences.
+    /// Summary of the result in a few sentences.
     pub lead: String,
-    /// Deck with the identified numbers.
+    /// Deck with the identified parameters.
     pub deck: Vec<u8>,
     /// Report as a complete HTML page.
     pub html: String,
-    /// Remarks of the solver backend.
+    /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
 }
 
@@ -53,9 +53,9 @@ pub struct Identification {
 pub struct DiagnosisAnswer {
     /// Contents of `diagnosis.json`: verdict, findings and their evidence.
     pub diagnosis: Diagnosis,
-    /// Result in sentences.
+    /// Result of the diagnosis, as sentences.
     pub sentences: Vec<String>,
-    /// Deck extended by the causes found.
+    /// Deck to which the causes found have been added.
     pub deck: Vec<u8>,
     /// Command file that runs the extended deck on any ADAMS.
     pub commands: String,
@@ -65,23 +65,23 @@ pub struct DiagnosisAnswer {
     pub remarks: Vec<String>,
 }
 
-/// Recommended further measurements.
+/// Recommended further measurements for a study.
 #[derive(Clone, Debug)]
 pub struct PlanAnswer {
-    /// Contents of `plan.json`: what the readings leave undetermined, and the effect of each candidate measurement.
+    /// Contents of `plan.json`: parameters that the readings leave undetermined, and the effect of each candidate measurement.
     pub plan: Plan,
-    /// Load cases of the first candidates, as rows of the study's own table.
+    /// Load cases of the best candidates, as rows in the format of the study's load case file.
     pub suggested: String,
 }
 
-/// Callback that repeats the fit of a study and stores the results in the fit.
+/// Callback that repeats the fit of a study and stores the results in it.
 pub(crate) type Again<'a> = dyn FnMut(&LoadedStudy, &Marginal, &mut Fit) -> Result<(), Error> + 'a;
 
 impl Study {
-    /// Reads a study folder and all files it names.
+    /// Reads a study folder and all files that the study names.
     ///
     /// # Errors
-    /// The faults that make the study unusable.
+    /// Diagnostics of the faults that make the study unusable.
     pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
         let folder = folder.as_ref();
         let read = LoadedStudy::read(folder);
@@ -91,7 +91,7 @@ impl Study {
             sources.add(loaded.study.deck.clone());
         }
         for label in read.diagnostics.iter().flat_map(|found| &found.labels) {
-            // Sources are kept to show places in them. A huge file is shown by its name only.
+            // The files are kept so that places can be shown in them. For a huge file, only its name is shown.
             if sources.get(&label.file).is_none()
                 && let Ok(bytes) = read_at_most(Path::new(&*label.file), LARGEST_SHOWN)
             {
@@ -113,12 +113,12 @@ impl Study {
         }
     }
 
-    /// Returns its folder.
+    /// Returns the folder of the study.
     pub fn folder(&self) -> &Path {
         &self.loaded.study.folder
     }
 
-    /// Returns warnings and notes about its files.
+    /// Returns the warnings and notes about the study's files.
     pub fn complaints(&self) -> &[Complaint] {
         &self.complaints
     }
@@ -128,14 +128,14 @@ impl Study {
         self.loaded.study.identify.method = method;
     }
 
-    /// Returns the program that the study starts for every equilibrium, if it names one.
+    /// Returns the program and arguments that the study starts for every equilibrium; `None` if the study names no program.
     pub fn starts_program(&self) -> Option<&[String]> {
         let solver = &self.loaded.study.solver;
         (solver.backend == BackendChoice::Command).then_some(&solver.command)
     }
 
-    /// Allows this `Study` value to start the external program of the study. Otherwise the program is started only if the user allowed the
-    /// command before, or created the study by `admire new`.
+    /// Allows this `Study` value to start the external program of the study. Without this call, the program is started only if the user has
+    /// allowed the command before, or has created the study by `admire new`.
     pub fn allow_command(&mut self) {
         self.allowed = true;
     }
@@ -153,7 +153,7 @@ impl Study {
     /// Identifies the stiffnesses. `force` skips the plausibility check.
     ///
     /// # Errors
-    /// When the study has no unknowns, is implausible, or has no fit.
+    /// When the study has no unknowns, when it is implausible, or when no fit is found.
     pub fn identify(
         &self,
         force: bool,
@@ -162,10 +162,10 @@ impl Study {
         self.identify_and(force, watch, None)
     }
 
-    /// Identifies the stiffnesses, and repeats the fit by `again` before it is reported.
+    /// Identifies the stiffnesses, and repeats the fit by `again` before the result is reported.
     ///
     /// # Errors
-    /// As [`identify`](Self::identify); a fit that cannot be repeated; errors of `again`.
+    /// The errors of [`identify`](Self::identify) and of `again`. Also an error if the fit cannot be repeated.
     pub(crate) fn identify_and(
         &self,
         force: bool,
@@ -218,7 +218,7 @@ impl Study {
     /// Diagnoses the faults of the model that remain after its best fit. `force` skips the plausibility check.
     ///
     /// # Errors
-    /// When the readings do not belong to the deck's parts, the study is implausible, or there is no fit.
+    /// When the readings do not belong to the deck's parts, when the study is implausible, or when no fit is found.
     pub fn diagnose(
         &self,
         force: bool,
@@ -227,10 +227,10 @@ impl Study {
         self.diagnose_checked(force, GainCheck::default(), watch)
     }
 
-    /// Diagnoses the model as [`diagnose`](Self::diagnose) does; `check` sets how thoroughly the gain of the causes is verified.
+    /// Diagnoses the model as [`diagnose`](Self::diagnose) does. `check` sets how thoroughly the gain of each cause is verified.
     ///
     /// # Errors
-    /// As [`diagnose`](Self::diagnose).
+    /// As for [`diagnose`](Self::diagnose).
     pub fn diagnose_checked(
         &self,
         force: bool,
@@ -270,8 +270,8 @@ impl Study {
         })
     }
 
-    /// Ranks possible further measurements of the study by their gain, and suggests load cases from the first `count` candidates. `force`
-    /// skips the plausibility check.
+    /// Ranks possible further measurements by their gain for the study. The load cases of the first `count` candidates are suggested as
+    /// rows for the study's load case file. `force` skips the plausibility check.
     ///
     /// ```
     /// use admire::{Aim, SharedProgress, Study};
@@ -286,8 +286,8 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// When the study has no unknowns of this aim, the readings do not belong to the deck's parts, the study is implausible, or there is no
-    /// fit.
+    /// When the study has no unknowns for this aim, when the readings do not belong to the deck's parts, when the study is implausible, or
+    /// when no fit is found.
     pub fn plan(
         &self,
         aim: Aim,
@@ -310,7 +310,8 @@ impl Study {
         })
     }
 
-    /// Prepares a diagnosis: returns the study with the noise estimated from its marks, and the progress to report.
+    /// Prepares a diagnosis. Returns the study, with the noise level estimated from its marks (measured points), and the progress to report
+    /// to.
     fn for_diagnosis(
         &self,
         force: bool,
@@ -328,7 +329,7 @@ impl Study {
         Ok((loaded, progress))
     }
 
-    /// Returns the path of its deck.
+    /// Returns the path of the study's deck.
     pub fn deck(&self) -> PathBuf {
         PathBuf::from(self.loaded.study.deck.name())
     }
@@ -348,7 +349,7 @@ impl Study {
         self.failed(ErrorKind::NoAnswer, Diagnostic::error(Code::NoFit, why))
     }
 
-    /// Creates an error of a fit, with the deck's warnings as possible reasons.
+    /// Creates the error for a failed fit, with the deck's warnings as possible reasons.
     fn failed(&self, kind: ErrorKind, why: Diagnostic) -> Error {
         let mut all = vec![why];
         all.extend(lint::check(&self.loaded.dataset, &self.loaded.model));
@@ -360,7 +361,7 @@ impl Study {
     }
 }
 
-/// Creates the solver backend of the study. [`Study::starts_program`] tells whether a program is started.
+/// Creates the solver backend of the study. [`Study::starts_program`] returns the external program of the backend, if it has one.
 fn backend(loaded: &LoadedStudy) -> Box<dyn Backend> {
     solver::backend(&loaded.study, None, &|_| {})
 }

@@ -1,10 +1,10 @@
-//! Recommended load cases as rows of the study's own table.
+//! Recommended load cases, as rows in the format of the study's load case file.
 
 use admire_design::{Plan, Ranked};
 use admire_identify::LoadedStudy;
 
-/// Formats the load cases of the first `count` candidates, or else of the best candidate with load cases, as rows of the study's load case
-/// file. Lines that begin with `#` are comments.
+/// Formats load cases as rows of the study's load case file. The load cases of the first `count` candidates are used. If these have no load
+/// cases, the best candidate with load cases is used. Lines that begin with `#` are comments.
 pub(crate) fn suggested(loaded: &LoadedStudy, found: &Plan, count: usize) -> String {
     let table = &loaded.study.loads;
     let (label, programme) = (table.column("case"), &loaded.programme);
@@ -14,7 +14,7 @@ pub(crate) fn suggested(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
         .map(|load| table.column(&load.name))
         .collect();
     let mut text = String::new();
-    // The last row of the file must end before the first new row.
+    // The last row of the existing file must end before the first new row.
     if !table.source.bytes().ends_with(b"\n") {
         text += "\n";
     }

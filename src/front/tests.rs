@@ -10,7 +10,7 @@ fn corpus(file: &str) -> PathBuf {
         .join(file)
 }
 
-/// Returns the lines of a file that do not contain the time or place of writing.
+/// Returns the lines of a file that contain neither the time nor the place of writing.
 fn lasting(text: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(text);
     let own = ["<File ", "<Analysis ", " A.R3", " A.G8"];
@@ -61,11 +61,11 @@ fn nothing_is_replaced_unasked() {
         Deck::open(&mine).unwrap().number("BUSHING/1.K.1").unwrap(),
         7.0
     );
-    // Another program writes the file.
+    // Another program changes the file after the deck was read.
     std::fs::copy(corpus("pseudo-mcpherson/model.adm"), &mine).unwrap();
     deck.set("BUSHING/1.K.1", 8.0).unwrap();
     assert!(deck.save(false).is_err());
-    // A negative stiffness is a fault that the file does not have.
+    // A negative stiffness is a fault, and the stored file does not have this fault.
     let mut deck = Deck::open(&mine).unwrap();
     deck.set("BUSHING/1.K.1", -7.0).unwrap();
     assert_eq!(deck.save(false).unwrap_err().kind, ErrorKind::Input);

@@ -4,7 +4,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::nearest;
 use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
 
-/// Unit systems with their names in ADAMS/View: force, mass, length, time.
+/// Unit systems by their names in ADAMS/View, each with its units of force, mass, length and time.
 const SYSTEMS: [(&str, [&str; 4]); 4] = [
     ("MMKS", ["NEWTON", "KILOGRAM", "MILLIMETER", "SECOND"]),
     ("MKS", ["NEWTON", "KILOGRAM", "METER", "SECOND"]),
@@ -12,7 +12,7 @@ const SYSTEMS: [(&str, [&str; 4]); 4] = [
     ("IPS", ["POUND_FORCE", "POUND_MASS", "INCH", "SECOND"]),
 ];
 
-/// Parses the requested units; units that the text does not name are unchanged.
+/// Parses the requested units. A unit that the text does not name keeps its old value.
 pub(crate) fn units(text: &str, old: [Unit; 4]) -> Result<[Unit; 4], Diagnostic> {
     let tables = [FORCE_UNITS, MASS_UNITS, LENGTH_UNITS, TIME_UNITS];
     let mut found = old;

@@ -1,4 +1,4 @@
-//! Values of a deck by address.
+//! Values in a deck, by address.
 
 use serde_json::{Value, json};
 
@@ -8,8 +8,8 @@ use admire_syntax::grammar::{STATEMENTS, ValueKind};
 use admire_syntax::units::Dimension;
 use admire_syntax::{Address, Argument, Dataset};
 
-/// Returns the value at an address: a number, a list of numbers, a text, or the statement as written. A missing argument has its default
-/// value.
+/// Returns the value at an address: a number, a list of numbers, a text, or the statement as written. If the argument is missing in the
+/// deck, its default value is returned.
 pub(crate) fn value(
     dataset: &Dataset,
     address: &Address,
@@ -93,7 +93,7 @@ pub(crate) fn value(
     }
 }
 
-/// Creates the error for an index beyond the number of values.
+/// Creates the error for an index that exceeds the number of values in the argument.
 fn beyond(address: &Address, count: Option<usize>) -> Diagnostic {
     let count = count.unwrap_or(0);
     let what = Address {
@@ -107,7 +107,7 @@ fn beyond(address: &Address, count: Option<usize>) -> Diagnostic {
     )
 }
 
-/// Returns true if the address is an angle. A number inside a function is an angle only if its suffix says so.
+/// Returns true if the value at the address is an angle. A number inside a function is an angle only if it has the suffix D for degrees.
 pub(crate) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
     match address.definition() {
         Some(def) if def.kind == ValueKind::Real => def.dimension == Dimension::ANGLE,
@@ -121,17 +121,17 @@ pub(crate) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
     }
 }
 
-/// Rounds a computed number to fifteen digits, to keep rounding errors out of a deck.
+/// Rounds a computed number to fifteen significant digits, so that rounding errors do not appear in a deck.
 pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.14e}").parse().unwrap_or(value)
 }
 
-/// Parses an address as typed; errors refer to the typed text.
+/// Parses an address typed by the user; errors refer to the typed text.
 pub(crate) fn address(text: &str, dataset: &Dataset) -> Result<Address, Diagnostic> {
     Address::parse(text, dataset).map_err(|refused| typed(refused, text))
 }
 
-/// Adapts a diagnostic to a typed text that is in no file.
+/// Adapts a diagnostic to a text typed by the user, which is in no file.
 pub(crate) fn typed(mut refused: Diagnostic, text: &str) -> Diagnostic {
     refused.labels.clear();
     refused.message = format!("`{text}`: {}", refused.message);

@@ -28,11 +28,11 @@ pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
     ))
 }
 
-/// Writes a file atomically, through a temporary file in the same folder that replaces it.
+/// Writes a file atomically: the bytes go to a temporary file in the same folder, which then replaces the file.
 pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     check_name(&path.to_string_lossy()).map_err(std::io::Error::other)?;
     let path = whole(path);
-    // A device or a pipe is written to directly; replacing it would destroy it.
+    // A device or a pipe is written to directly, because replacing it would destroy it.
     if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         let mut device = std::fs::OpenOptions::new().write(true).open(&path)?;
         return device.write_all(bytes).and_then(|()| device.flush());
@@ -49,7 +49,7 @@ pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     take_place(file, &path)
 }
 
-/// Replaces a file by a complete new file, and preserves its owner, permissions and hard links.
+/// Replaces a file by a complete new file, and keeps the owner, permissions and hard links of the old file.
 pub(crate) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()> {
     let path = whole(path);
     if let Ok(before) = std::fs::metadata(&path) {
@@ -63,8 +63,8 @@ pub(crate) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()>
     persist(new, &path)
 }
 
-/// Returns the absolute path of a file that may not exist yet. Links are followed, so that the target is replaced instead of the link. On
-/// Windows, a path of this form may exceed 260 characters.
+/// Returns the absolute path of a file that may not exist yet. Links are followed, so that the target is replaced and the link is kept. On
+/// Windows, an absolute path of the returned form may be longer than 260 characters.
 fn whole(path: &Path) -> PathBuf {
     let beside = || {
         let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
@@ -76,9 +76,9 @@ fn whole(path: &Path) -> PathBuf {
 }
 
 /// Overwrites a file that cannot be replaced because it has other hard links or an owner that cannot be set. `new` is kept if its bytes
-/// cannot be written, or if the process ends before they are written.
+/// cannot be copied, or if the process ends before they are copied.
 fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
-    // A name of a temporary file would let other runs delete it once this process has ended.
+    // If the kept file had the name of a temporary file, other runs would delete it once this process has ended.
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".whole-{}", std::process::id()));
     let whole = path.with_file_name(name);

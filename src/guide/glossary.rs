@@ -1,10 +1,10 @@
-//! Lookup of single words in the tables of the guide: keys of a study, fields of the answers, columns and causes.
+//! Lookup of single words in the tables of the guide: keys of a study, fields of results, columns of tables, and causes.
 //!
-//! The first cell of a table row holds the word in backticks. The column headings describe the other cells.
+//! The first cell of a table row contains the word in backticks. The column headings describe the other cells of the row.
 
 use super::{PAGES, Page};
 
-/// One word explained in a table of the guide.
+/// A word that a table in the guide explains.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Entry {
     /// The word, without backticks and without the `[]` that marks a list.
@@ -13,14 +13,14 @@ pub struct Entry {
     pub page: &'static str,
     /// Heading of the section that contains the table.
     pub section: &'static str,
-    /// Column heading and text of each other cell that is not empty.
+    /// The other cells of the table row that are not empty: for each of them, the column heading and the text.
     pub cells: Vec<(&'static str, &'static str)>,
 }
 
-/// Topics of the pages whose tables explain words.
+/// Topics of the guide pages whose tables explain words.
 const EXPLAINING: [&str; 5] = ["study", "diagnosis", "plan", "kc", "sweep"];
 
-/// Returns all words explained in tables, in the order of the pages.
+/// Returns all words that tables explain, in the order of the pages.
 pub fn entries() -> impl Iterator<Item = Entry> {
     let explaining = |page: &&Page| EXPLAINING.contains(&page.topic);
     PAGES.iter().filter(explaining).flat_map(of_page)
@@ -28,10 +28,14 @@ pub fn entries() -> impl Iterator<Item = Entry> {
 
 /// Returns the entries that explain a word.
 ///
-/// The first of these matches that finds anything is used: the whole term; a dotted term with placeholders in capitals, such as
-/// `tests.TEST.hold`; the last piece of a dotted term; terms that begin with the word and a dot. If nothing matches a dotted word, its last
-/// piece counts as a component: it is dropped, and the rest is searched on the pages `kc` and `sweep` only. A unit after the word
-/// (`toe_angle.left [rad]`) is ignored.
+/// The following kinds of match are tried in turn, until one of them finds entries:
+/// - the whole term equals the word;
+/// - a dotted term with placeholders in capitals, such as `tests.TEST.hold`, matches the word;
+/// - the last piece of a dotted term equals the word;
+/// - a term begins with the word and a dot.
+///
+/// If nothing matches a word with dots, its last piece is taken for a component and dropped. The rest is then looked up on the pages `kc`
+/// and `sweep` only. A unit after the word (`toe_angle.left [rad]`) is ignored.
 pub fn find(word: &str) -> Vec<Entry> {
     let word = word.split_once(" [").map_or(word, |(name, _)| name);
     let all = |is: &dyn Fn(&str) -> bool| -> Vec<Entry> {
@@ -42,7 +46,7 @@ pub fn find(word: &str) -> Vec<Entry> {
         let rest = term.strip_prefix(word);
         rest.is_some_and(|rest| rest.starts_with('.'))
     };
-    // A piece in capitals, such as NAME, matches any word.
+    // A piece of a term in capitals, such as NAME, is a placeholder that matches any word.
     let own = |piece: &str| piece.len() > 1 && piece.chars().all(|c| c.is_ascii_uppercase());
     let fits = |term: &str| {
         let (terms, words) = (term.split('.'), word.split('.'));
@@ -54,7 +58,7 @@ pub fn find(word: &str) -> Vec<Entry> {
     let found = ways.into_iter().map(all).find(|found| !found.is_empty());
     match (found, word.rsplit_once('.')) {
         (Some(found), _) => found,
-        // Only characteristics and counts have components; keys of a study have none.
+        // Only characteristics and counts have components; keys of a study have no components.
         (None, Some((whole, _))) => {
             let mut found = all(&|term| term == whole);
             found.retain(|entry| entry.page == "kc" || entry.page == "sweep");
@@ -64,7 +68,7 @@ pub fn find(word: &str) -> Vec<Entry> {
     }
 }
 
-/// Returns the one-line meaning of a key of `study.toml`.
+/// Returns the one-line explanation of a key of `study.toml`, if the guide explains the key.
 pub fn meaning(key: &str) -> Option<&'static str> {
     let key = key.strip_suffix(".NAME").unwrap_or(key);
     let here = |entry: &Entry| entry.page == "study" && entry.term == key;
@@ -120,7 +124,7 @@ fn of_page(page: &'static Page) -> Vec<Entry> {
     found
 }
 
-/// Splits a table row, without its leading bar, into cells; a bar inside backticks does not separate cells.
+/// Splits a table row, given without its leading bar, into cells. A bar inside backticks does not separate cells.
 fn cells(row: &'static str) -> Vec<&'static str> {
     let (mut found, mut start, mut code) = (Vec::new(), 0, false);
     for (at, byte) in row.bytes().enumerate() {

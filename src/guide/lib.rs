@@ -1,7 +1,7 @@
 //! The user guide, shown both in the documentation and in the terminal by `admire guide TOPIC`.
 //!
-//! [`PAGES`] holds the pages as text. [`glossary`] explains the words used in tables, for the terminal and for the schema of a study. The
-//! crate has no dependencies.
+//! [`PAGES`] contains all pages as text. [`glossary`] looks up words in the tables of the pages, for the terminal and for the schema of a
+//! study. The crate has no dependencies.
 #![warn(unreachable_pub)]
 // Private modules link to private items.
 #![allow(rustdoc::private_intra_doc_links)]
@@ -12,21 +12,21 @@ pub mod glossary;
 /// One page of the guide.
 #[derive(Clone, Copy, Debug)]
 pub struct Page {
-    /// Topic name, as given to `admire guide`.
+    /// Topic of the page, as given to `admire guide`.
     pub topic: &'static str,
     /// Text of the page in Markdown; the first line is the heading.
     pub text: &'static str,
 }
 
 impl Page {
-    /// Returns the heading of the page.
+    /// Returns the heading of the page, without the leading `#`.
     pub fn title(&self) -> &'static str {
         let first = self.text.lines().next().unwrap_or_default();
         first.trim_start_matches('#').trim()
     }
 }
 
-/// Declares for each page a module with the text as its documentation, and an entry of [`PAGES`].
+/// Declares a module for each page, with the text of the page as its documentation, and the list [`PAGES`].
 macro_rules! pages {
     ($($topic:ident)*) => {
         $(
@@ -34,7 +34,7 @@ macro_rules! pages {
             pub mod $topic {}
         )*
 
-        /// Every page, in reading order.
+        /// All pages, in reading order.
         pub static PAGES: &[Page] = &[
             $(Page { topic: stringify!($topic), text: include_str!(concat!(stringify!($topic), ".md")) },)*
         ];
@@ -63,7 +63,7 @@ pages! {
     benchmarks
 }
 
-/// Returns the page of a topic; hyphens count as underscores, and case is ignored.
+/// Returns the page with this topic. Case is ignored, and hyphens are read as underscores.
 pub fn page(topic: &str) -> Option<&'static Page> {
     let topic = topic.to_ascii_lowercase().replace('-', "_");
     PAGES.iter().find(|page| page.topic == topic)
@@ -85,7 +85,7 @@ mod tests {
         }
     }
 
-    /// Checks that every page named in backticks by another page exists.
+    /// Checks that each page named in backticks on another page exists.
     #[test]
     fn the_pages_a_page_sends_to_exist() {
         for entry in PAGES {

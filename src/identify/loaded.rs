@@ -95,7 +95,7 @@ impl LoadedStudy {
                 let measurement = measured.value;
                 // An unsupported element may resist a motion that otherwise appears free.
                 let loads = Loads::of(&system, &programme).ok().filter(|_| is_whole);
-                let free = loads.map(|loads| FreeMotions::new((&dataset, &model), &system, loads));
+                let free = loads.map(|loads| FreeMotions::new(&dataset, &model, &system, loads));
                 let loaded = Self {
                     study,
                     dataset,

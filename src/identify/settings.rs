@@ -176,7 +176,7 @@ admire_study::constants! {
     /// Maximum number of fits that estimate the noise of channels.
     CHANNEL_NOISE_MAX_FITS: usize = 5, "";
 
-    // ## Outliers and noise of marks: tolerance/part_marks.rs, misplaced.rs, noise.rs, sorted.rs, tails.rs
+    // ## Outliers and noise of marks: tolerance/part_marks.rs, misplaced.rs, noise.rs, rigidity_screen.rs, tails.rs
 
     /// Residual from which a mark is examined as a possible outlier.
     SUSPECT_MARK_SIGMA: f64 = 6.0, "sigma";
@@ -213,7 +213,8 @@ admire_study::constants! {
     /// Number of fixed-point iterations for the scale of Student's t.
     STUDENT_T_SCALE_ITERATIONS: usize = 40, "";
 
-    // ## Variance components and whitening: tolerance/group.rs, sizes.rs, class.rs, columns.rs, free.rs, further.rs, point.rs, whitening.rs
+    // ## Variance components and whitening: tolerance/group.rs, maximise_evidence.rs, class.rs, columns.rs, free.rs, cross_products.rs,
+    // point.rs, whitening.rs
 
     /// Number of prior standard deviations above the median, in the logarithm, beyond which a size is implausibly large.
     STRAINED_LN_SD: f64 = 2.5, "sd";

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Compliance, Side, ride};
+use super::{Compliance, Side, Tyre, ride};
 
 /// Vehicle data for the anti effects, in the units of the deck. They are not part of a deck.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
@@ -24,7 +24,7 @@ pub struct Vehicle {
     pub axle_ratio: Option<f64>,
 }
 
-/// Anti effect: axle and load case.
+/// Anti effect of one axle in one load case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Anti {
     /// Front axle, braking.
@@ -38,7 +38,7 @@ pub enum Anti {
 }
 
 impl Anti {
-    /// All four cases. Adams/Car writes all four for any axle; the two values of the other axle have no physical meaning.
+    /// All four cases. Adams/Car writes all four for any axle; the two values that belong to the other axle have no physical meaning.
     pub(crate) const ALL: [Self; 4] = [
         Self::DiveBraking,
         Self::LiftAcceleration,
@@ -58,8 +58,8 @@ impl Anti {
         }
     }
 
-    /// Returns true if the force acts at the contact patch. Braking forces always do. Driving forces act at the wheel centre of an
-    /// independent suspension, and at the patch of a live axle, which carries the drive torque of its wheels.
+    /// Returns true if the force acts at the contact patch. Braking forces always act there. Driving forces act at the wheel centre of an
+    /// independent suspension. On a live axle, which carries the drive torque of its wheels, they act at the contact patch.
     pub(crate) const fn at_patch(self, v: &Vehicle) -> bool {
         self.brakes() || v.axle_ratio.is_some()
     }
@@ -68,17 +68,20 @@ impl Anti {
         matches!(self, Self::DiveBraking | Self::LiftBraking)
     }
 
-    /// Computes the anti percentage `-100 Zf / Zw`.
+    /// Computes the anti percentage `-100 Zf / Zw`: the vertical displacements of the wheel centre caused by the longitudinal force and by
+    /// the load transfer.
     ///
-    /// `Zf = F [(C31 - R0 C35) + (C37 - R0 C3,11)]`; the R0 terms are absent when an independent suspension drives. `Zw = V C33 + V' C39`,
-    /// where V and V' are the load transfers of this wheel and of the other wheel, both equal to W. When a live axle drives, the torque of
-    /// the drive shaft adds `-t` on the left and `+t` on the right, with `t = R0 |2 F| / axle_ratio / track`.
+    /// `Zf = F [(C31 - R0 C35) + (C37 - R0 C3,11)]`, where F is the force per wheel. The R0 terms are absent if the force acts at the wheel
+    /// centre. `Zw = V C33 + V' C39`, where V and V' are the load transfers of this wheel and of the other wheel. Both equal the transfer W
+    /// from [`Self::force_and_transfer`]. When a live axle drives, the torque of the drive shaft adds `-t` to the left and `+t` to the
+    /// right wheel's load transfer, with `t = R0 |2 F| / axle_ratio / track`.
     pub(crate) fn percent(
         self,
         c: &Compliance,
         side: Side,
         v: &Vehicle,
-        (r0, track): (f64, Option<f64>),
+        r0: f64,
+        track: Option<f64>,
     ) -> f64 {
         let (force, transfer) = self.force_and_transfer(v);
         let lever = if self.at_patch(v) { r0 } else { 0.0 };
@@ -94,17 +97,19 @@ impl Anti {
         -100.0 * zf / zw
     }
 
-    /// Computes the height change at the axle per g: `m g h / (2 L) [(1 - anti/100) / wheel rate + 1/Kt]`, with the weight `m g` in force
+    /// Computes the height change at the axle per g: `m g h / (2 L) [(1 - anti/100) / wheel rate + 1/Kt]`, with the `weight` `m g` in force
     /// units. The value is positive in the sense of the name: a positive lift moves the body up.
     pub(crate) fn height_per_g(
         self,
         c: &Compliance,
         side: Side,
         v: &Vehicle,
-        ((r0, tyre, weight), track): ((f64, Option<f64>, f64), Option<f64>),
+        tyre: &Tyre,
+        track: Option<f64>,
+        weight: f64,
     ) -> f64 {
-        let anti = self.percent(c, side, v, (r0, track));
-        let give = tyre.map_or(0.0, |k| 1.0 / k);
+        let anti = self.percent(c, side, v, tyre.radius, track);
+        let give = tyre.stiffness.map_or(0.0, |k| 1.0 / k);
         weight * v.cg_height / (2.0 * v.wheelbase)
             * ((1.0 - anti / 100.0) / ride::wheel_rate(c, side) + give)
     }

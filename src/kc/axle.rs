@@ -2,27 +2,17 @@
 
 use super::reading::Readings;
 use super::{
-    Anti, Compliance, Pairing, Reading, Sense, Side, SteerAxis, Steering, Unit, Vehicle,
+    Anti, Compliance, Pairing, Reading, Sense, Side, SteerAxis, Steering, Tyre, Unit, Vehicle,
     VerticalLoad, Wheel, contact, force_compliance, ride, roll, roll_centre, swing_arm, wheel,
 };
 use admire_solver::mechanics::Vec3;
 
-/// Tyre data in the units of the deck.
-#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tyre {
-    /// Unloaded radius R0.
-    pub radius: f64,
-    /// Vertical stiffness Kt of one tyre; `None` means a rigid tyre.
-    pub stiffness: Option<f64>,
-}
-
-/// One wheel of an axle.
+/// State of one wheel of an axle.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WheelState {
-    /// Wheel in this state.
+    /// Position and orientation of the wheel in this state.
     pub wheel: Wheel,
-    /// Wheel at design.
+    /// Position and orientation of the wheel at design.
     pub design: Wheel,
     /// Loaded tyre radius in this state and at design; `None` if no radius is known.
     pub radius: Option<[f64; 2]>,
@@ -30,7 +20,7 @@ pub struct WheelState {
     pub axis: Option<SteerAxis>,
 }
 
-/// User's choices, and data that no deck contains.
+/// Data that no deck contains, such as tyre and vehicle, and the user's choices.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Given {
     /// Tyre data.
@@ -41,7 +31,7 @@ pub struct Given {
     pub weight: f64,
     /// Sprung mass of one corner divided by UCF, the unit consistency factor. A rate divided by this mass is in 1/s^2.
     pub corner_mass: f64,
-    /// Vertical load case for swing arms and roll centre.
+    /// Vertical load case used for swing arms and roll centre.
     pub vertical_load: VerticalLoad,
 }
 
@@ -79,12 +69,12 @@ impl WheelState {
     }
 }
 
-/// Returns the lateral distance of the wheel centres at design.
+/// Returns the lateral distance between the wheel centres at design.
 fn design_track(left: &WheelState, right: &WheelState) -> f64 {
     right.design.centre.y - left.design.centre.y
 }
 
-/// Returns the name for the given side.
+/// Returns the argument that belongs to the side: `left` or `right`.
 fn of(side: Side, left: &'static str, right: &'static str) -> &'static str {
     match side {
         Side::Left => left,
@@ -107,7 +97,7 @@ impl AxleState {
         Some([at(left)?, at(right)?])
     }
 
-    /// Returns the roll angle of the line through the contact points.
+    /// Returns the roll angle of the line through the contact points; `None` if [`Self::contacts`] is `None`.
     pub(crate) fn patch_roll(&self) -> Option<f64> {
         let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
         let track = design_track(left.as_ref()?, right.as_ref()?);
@@ -136,21 +126,20 @@ impl AxleState {
             } = state.wheel;
             let word = side.word();
             let moved = p - state.design.centre;
-            let mut push = |name, unit, sense, value| out.push(name, unit, sense, value);
-            push(("toe_angle", word), Unit::Angle, Own, wheel::toe(&o));
-            push(("camber_angle", word), Unit::Angle, Own, wheel::camber(&o));
+            out.push("toe_angle", word, Unit::Angle, Own, wheel::toe(&o));
+            out.push("camber_angle", word, Unit::Angle, Own, wheel::camber(&o));
             let lean = wheel::inclination(side, &o, &self.normal);
-            push(("inclination_angle", word), Unit::Angle, AboutX, lean);
+            out.push("inclination_angle", word, Unit::Angle, AboutX, lean);
             let steer = wheel::steer(&o, &self.normal);
-            push(("steer_angle", word), Unit::Angle, ToTheRight, steer);
+            out.push("steer_angle", word, Unit::Angle, ToTheRight, steer);
             let pitch = wheel::side_view_angle(&state.wheel.turn);
-            push(("side_view_angle", word), Unit::Angle, Own, pitch);
+            out.push("side_view_angle", word, Unit::Angle, Own, pitch);
             let name = of(side, "vertical_left", "vertical_right");
-            push(("wheel_travel", name), Unit::Length, Own, moved.z);
+            out.push("wheel_travel", name, Unit::Length, Own, moved.z);
             let name = of(side, "base_left", "base_right");
-            push(("wheel_travel_base", name), Unit::Length, X, moved.x);
+            out.push("wheel_travel_base", name, Unit::Length, X, moved.x);
             let name = of(side, "track_left", "track_right");
-            push(("wheel_travel_track", name), Unit::Length, Y, moved.y);
+            out.push("wheel_travel_track", name, Unit::Length, Y, moved.y);
             let axis = wheel::axis_point(&state.wheel);
             let names = [
                 of(side, "wheel_ctr_x_left", "wheel_ctr_x_right"),
@@ -162,8 +151,9 @@ impl AxleState {
             ];
             for (k, name) in names.into_iter().enumerate() {
                 let value = if k < 3 { p[k] } else { axis[k - 3] };
-                push(
-                    ("wheelenv_output", name),
+                out.push(
+                    "wheelenv_output",
+                    name,
                     Unit::Length,
                     [X, Y, Z][k % 3],
                     value,
@@ -176,12 +166,7 @@ impl AxleState {
                 &right.wheel.centre,
                 design_track(left, right),
             );
-            out.push(
-                ("roll_angle", "at_wheel_centers"),
-                Unit::Angle,
-                AboutX,
-                roll,
-            );
+            out.push("roll_angle", "at_wheel_centers", Unit::Angle, AboutX, roll);
         }
     }
 
@@ -207,7 +192,7 @@ impl AxleState {
                 (of(side, "y_left", "y_right"), Y, now.y),
                 (of(side, "z_left", "z_right"), Z, now.z),
             ] {
-                out.push((entity, name), Unit::Length, sense, value);
+                out.push(entity, name, Unit::Length, sense, value);
             }
         }
         let (Some([l, r]), [Some(left), Some(right)]) = (self.contacts(), &self.wheels) else {
@@ -215,13 +200,14 @@ impl AxleState {
         };
         let roll = contact::roll_angle(&l, &r, design_track(left, right));
         out.push(
-            ("roll_angle", "at_contact_patches"),
+            "roll_angle",
+            "at_contact_patches",
             Unit::Angle,
             AboutX,
             roll,
         );
         let track = contact::total_track(&l, &r);
-        out.push(("total_track", "track"), Unit::Length, Own, track);
+        out.push("total_track", "track", Unit::Length, Own, track);
         let Some(vehicle) = &given.vehicle else {
             return;
         };
@@ -232,21 +218,16 @@ impl AxleState {
         };
         for side in Side::BOTH {
             let word = side.word();
-            let mut angle = |name, value| out.push((name, word), Unit::Angle, ToTheRight, value);
+            let mut angle = |name, value| out.push(name, word, Unit::Angle, ToTheRight, value);
             angle("ackerman_angle", all.ackerman_angle());
             angle("ackerman", all.ackerman());
             angle("ideal_steer_angle", all.ideal(side));
             angle("ackerman_error", all.error(side));
-            out.push(
-                ("percent_ackerman", word),
-                Unit::Percent,
-                Own,
-                all.percent(),
-            );
+            out.push("percent_ackerman", word, Unit::Percent, Own, all.percent());
             let diameter = all.outside_diameter(track);
-            out.push(("outside_turn_diameter", word), Unit::Length, Own, diameter);
+            out.push("outside_turn_diameter", word, Unit::Length, Own, diameter);
             let radius = all.turn_radius().unwrap_or(super::steering::STRAIGHT);
-            out.push(("turn_radius", word), Unit::Length, ToTheRight, radius);
+            out.push("turn_radius", word, Unit::Length, ToTheRight, radius);
         }
     }
 
@@ -256,9 +237,9 @@ impl AxleState {
             let Some(axis) = &state.axis else { continue };
             let word = side.word();
             let centre = &state.wheel.centre;
-            out.push(("caster_angle", word), Unit::Angle, Own, axis.caster());
+            out.push("caster_angle", word, Unit::Angle, Own, axis.caster());
             let kingpin = axis.kingpin_inclination(side);
-            out.push(("kingpin_incl_angle", word), Unit::Angle, Own, kingpin);
+            out.push("kingpin_incl_angle", word, Unit::Angle, Own, kingpin);
             let k = axis.location(centre);
             let names = [
                 of(side, "left_X", "right_X"),
@@ -266,43 +247,39 @@ impl AxleState {
                 of(side, "left_Z", "right_Z"),
             ];
             for (at, name) in names.into_iter().enumerate() {
-                out.push(
-                    ("kingpin_location", name),
-                    Unit::Length,
-                    [X, Y, Z][at],
-                    k[at],
-                );
+                out.push("kingpin_location", name, Unit::Length, [X, Y, Z][at], k[at]);
             }
             let name = of(side, "off_left", "off_right");
             out.push(
-                ("steer_axis_offset", name),
+                "steer_axis_offset",
+                name,
                 Unit::Length,
                 Own,
                 axis.offset(centre),
             );
             let (lateral, along) = axis.offset_parts(side, centre, &state.wheel.spin);
             let name = of(side, "lat_left", "lat_right");
-            out.push(("steer_axis_offset", name), Unit::Length, Own, lateral);
+            out.push("steer_axis_offset", name, Unit::Length, Own, lateral);
             let name = of(side, "lon_left", "lon_right");
-            out.push(("steer_axis_offset", name), Unit::Length, Own, along);
-            out.push(("steer_axis_pitch", word), Unit::Length, Own, axis.pitch);
+            out.push("steer_axis_offset", name, Unit::Length, Own, along);
+            out.push("steer_axis_pitch", word, Unit::Length, Own, axis.pitch);
             let Some((contact, _)) = state.contact(&self.normal) else {
                 continue;
             };
             let steer = wheel::steer(&state.wheel.spin, &self.normal);
             let (scrub, trail) = axis.scrub_and_trail(side, &contact, &self.normal, steer);
-            out.push(("scrub_radius", word), Unit::Length, Own, scrub);
-            out.push(("caster_moment_arm", word), Unit::Length, Own, trail);
-            let lead = axis.hub_lead(side, (scrub, trail));
-            out.push(("hub_lead", word), Unit::Length, Own, lead);
-            let lever = axis.load_lever(side, (scrub, trail));
-            out.push(("wheel_load_lever_arm", word), Unit::Length, Own, lever);
+            out.push("scrub_radius", word, Unit::Length, Own, scrub);
+            out.push("caster_moment_arm", word, Unit::Length, Own, trail);
+            let lead = axis.hub_lead(side, scrub, trail);
+            out.push("hub_lead", word, Unit::Length, Own, lead);
+            let lever = axis.load_lever(side, scrub, trail);
+            out.push("wheel_load_lever_arm", word, Unit::Length, Own, lever);
             let at = axis.road_point(&contact, &self.normal);
             // This request holds x relative to the wheel centre at design, y in global axes, and z above the road.
             let shown = [at.x - state.design.centre.x, at.y, at.z - contact.z];
             for (at, name) in names.into_iter().enumerate() {
-                let name = ("steer_axis_road_plane_intersection", name);
-                out.push(name, Unit::Length, [X, Y, Z][at], shown[at]);
+                let entity = "steer_axis_road_plane_intersection";
+                out.push(entity, name, Unit::Length, [X, Y, Z][at], shown[at]);
             }
         }
     }
@@ -313,34 +290,30 @@ impl AxleState {
         for (side, _) in self.each() {
             let word = side.word();
             let rate = ride::wheel_rate(c, side);
-            out.push(("wheel_rate", word), Unit::Rate, Own, rate);
+            out.push("wheel_rate", word, Unit::Rate, Own, rate);
             if let Some(tyre) = given.tyre.and_then(|tyre| tyre.stiffness) {
                 let ride_rate = ride::ride_rate(rate, tyre);
-                out.push(("ride_rate", word), Unit::Rate, Own, ride_rate);
+                out.push("ride_rate", word, Unit::Rate, Own, ride_rate);
                 if given.corner_mass > 0.0 {
                     let frequency = ride::ride_frequency(ride_rate, given.corner_mass, 1.0);
-                    out.push(("ride_frequency", word), Unit::Frequency, Own, frequency);
+                    out.push("ride_frequency", word, Unit::Frequency, Own, frequency);
                 }
             }
             let mut per_length =
-                |name, sense, value| out.push((name, word), Unit::AnglePerLength, sense, value);
+                |name, sense, value| out.push(name, word, Unit::AnglePerLength, sense, value);
             per_length("ride_steer", ToTheRight, ride::ride_steer(c, side));
             per_length("ride_camber", Own, ride::ride_camber(c, side));
             per_length("ride_caster", Own, ride::ride_caster(c, side));
             let angle = swing_arm::front_view_angle(c, side, load);
-            out.push(("fr_view_swing_arm_angle", word), Unit::Angle, Own, angle);
+            out.push("fr_view_swing_arm_angle", word, Unit::Angle, Own, angle);
             let length = swing_arm::front_view_length(c, side, load);
-            out.push(
-                ("fr_view_swing_arm_length", word),
-                Unit::Length,
-                Own,
-                length,
-            );
+            out.push("fr_view_swing_arm_length", word, Unit::Length, Own, length);
             let angle = swing_arm::side_view_angle(c, side, load);
-            out.push(("side_view_swing_arm_angle", word), Unit::Angle, Own, angle);
+            out.push("side_view_swing_arm_angle", word, Unit::Angle, Own, angle);
             let length = swing_arm::side_view_length(c, side, load);
             out.push(
-                ("side_view_swing_arm_length", word),
+                "side_view_swing_arm_length",
+                word,
                 Unit::Length,
                 Own,
                 length,
@@ -379,24 +352,24 @@ impl AxleState {
                 if pairing == Pairing::Opposed && c.present != [true; 2] {
                     continue;
                 }
-                // Steer and aligning torque are both about Z, so their ratio keeps its sign in all axes. Camber keeps its own sense, so its
-                // ratio takes the sign of the torque.
+                // Steer and aligning torque are both about Z, so their ratio keeps its sign in all axes. The sign of camber is independent
+                // of the axes, so camber per aligning torque changes sign with the torque.
                 let steer = force_compliance::aligning_steer(c, side, pairing);
-                out.push((names[0], word), Unit::AnglePerTorque, Own, steer);
+                out.push(names[0], word, Unit::AnglePerTorque, Own, steer);
                 let camber = force_compliance::aligning_camber(c, side, pairing);
-                out.push((names[1], word), Unit::AnglePerTorque, AboutZ, camber);
+                out.push(names[1], word, Unit::AnglePerTorque, AboutZ, camber);
                 let rate = force_compliance::fore_aft_stiffness(c, side, pairing);
-                out.push((names[2], word), Unit::Rate, Own, rate);
+                out.push(names[2], word, Unit::Rate, Own, rate);
                 let Some(Tyre { radius: r0, .. }) = given.tyre else {
                     continue;
                 };
                 let value = force_compliance::lateral_deflection(c, side, r0, pairing);
-                out.push((names[3], word), Unit::LengthPerForce, Own, value);
+                out.push(names[3], word, Unit::LengthPerForce, Own, value);
                 let value = force_compliance::lateral_steer(c, side, r0, pairing);
                 // The ratio of a rotation about Z to a force along Y changes sign as X does, because the axes are right-handed.
-                out.push((names[4], word), Unit::AnglePerForce, Sense::X, value);
+                out.push(names[4], word, Unit::AnglePerForce, Sense::X, value);
                 let value = force_compliance::lateral_camber(c, side, r0, pairing);
-                out.push((names[5], word), Unit::AnglePerForce, Sense::Y, value);
+                out.push(names[5], word, Unit::AnglePerForce, Sense::Y, value);
             }
             let levers = given.tyre.map(|tyre| tyre.radius);
             for (names, lever) in [
@@ -413,8 +386,8 @@ impl AxleState {
                 let value =
                     |i| force_compliance::longitudinal(c, side, i, lever, Pairing::Parallel);
                 // The ratio of a rotation about Z to a force along X changes sign as Y does.
-                out.push((names[0], word), Unit::AnglePerForce, Sense::Y, value(6));
-                out.push((names[1], word), Unit::AnglePerForce, Sense::X, value(5));
+                out.push(names[0], word, Unit::AnglePerForce, Sense::Y, value(6));
+                out.push(names[1], word, Unit::AnglePerForce, Sense::X, value(5));
             }
             let (Some(tyre), Some(vehicle)) = (given.tyre, &given.vehicle) else {
                 continue;
@@ -422,11 +395,10 @@ impl AxleState {
             let track = self.contacts().map(|[l, r]| contact::total_track(&l, &r));
             for anti in Anti::ALL {
                 let (percent, height) = anti.names();
-                let value = anti.percent(c, side, vehicle, (tyre.radius, track));
-                out.push((percent, word), Unit::Percent, Own, value);
-                let loads = (tyre.radius, tyre.stiffness, given.weight);
-                let value = anti.height_per_g(c, side, vehicle, (loads, track));
-                out.push((height, word), Unit::LengthPerG, Own, value);
+                let value = anti.percent(c, side, vehicle, tyre.radius, track);
+                out.push(percent, word, Unit::Percent, Own, value);
+                let value = anti.height_per_g(c, side, vehicle, &tyre, track, given.weight);
+                out.push(height, word, Unit::LengthPerG, Own, value);
             }
         }
     }
@@ -443,21 +415,23 @@ impl AxleState {
         let tyre = given.tyre.and_then(|tyre| tyre.stiffness);
         let rate = roll::suspension_roll_rate(c, track);
         out.push(
-            ("susp_roll_rate", "suspension_roll_rate"),
+            "susp_roll_rate",
+            "suspension_roll_rate",
             Unit::RollRate,
             Own,
             rate,
         );
         let rate = roll::total_roll_rate(c, track, tyre);
         out.push(
-            ("total_roll_rate", "total_roll_rate"),
+            "total_roll_rate",
+            "total_roll_rate",
             Unit::RollRate,
             Own,
             rate,
         );
         if let Some(tyre) = tyre {
             let rate = roll::tramp_rate(c, track, tyre);
-            out.push(("tramp_rate", "tramp_rate"), Unit::RollRate, Own, rate);
+            out.push("tramp_rate", "tramp_rate", Unit::RollRate, Own, rate);
         }
         let at_patch = c.at([
             contacts[0] - left.wheel.centre,
@@ -465,18 +439,13 @@ impl AxleState {
         ]);
         for side in Side::BOTH {
             let word = side.word();
-            // Roll steer is a rotation about Z over a rotation about X, so it changes sign as Y does.
+            // Roll steer is a rotation about Z per rotation about X, so it changes sign exactly when the Y axis is reversed.
             let value = roll::roll_steer(&at_patch, c, side, track, tyre);
-            out.push(("roll_steer", word), Unit::One, Y, value);
+            out.push("roll_steer", word, Unit::One, Y, value);
             let value = roll::roll_camber(c, side, track, tyre);
-            out.push(("roll_camber_coefficient", word), Unit::One, Own, value);
+            out.push("roll_camber_coefficient", word, Unit::One, Own, value);
             let value = roll::roll_caster(c, side, track, tyre);
-            out.push(
-                ("roll_caster_coefficient", word),
-                Unit::One,
-                Sense::X,
-                value,
-            );
+            out.push("roll_caster_coefficient", word, Unit::One, Sense::X, value);
         }
         let centre = roll_centre(&at_patch, &contacts, given.vertical_load);
         let name = "roll_center_location";
@@ -486,7 +455,7 @@ impl AxleState {
             ("lateral_to_left_patch", Y, centre.to_patch[0]),
             ("lateral_to_right_patch", Y, centre.to_patch[1]),
         ] {
-            out.push((name, component), Unit::Length, sense, value);
+            out.push(name, component, Unit::Length, sense, value);
         }
     }
 }

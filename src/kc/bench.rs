@@ -24,9 +24,10 @@ use admire_syntax::files::Files;
 pub struct Observation {
     /// Wheels and compliance.
     pub axle: AxleState,
-    /// Vertical load of each wheel.
+    /// Vertical load of each wheel (left, right).
     pub load: [f64; 2],
-    /// Motion and load of each wheel per unit of the test's variable.
+    /// Motion and vertical load of each wheel (left, right) per unit of the test's variable. `None` for a missing wheel, or without
+    /// tangents.
     pub rates: [Option<WheelRate>; 2],
     /// Stick-slip state of the joints with friction; `None` if no joint has friction.
     pub friction: Option<StickSlipState>,
@@ -57,10 +58,12 @@ impl<'a> Bench<'a> {
     /// Creates the bench and finds the wheels named in the configuration.
     ///
     /// # Errors
-    /// One diagnostic for each wheel whose names in the file are wrong.
+    /// One diagnostic for each wheel whose markers or spin axis in `kc.toml` are missing or unsuitable.
     pub fn new(
         config: &'a Config,
-        (dataset, files, model): (&'a Dataset, &'a Files, &'a Model),
+        dataset: &'a Dataset,
+        files: &'a Files,
+        model: &'a Model,
     ) -> Result<Self, Vec<Diagnostic>> {
         Ok(Self {
             config,
@@ -72,7 +75,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Returns the worst imbalance of forces and torques on a part over all equilibria so far.
+    /// Returns the worst imbalance of forces and torques on a part over all equilibria found so far.
     pub(crate) fn balance(&self) -> Balance {
         let mut worst = Balance::default();
         for compiled in self.variants.values() {
@@ -93,17 +96,16 @@ impl<'a> Bench<'a> {
         self.dataset
     }
 
-    /// Returns a variant, compiling it on first use.
+    /// Returns the compiled form of a variant of the rigged deck. The variant is compiled on first use.
     ///
     /// # Errors
     /// [`BenchError::Deck`] if the deck cannot be solved.
     pub(crate) fn variant(&mut self, variant: Variant) -> Result<&mut Compiled, BenchError> {
         if !self.variants.contains_key(&variant) {
-            let deck = (self.dataset, self.model);
-            let rigged = rigged(self.config, deck, &self.wheels, variant)
+            let rigged = rigged(self.config, self.dataset, self.model, &self.wheels, variant)
                 .map_err(|why| BenchError::Deck(vec![why]))?;
-            let files = (self.dataset, self.files);
-            let compiled = Compiled::new(self.config, files, &self.wheels, rigged)?;
+            let compiled =
+                Compiled::new(self.config, self.dataset, self.files, &self.wheels, rigged)?;
             self.variants.insert(variant, compiled);
         }
         Ok(self
@@ -112,7 +114,7 @@ impl<'a> Bench<'a> {
             .expect("compiled just above"))
     }
 
-    /// Creates a chain that starts at the design position.
+    /// Creates the warm start of a chain of equilibria, at the design position.
     ///
     /// # Errors
     /// As [`Bench::variant`].
@@ -124,7 +126,8 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Turns on friction in the joints. The present position becomes the reference: joints stick here, still without friction force.
+    /// Turns on friction in the joints. The present position becomes the reference position of the joints: they stick there without
+    /// friction force.
     ///
     /// # Errors
     /// As [`Bench::variant`].
@@ -145,7 +148,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Solves for these inputs, starting from the chain's last state, without evaluating the wheels.
+    /// Solves the equilibrium for `inputs`, starting from the last state of the chain. The wheels are not evaluated.
     ///
     /// # Errors
     /// As [`Bench::observe`].
@@ -177,15 +180,18 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Solves for these inputs, starting from the chain's last state, and evaluates the wheels. With `drive`, tangents are computed too.
+    /// Solves the equilibrium for `inputs`, starting from the last state of the chain, and evaluates the wheels. With `drive`, tangents are
+    /// computed too.
     ///
     /// # Errors
-    /// No equilibrium, or a zero-stiffness motion of a wheel; the error carries `at`, the name of the test and point.
+    /// [`BenchError`] if there is no equilibrium, or if a wheel has a zero-stiffness motion. The error message contains `at`, the name of
+    /// the test and point.
     pub fn observe(
         &mut self,
         variant: Variant,
         chain: &mut WarmStart,
-        (inputs, drive): (&Inputs, Option<&Drive>),
+        inputs: &Inputs,
+        drive: Option<&Drive>,
         at: &str,
     ) -> Result<Observation, BenchError> {
         let (config, wheels, rubs) = (self.config, self.wheels.clone(), chain.rubs);
@@ -202,7 +208,7 @@ impl<'a> Bench<'a> {
         let side = wheels[0].side;
         let other_inputs = inputs.mirrored();
         let other_drive = drive.map(Drive::mirrored);
-        // In a symmetric load case the other wheel is the mirror image and needs no solve of its own.
+        // In a symmetric load case the missing wheel is the mirror image of the solved wheel, and needs no solve of its own.
         let k = side.index();
         let alike = own.grips == mirrored.grips
             && other_inputs.height[k] == inputs.height[k]
@@ -243,19 +249,24 @@ impl Compiled {
         at: &str,
     ) -> Result<Observation, BenchError> {
         let (parameters, named) = self.solve(inputs, state, at)?;
-        let derivatives = Derivatives::of(self, config, (&parameters, state), (drive, found))
-            .map_err(|why| BenchError::NoEquilibrium {
-                at: at.to_string(),
-                why: Box::new(why),
+        let derivatives =
+            Derivatives::of(self, config, &parameters, state, drive, found).map_err(|why| {
+                BenchError::NoEquilibrium {
+                    at: at.to_string(),
+                    why: Box::new(why),
+                }
             })?;
         if derivatives.deficiency > named {
-            // The factors of the last iteration missed a free motion. Refactoring at the equilibrium itself reveals and names it.
+            // The factors of the last iteration missed a free motion. Factoring again at the equilibrium itself reveals and names it.
             self.solver.forget(&self.system);
             self.solve(inputs, state, at)?;
         }
         // Round-off may hide a free motion from the factors. It still shows as a huge entry of the compliance.
-        let unit = (self.model.units.length.si, self.model.units.force.si);
-        if let Some(motion) = derivatives.compliance.and_then(|c| c.free_motion(unit)) {
+        let units = &self.model.units;
+        let motion = derivatives
+            .compliance
+            .and_then(|c| c.free_motion(units.length.si, units.force.si));
+        if let Some(motion) = motion {
             return Err(BenchError::Free {
                 at: at.to_string(),
                 motion,
@@ -310,7 +321,7 @@ impl Compiled {
 }
 
 impl WarmStart {
-    /// Takes over the poses of another chain of the same deck, without its friction state. Friction stays off.
+    /// Copies the poses from another chain of the same deck. The friction state of that chain is not copied, and friction stays off.
     pub fn start_at(&mut self, other: &Self) {
         for (own, other) in self.states.iter_mut().zip(&other.states) {
             own.poses.clone_from(&other.poses);

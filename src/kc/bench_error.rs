@@ -1,7 +1,7 @@
 use admire_solver::statics::SolveError;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Reason why the rig has no result.
+/// Reason why the rig gives no result.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum BenchError {
     /// The deck cannot be put on the rig.
@@ -15,7 +15,7 @@ pub enum BenchError {
         /// Cause reported by the solver.
         why: Box<SolveError>,
     },
-    /// No height of the axle carries its load.
+    /// No common height of both wheels gives the axle its load.
     #[error("{at}: no height of both wheels keeps the load of the axle")]
     NoAxleLoad {
         /// Test and point, in words.

@@ -24,7 +24,7 @@ pub(super) struct Fitted {
     pub motion: Option<(Slot, ConstraintIx)>,
 }
 
-/// Compiled variant of the deck.
+/// Compiled variant of the deck, with its solver.
 #[derive(Debug)]
 pub(crate) struct Compiled {
     /// Deck with the rig's statements.
@@ -45,7 +45,8 @@ impl Compiled {
     /// [`BenchError::Deck`] if the deck cannot be solved.
     pub(super) fn new(
         config: &Config,
-        (dataset, files): (&Dataset, &Files),
+        dataset: &Dataset,
+        files: &Files,
         found: &[FoundWheel],
         rigged: Rigged,
     ) -> Result<Self, BenchError> {
@@ -63,7 +64,8 @@ impl Compiled {
             let message = error.to_string();
             BenchError::Deck(vec![Diagnostic::error(Code::NotSolvedNatively, message)])
         };
-        // FRICTION exerts nothing in ordinary statics. On the rig it creeps from one equilibrium to the next.
+        // A FRICTION statement exerts no force in ordinary statics. On the rig, its stick-slip state is carried from one equilibrium to the
+        // next.
         let mut rest = model.clone();
         let mut creeping = Vec::new();
         for friction in &mut rest.frictions {
@@ -119,7 +121,7 @@ impl Compiled {
                     let complaint = config.complain(at, Code::UnknownTarget, message);
                     BenchError::Deck(vec![complaint])
                 };
-                // The driven element may be among the statements left out with a free steering.
+                // The driven statement may be missing: in a variant with free steering, the statement that locks the steering is removed.
                 let there = Address::parse(&at.text, &rigged.dataset);
                 match there {
                     Ok(address) => Some(
@@ -161,15 +163,15 @@ impl Compiled {
             }
         }
         if let (Some(slot), Some(value)) = (self.steering, inputs.steer) {
-            // The input is added to a number of the deck, but replaces a function of the deck.
+            // If the steering input drives a parameter, it is added to the deck's value. If it drives a function, it replaces the function.
             let own = parameters.get(slot);
             parameters.set(slot, if own.is_finite() { own + value } else { value });
         }
         parameters
     }
 
-    /// Finds the equilibrium. Returns the parameter values used and the number of harmless free motions; a free motion of a wheel carrier
-    /// is an error.
+    /// Finds the equilibrium. Returns the parameter values used and the number of zero-stiffness motions, none of which moves a wheel
+    /// carrier. A zero-stiffness motion of a wheel carrier is an error.
     pub(super) fn solve(
         &mut self,
         inputs: &Inputs,

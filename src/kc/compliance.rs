@@ -1,7 +1,6 @@
 use super::Side;
 use admire_solver::mechanics::{Vec3, skew};
 
-/// 12 by 12 matrix.
 pub(crate) type Mat12 = nalgebra::SMatrix<f64, 12, 12>;
 
 /// Compliance of both wheel centres: displacement i per unit load j, in the axes X rearward, Y right, Z up.
@@ -17,28 +16,29 @@ pub struct Compliance {
 }
 
 impl Compliance {
-    /// Returns an entry; indices count from 1 as in the formulas.
+    /// Returns entry C_ij of the matrix. Indices count from 1, as in the formulas.
     pub fn c(&self, i: usize, j: usize) -> f64 {
         self.matrix[(i - 1, j - 1)]
     }
 
-    /// Returns an entry by wheel: row `i` of one wheel, column `j` of another, each from 1 to 6.
+    /// Returns the displacement of one wheel per unit load on the same or the other wheel. `row` is (wheel, displacement) and `column` is
+    /// (wheel, load); displacements and loads count from 1 to 6.
     pub fn of(&self, row: (Side, usize), column: (Side, usize)) -> f64 {
         self.c(6 * row.0.index() + row.1, 6 * column.0.index() + column.1)
     }
 
-    /// Returns row `i` of a wheel for the same load `j` on both wheels.
+    /// Returns displacement `i` of a wheel centre per unit of load `j` on both wheels.
     pub(crate) fn in_phase(&self, side: Side, i: usize, j: usize) -> f64 {
         self.of((side, i), (side, j)) + self.of((side, i), (side.other(), j))
     }
 
-    /// Returns row `i` of a wheel for load `j` on it and the opposite load on the other wheel.
+    /// Returns displacement `i` of a wheel centre per unit of load `j` on this wheel and the opposite load on the other wheel.
     pub(crate) fn antiphase(&self, side: Side, i: usize, j: usize) -> f64 {
         self.of((side, i), (side, j)) - self.of((side, i), (side.other(), j))
     }
 
-    /// Returns the compliance of other points of the carriers, `p = wheel centre + d`: `J C J^T` with `J = [[I, -[d]x], [0, I]]` for each
-    /// wheel.
+    /// Returns the compliance at other points of the carriers, `wheel centre + d`. It is `J C J^T` with the block
+    /// `J = [[I, -[d]x], [0, I]]` for each wheel.
     #[must_use]
     pub(crate) fn at(&self, d: [Vec3; 2]) -> Self {
         let mut j = Mat12::identity();
@@ -52,8 +52,8 @@ impl Compliance {
         }
     }
 
-    /// Returns the relative asymmetry `|C - C'| / |C|`, with lengths in units of `length` so that translations and rotations count alike.
-    /// The asymmetry of a conservative deck is zero; the torques of loaded bushings are not conservative.
+    /// Returns the relative asymmetry `|C - C'| / |C|`, with lengths in units of `length` so that translations and rotations have similar
+    /// weight. It is zero for a conservative deck. The torques of loaded bushings are not conservative and make it nonzero.
     pub fn asymmetry(&self, length: f64) -> f64 {
         let mut scaled = self.matrix;
         for i in 0..12 {
@@ -67,12 +67,12 @@ impl Compliance {
 
     /// Describes a zero-stiffness motion of a wheel in words; `None` if there is none. The limit exceeds the compliance of any axle: 1 m/N,
     /// or the same displacement on a lever of 100 mm for rotations. `length` and `force` are the sizes of the deck's units in m and N.
-    pub(crate) fn free_motion(&self, (length, force): (f64, f64)) -> Option<String> {
+    pub(crate) fn free_motion(&self, length: f64, force: f64) -> Option<String> {
         const LEVER: f64 = 0.1;
         const MOST: f64 = 1.0;
         let si = |i: usize, j: usize| {
             let size = |k: usize| if k % 6 > 2 { LEVER } else { length };
-            // A rotation counts as the displacement at the lever's end, a torque as the force there.
+            // A rotation is measured by the displacement at the lever's end, a torque by the force there.
             let per = |k: usize| {
                 if k % 6 > 2 {
                     force * length / LEVER
@@ -109,7 +109,7 @@ impl Compliance {
         ))
     }
 
-    /// Mirrors one wheel about Y = 0 to make an axle without coupling between its wheels.
+    /// Returns the compliance of an axle made of one wheel and its mirror image about Y = 0, without coupling between the wheels.
     #[must_use]
     pub(crate) fn mirrored(&self, from: Side) -> Self {
         // Under this reflection y, and rotations about x and z, change sign.

@@ -1,4 +1,4 @@
-//! `kc.toml`: the wheels of a deck, data that no deck contains, and the tests.
+//! Contents of `kc.toml`: the wheels of a deck, data that no deck contains, and the tests.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use admire_solver::system::SlidingWith;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// Text from the file with its position.
+/// Text from `kc.toml` with its position in the file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Spelled {
     /// Text as written.
@@ -40,22 +40,22 @@ pub struct WheelConfig {
     pub spin: Spelled,
     /// Lower and upper marker of the geometric steer axis.
     pub steer_axis: Option<[Spelled; 2]>,
-    /// Marker whose height is held for the instant axis; `None` means the wheel centre.
+    /// Marker whose height is held while the instant steer axis is computed; `None` means the wheel centre.
     pub travel_lock: Option<Spelled>,
 }
 
-/// Method for the reported steer axis.
+/// Method that determines the reported steer axis.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AxisMethod {
     /// Line through two markers.
     Geometric,
-    /// Screw axis under the steering input.
+    /// Screw axis of the carrier's motion under the steering input.
     Instant,
-    /// Screw axis under a unit moment about the vertical at the wheel centre, for an axle without steering. It is not confirmed that
-    /// Adams/Car uses this method.
+    /// Screw axis of the carrier's motion under a unit moment about the vertical at the wheel centre, for an axle without steering. It is
+    /// not confirmed that Adams/Car uses this method.
     InstantMoment,
-    /// Geometric where markers are named, instant where a steering input exists, otherwise no axis.
+    /// Geometric axis if its markers are named; otherwise the instant axis if there is a steering input; otherwise no axis.
     #[default]
     Any,
 }
@@ -69,11 +69,11 @@ pub struct Config {
     pub frame: Frame,
     /// Name of the deck's axes.
     pub axes: String,
-    /// Statements that are removed from the deck on the rig, such as its own loads.
+    /// Statements that the rig removes from the deck, such as the deck's own loads.
     pub without: Vec<Spelled>,
     /// Left and right wheel; `None` for a wheel that is not in the deck.
     pub wheels: [Option<WheelConfig>; 2],
-    /// True if the missing wheel is the mirror image of the other.
+    /// True if the missing wheel is the mirror image of the wheel in the deck.
     pub mirror: bool,
     /// Tyre data.
     pub tyre: Option<Tyre>,
@@ -85,19 +85,19 @@ pub struct Config {
     pub ride_height: f64,
     /// Statement that locks the steering; it is removed in tests with free steering.
     pub steering_lock: Option<Spelled>,
-    /// Steering input: address of a number or function in the deck.
+    /// Address of the parameter or function in the deck that is the steering input.
     pub steering_drive: Option<Spelled>,
-    /// Method for the steer axis.
+    /// Method that determines the steer axis.
     pub axis_method: AxisMethod,
-    /// Vertical load case for swing arms and roll centre.
+    /// Vertical load case used for swing arms and roll centre.
     pub vertical_load: VerticalLoad,
-    /// Friction coefficient, static or dynamic, of sliding joints.
+    /// Friction coefficient used for sliding joints: static or dynamic.
     pub sliding_with: SlidingWith,
     /// User's remark on the anti-roll bar, copied to the outputs.
     pub anti_roll_bar: String,
     /// Directions in which tests are driven.
     pub branches: Branches,
-    /// Tests in their standard order.
+    /// Tests to run, in standard order, with their settings.
     pub tests: Vec<(TestKind, TestSettings)>,
 }
 
@@ -207,15 +207,15 @@ enum SteeringWord {
     Free,
 }
 
-/// Plausible tyre radii in mm, from table-top models to mining trucks.
+/// Smallest and largest plausible tyre radius in mm, from table-top models to mining trucks.
 const RADIUS: (f64, f64) = (10.0, 3e3);
-/// Plausible wheelbases in mm.
+/// Smallest and largest plausible wheelbase in mm.
 const WHEELBASE: (f64, f64) = (50.0, 3e4);
-/// Plausible heights of the centre of mass above the road in mm.
+/// Smallest and largest plausible height of the centre of mass above the road in mm.
 const HEIGHT: (f64, f64) = (1.0, 1e4);
 
-/// Lists the numbers that no vehicle can have, probably given in another unit: byte range in the file, and message. `length` is one
-/// millimetre in the deck's unit.
+/// Lists the values in `kc.toml` that no vehicle can have, probably because they were given in a wrong unit. Each is returned as (byte
+/// range in the file, message). `length` is one millimetre in the deck's length unit.
 fn out_of_bounds(
     file: &File,
     source: &Source,
@@ -274,7 +274,8 @@ fn out_of_bounds(
     wrong
 }
 
-/// Finds the byte range of a dotted key in the file: the first assignment to its last component. The range is empty if there is none.
+/// Finds the byte range of a dotted key in the file: the first assignment to its last component. The range is empty if the key does not
+/// occur.
 pub(super) fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
     let key = name.rsplit('.').next().unwrap_or(name);
     let text = source.utf8().unwrap_or_default();
@@ -289,7 +290,7 @@ pub(super) fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
 
 impl Config {
     /// Reads the file. The defaults are converted to units of the deck: `length` is one millimetre and `force` one newton in these units.
-    pub fn read(source: &Source, (length, force): (f64, f64)) -> Checked<Option<Self>> {
+    pub fn read(source: &Source, length: f64, force: f64) -> Checked<Option<Self>> {
         let parsed = source
             .utf8()
             .map_err(|span| (span, "this is not UTF-8 text".to_string()))
@@ -375,7 +376,7 @@ impl Config {
             if !wanted || !possible {
                 continue;
             }
-            let default = kind.settings((length, force), file.tyre.is_some());
+            let default = kind.settings(length, force, file.tyre.is_some());
             let mut settings = default;
             if let Some(range) = table.range {
                 settings.range = *range.get_ref();
@@ -482,7 +483,7 @@ impl Config {
         Side::BOTH.into_iter().filter(there).collect()
     }
 
-    /// Creates an error diagnostic at a text of the file.
+    /// Creates an error diagnostic that points at a text in the file.
     pub(crate) fn complain(&self, at: &Spelled, code: Code, message: String) -> Diagnostic {
         Diagnostic::error(code, message).label(self.source.name(), at.span, "")
     }

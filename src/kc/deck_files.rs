@@ -1,4 +1,4 @@
-//! Decks and command files of the rig, which run on any ADAMS.
+//! Export of the rig as decks and command files that run on any ADAMS.
 
 use std::collections::BTreeSet;
 
@@ -9,10 +9,11 @@ use super::sweep::KcRun;
 use super::test_kind::TestKind;
 use admire_syntax::Address;
 
-/// Writes the rig's files, each with its name: one dataset for each way of holding the axle, and one command file for each test.
+/// Returns the rig's files as (name, contents): one dataset for each [`Variant`] of the deck, and one command file for each test.
 ///
-/// For each sample, a command file sets the loads and heights and runs a static equilibrium. Of a mirrored axle only the wheel in the deck
-/// is driven. A steering test that drives a number of the deck, such as a marker's position, gets no file, because no command can drive it.
+/// For each sample, a command file sets the loads and heights and runs a static equilibrium. On a mirrored axle, only the wheel in the deck
+/// is driven. A steering test gets no file if it drives a parameter of the deck, such as a marker's position, because no command can change
+/// a parameter.
 ///
 /// # Errors
 /// As [`Bench::variant`].

@@ -13,14 +13,14 @@ use admire_solver::model::{MarkerIx, Model, PartIx};
 use admire_solver::statics::{SolveError, Tangent, point_change};
 use admire_solver::system::{Parameters, Quantity, Slot, State, System};
 
-/// Wheel rate in N/m below which no spring supports the wheel: only the rig's motion holds it up.
+/// Wheel rate in N/m below which no spring counts as supporting the wheel: only the rig's motion holds it up.
 const LEAST_RATE: f64 = 1e-3;
 
 /// Quantities from the tangent stiffness at an equilibrium.
 pub(super) struct Derivatives {
     /// Compliance of the wheel centres. `None` where only a motion holds a wheel up, as in a deck of rigid joints without springs.
     pub compliance: Option<Compliance>,
-    /// Reaction of the height motion of each wheel.
+    /// Reaction force of the motion that holds the height of each wheel.
     pub reactions: Vec<f64>,
     /// Number of zero-stiffness motions; they are held fixed.
     pub deficiency: usize,
@@ -31,15 +31,17 @@ pub(super) struct Derivatives {
 }
 
 impl Derivatives {
-    /// Computes the derivatives from the tangent's columns for unit loads at the wheel centres.
+    /// Computes the derivatives from the responses to unit loads at the wheel centres.
     ///
-    /// Where motions hold the heights, they are released by their own columns: with responses u_f to a load and u_h to a held height, and
-    /// height reactions r_f and r_h, the released response is `u = u_f - u_h (r_h)^-1 r_f`.
+    /// Motions that hold the heights are released by superposition. With responses u_f to a load and u_h to a unit of held height, and with
+    /// the height reactions r_f and r_h in these two responses, the released response is `u = u_f - u_h (r_h)^-1 r_f`.
     pub(crate) fn of(
         compiled: &mut Compiled,
         config: &Config,
-        (parameters, state): (&Parameters, &State),
-        (drive, found): (Option<&Drive>, &[FoundWheel]),
+        parameters: &Parameters,
+        state: &State,
+        drive: Option<&Drive>,
+        found: &[FoundWheel],
     ) -> Result<Self, SolveError> {
         let Compiled {
             system,
@@ -86,7 +88,7 @@ impl Derivatives {
                 (frame.part, frame.qp, marker)
             })
             .collect();
-        // Rows: six displacements of each wheel, one reaction of each wheel, one lock height of each wheel.
+        // Rows of a response: six displacements of each wheel, one reaction of each wheel, one lock height of each wheel.
         let rows = 8 * m;
         let read = |dx: &[f64]| -> Vec<f64> {
             let mut out = Vec::with_capacity(rows);
@@ -131,7 +133,7 @@ impl Derivatives {
         let inverse = (held.len() == m && stiffness.norm() > least)
             .then(|| stiffness.try_inverse())
             .flatten();
-        // Releases the heights: adds the height motions that keep the reactions unchanged.
+        // Releases the heights: adds the height changes that keep the height reactions unchanged.
         let release = |columns: &DMatrix<f64>| -> DMatrix<f64> {
             if held.is_empty() {
                 return columns.clone();
@@ -195,7 +197,7 @@ impl Derivatives {
         let axes = if matches!(config.axis_method, AxisMethod::Geometric) {
             Vec::new()
         } else {
-            // Where motions hold the wheel centres, these motions are the travel locks.
+            // If motions hold all wheel centres, these motions are the travel locks.
             let locked_at_centre =
                 held.len() == m && found.iter().all(|wheel| wheel.travel_lock.is_none());
             let vertical = {

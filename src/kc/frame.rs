@@ -21,7 +21,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Returns the unit vector in this crate's axes.
+    /// Returns the unit vector of the direction in this crate's axes.
     fn vector(self) -> Vec3 {
         match self {
             Self::Rearward => Vec3::x(),
@@ -34,7 +34,7 @@ impl Direction {
     }
 }
 
-/// Named axes of a vehicle. All are right-handed. Vectors are converted first, and the formulas applied afterwards.
+/// Named axes of a vehicle, all right-handed. Vectors are converted to this crate's axes before any formula is applied.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
@@ -48,7 +48,7 @@ pub enum Convention {
 }
 
 impl Convention {
-    /// Returns the directions of X, Y and Z.
+    /// Returns the directions in which X, Y and Z of the convention point.
     pub const fn axes(self) -> [Direction; 3] {
         use Direction::{Down, Forward, Left, Rearward, Right, Up};
         match self {
@@ -58,7 +58,7 @@ impl Convention {
         }
     }
 
-    /// Returns the factor, 1 or -1, that converts a number of this sense from this crate's axes to this convention.
+    /// Returns the factor, 1 or -1, that converts a value of this sense from this crate's axes to this convention.
     pub fn factor(self, sense: Sense) -> f64 {
         let along = |k: usize| self.axes()[k].vector()[k];
         match sense {
@@ -73,7 +73,7 @@ impl Convention {
         }
     }
 
-    /// Returns the name in files: `adams-car`, `iso` or `sae`.
+    /// Returns the name of the convention in files: `adams-car`, `iso` or `sae`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::AdamsCar => "adams-car",
@@ -86,13 +86,13 @@ impl Convention {
 /// Meaning of a characteristic's sign, which decides how it changes with the axes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sense {
-    /// Sign with a meaning of its own, the same in all axes: toe-in, camber, a rate, a length.
+    /// Sign with a meaning of its own, independent of the axes: toe-in, camber, a rate, a length.
     Own,
     /// Component of a displacement or force along X.
     X,
-    /// Component along Y.
+    /// Component of a displacement or force along Y.
     Y,
-    /// Component along Z.
+    /// Component of a displacement or force along Z.
     Z,
     /// Rotation about X.
     AboutX,
@@ -102,7 +102,7 @@ pub enum Sense {
     ToTheRight,
 }
 
-/// Axes of a deck.
+/// Orientation of a deck's axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frame {
     /// Rotation from the deck's ground axes to this crate's axes: X rearward, Y right, Z up.

@@ -1,16 +1,17 @@
-//! Characteristics at the design state of a real Adams/Car axle, computed from its compliance matrix and compared with its own result
-//! columns.
+//! Tests at the design state of a real Adams/Car axle: characteristics computed from its compliance matrix against the values in its
+//! results file.
 
 use super::{
-    Anti, Compliance, Mat12, Pairing, Side, Vehicle, VerticalLoad, force_compliance, ride, roll,
-    roll_centre, swing_arm,
+    Anti, Compliance, Mat12, Pairing, Side, Tyre, Vehicle, VerticalLoad, force_compliance, ride,
+    roll, roll_centre, swing_arm,
 };
 use admire_solver::mechanics::Vec3;
 
 const TYRE: f64 = 202.0;
 const R0: f64 = 317.25;
 
-/// Builds the matrix: the left block from the columns of the file, the right block as its mirror image with the right wheel's own rate.
+/// Builds the compliance matrix: the left block from columns of the results file, the right block as its mirror image, with the right
+/// wheel's own wheel rate.
 fn golden() -> Compliance {
     let mut matrix = Mat12::zeros();
     let mut set = |i: usize, j: usize, value: f64| matrix[(i - 1, j - 1)] = value;
@@ -74,7 +75,7 @@ fn rates_and_swing_arms() {
         -1.38627840,
         1e-7,
     );
-    // The patch terms of C64 are unknown here; they amount to 4e-5.
+    // The part of C64 in the compliance at the patch is unknown here; it amounts to a relative 4e-5.
     near(
         roll::roll_steer(&c, &c, Side::Left, track, Some(TYRE)),
         -0.0204248418,
@@ -104,7 +105,7 @@ fn rates_and_swing_arms() {
     near(
         force_compliance::fore_aft_stiffness(&c, Side::Left, Pairing::Parallel),
         2873.53068,
-        // C11 comes from a closure that is good to 2.6e-7.
+        // C11 was inferred from the other entries, to a relative accuracy of 2.6e-7.
         3e-7,
     );
 }
@@ -121,30 +122,34 @@ fn anti_effects() {
         axle_ratio: None,
     };
     near(
-        Anti::LiftBraking.percent(&c, Side::Left, &v, (R0, None)),
+        Anti::LiftBraking.percent(&c, Side::Left, &v, R0, None),
         221.599704,
         1e-5,
     );
     near(
-        Anti::SquatAcceleration.percent(&c, Side::Left, &v, (R0, None)),
+        Anti::SquatAcceleration.percent(&c, Side::Left, &v, R0, None),
         32.951929,
         1e-5,
     );
-    let loads = (R0, Some(TYRE), 1600.0 * 9.80665);
+    let tyre = Tyre {
+        radius: R0,
+        stiffness: Some(TYRE),
+    };
+    let weight = 1600.0 * 9.80665;
     near(
-        Anti::LiftBraking.height_per_g(&c, Side::Left, &v, (loads, None)),
+        Anti::LiftBraking.height_per_g(&c, Side::Left, &v, &tyre, None, weight),
         -36.8843001,
         1e-5,
     );
     near(
-        Anti::SquatAcceleration.height_per_g(&c, Side::Left, &v, (loads, None)),
+        Anti::SquatAcceleration.height_per_g(&c, Side::Left, &v, &tyre, None, weight),
         31.4953521,
         1e-5,
     );
 }
 
-/// On a live axle, the drive shaft's torque adds to one wheel what it takes from the other. Thus the harmonic mean of both sides equals the
-/// value without that torque, for forces at the patch such as braking forces.
+/// On a live axle, the drive shaft's torque adds to the load of one wheel what it takes from the load of the other wheel. Thus the harmonic
+/// mean of both anti percentages equals the percentage without that torque, for forces at the patch such as braking forces.
 #[test]
 fn a_live_axle() {
     let c = golden().mirrored(Side::Left);
@@ -157,17 +162,17 @@ fn a_live_axle() {
         axle_ratio: Some(3.5),
     };
     let track = Some(1540.0);
-    let of = |side| Anti::SquatAcceleration.percent(&c, side, &v, (R0, track));
+    let of = |side| Anti::SquatAcceleration.percent(&c, side, &v, R0, track);
     let (left, right) = (of(Side::Left), of(Side::Right));
     // Full braking force on the front axle acts rearward and down instead of forward and up; the ratio is the same.
-    let without = Anti::DiveBraking.percent(&c, Side::Left, &v, (R0, track));
+    let without = Anti::DiveBraking.percent(&c, Side::Left, &v, R0, track);
     near(2.0 / (1.0 / left + 1.0 / right), -without, 1e-12);
     // The shaft torque unloads the left wheel by R0 / 3.5 / 1540, compared with h / 2L.
     let share = R0 / 3.5 / 1540.0 / (500.0 / 5400.0);
     near(right / left, (1.0 - share) / (1.0 + share), 1e-12);
 }
 
-/// The two slopes are set so that the lines meet at the roll centre of the real results; the function must return this point.
+/// The two slopes are chosen so that the lines meet at the roll centre in the real results; `roll_centre` must return this point.
 #[test]
 fn roll_centre_of_two_slopes() {
     let contact = [
@@ -189,7 +194,7 @@ fn roll_centre_of_two_slopes() {
     near(found.to_patch[1], 770.605237, 1e-9);
 }
 
-/// Compliance at the patch: displacements are of the point below the wheel, and a load there is a load at the centre plus its moment.
+/// At the patch, displacements refer to the point below the wheel. A force there equals the same force at the wheel centre plus its moment.
 #[test]
 fn transfer_to_the_patch() {
     let matrix = Mat12::from_fn(|i, j| (1.0 + i as f64 + 0.1 * j as f64).sin());
@@ -199,7 +204,8 @@ fn transfer_to_the_patch() {
     };
     let r = 300.0;
     let at = c.at([Vec3::new(0.0, 0.0, -r); 2]);
-    // Longitudinal force: column 1 - R column 5; lateral: column 2 + R column 4; displacement u + r x d.
+    // Column of a longitudinal force at the patch: column 1 - R column 5. Column of a lateral force: column 2 + R column 4. The
+    // displacement of the patch is u + r x d.
     for i in 4..=6 {
         near(at.c(i, 1), c.c(i, 1) - r * c.c(i, 5), 1e-12);
         near(at.c(i, 8), c.c(i, 8) + r * c.c(i, 10), 1e-12);

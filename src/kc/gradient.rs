@@ -6,22 +6,22 @@ use super::wheel::angle_rates;
 use super::{Sense, Side, Unit};
 use admire_solver::mechanics::Vec3;
 
-/// Slope of one reading over the test's variable.
+/// Slope of one reading with respect to the test's variable.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Gradient {
     /// Request name of the reading.
     pub entity: &'static str,
-    /// Component of the request.
+    /// Name of the request's component.
     pub component: &'static str,
     /// Unit of the reading; the slope is in this unit per unit of the test's variable.
     pub unit: Unit,
     /// Meaning of the reading's sign.
     pub sense: Sense,
-    /// Wheel.
+    /// Side of the wheel.
     pub side: Side,
     /// Exact derivative at ride height.
     pub tangent: f64,
-    /// Slope of the least-squares line within the window, averaged over both branches where there are two. NaN with fewer than two points.
+    /// Slope of the least-squares line within the window, averaged over both branches if the test has two. NaN with fewer than two points.
     pub fitted: f64,
     /// Half the height of the hysteresis loop at ride height; zero without a second branch.
     pub hysteresis: f64,
@@ -31,8 +31,8 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// Returns the excess of this wheel's slope over the other's, relative to their mean. Zero for a symmetric axle in a symmetric or
-    /// antisymmetric test; NaN for a single wheel.
+    /// Returns the excess of this wheel's slope over the other wheel's slope, relative to their mean. It is zero for a symmetric axle in a
+    /// symmetric or antisymmetric test, and NaN for a single wheel.
     pub fn asymmetry(&self, all: &[Self]) -> f64 {
         let mut others = all.iter();
         let other = others.find(|g| g.entity == self.entity && g.side != self.side);
@@ -47,8 +47,8 @@ impl Gradient {
     }
 }
 
-/// Returns half the height of a measured loop where its variable is zero. The points are in the order driven. NaN if the loop crosses zero
-/// fewer than twice.
+/// Returns half the height of a measured hysteresis loop at zero of its variable. The points (variable, reading) are in the order driven.
+/// NaN if the loop crosses zero fewer than twice.
 pub fn loop_half_width(points: &[(f64, f64)]) -> f64 {
     let mut low = f64::INFINITY;
     let mut high = f64::NEG_INFINITY;
@@ -79,7 +79,7 @@ struct Channel {
     component: [&'static str; 2],
     unit: Unit,
     sense: Sense,
-    /// Computes the reading's rate from the wheel's rate.
+    /// Computes the reading's rate from the wheel's motion and load rates.
     rate: fn(&Rate) -> f64,
 }
 
@@ -118,7 +118,7 @@ const CHANNELS: [Channel; 8] = [
         component: ["left", "right"],
         unit: Unit::Angle,
         sense: Sense::Own,
-        // At design this rate is the rotation about Y itself; `side_view_rate` corrects it for the turn since design.
+        // At design this rate is the rotation about Y itself. In other states, `side_view_rate` corrects it for the rotation since design.
         rate: |r| r.turn.y,
     },
     Channel {
@@ -212,7 +212,7 @@ pub(crate) fn gradients(centre: &Observation, samples: &[Sample], window: f64) -
     out
 }
 
-/// Returns the rate of `-atan(A31 / A11)` for a rotation `w`: `dA = [w]x A`.
+/// Returns the rate of the side-view angle `-atan(A31 / A11)` for a rotation rate `w` of the carrier, from `dA = [w]x A`.
 fn side_view_rate(A: &admire_solver::mechanics::Mat3, w: &Vec3) -> f64 {
     let column: Vec3 = A.column(0).into();
     let d = w.cross(&column);
@@ -240,7 +240,7 @@ pub fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
     xy / xx
 }
 
-/// Interpolates the value at zero linearly between the neighbouring points.
+/// Interpolates the reading at zero of the variable, linearly between the neighbouring points.
 fn at_zero(points: &[(f64, f64)]) -> Option<f64> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -252,7 +252,7 @@ fn at_zero(points: &[(f64, f64)]) -> Option<f64> {
     })
 }
 
-/// Returns the last points on each side that still follow the tangent.
+/// Returns the variable's values at the last points below and above zero that still follow the tangent.
 fn linear_range(points: &[(f64, f64)], tangent: f64) -> [f64; 2] {
     let Some(zero) = at_zero(points) else {
         return [f64::NAN; 2];
@@ -280,7 +280,7 @@ fn linear_range(points: &[(f64, f64)], tangent: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Driven up one line and down a parallel line, the loop has their slope and half their distance.
+    /// A loop driven up one line and down a parallel line has the slope of the lines, and half their distance as its half height.
     #[test]
     fn a_loop_of_two_lines() {
         let up = (-4..=4).map(|k| (f64::from(k), 0.3 * f64::from(k) + 0.1));

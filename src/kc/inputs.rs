@@ -14,7 +14,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Returns the inputs as seen by the other wheel of a mirrored axle.
+    /// Returns the inputs of the mirrored axle, in which left and right are exchanged.
     pub(super) fn mirrored(&self) -> Self {
         let swap = |[a, b]: [f64; 2]| [b, a];
         let [l, r] = self.loads;

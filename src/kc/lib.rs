@@ -1,13 +1,14 @@
 //! Kinematics and compliance (K&C) of an axle, as suspension engineers measure them.
 //!
 //! [`run`](fn@run) drives the standard tests of a [`Config`] on a [`Bench`]. [`ride`], [`roll`], [`wheel`], [`anti`] and [`swing_arm`]
-//! contain the characteristics, one function for each definition. They are computed from the wheel positions, and from the exact compliance
-//! matrix of the wheel centres that the tangent at equilibrium gives. The guide page `kc` lists definitions, signs and their sources.
+//! contain the characteristics, one function for each definition. They are computed from the wheel positions and from the compliance matrix
+//! of the wheel centres, which follows exactly from the tangent stiffness at equilibrium. The guide page `kc` lists definitions, signs and
+//! their sources.
 //!
 //! Vectors are in the axes of Adams/Car: X rearward, Y to the right, Z up; [`Frame`] converts from the axes of a deck. Lengths and forces
 //! are in the units of the deck, angles in radians. This crate does not read measurements.
 #![warn(unreachable_pub)]
-// Private modules link to their private items.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -43,11 +44,11 @@ mod sweep;
 pub mod swing_arm;
 mod test_kind;
 mod test_settings;
+mod tyre;
 pub mod wheel;
 mod wheel_rate;
 
 pub(crate) use anti::{Anti, Vehicle};
-pub use axle::Tyre;
 pub use axle::{AxleState, Given};
 pub use bench::{Bench, Observation};
 pub use bench_error::BenchError;
@@ -85,4 +86,5 @@ pub(crate) use swing_arm::roll_centre;
 pub use test_kind::TestKind;
 pub use test_settings::Hold;
 pub use test_settings::LoadPoint;
+pub use tyre::Tyre;
 pub use wheel::Wheel;

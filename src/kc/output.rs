@@ -76,7 +76,8 @@ impl Statement {
     }
 }
 
-/// Returns the basis of a request's column: load point, tyre radius, and whether the tyre is included.
+/// Returns the conditions under which a request is computed: load point, tyre radius, and whether the tyre's compliance is included (`in`
+/// or `out`).
 pub fn background(entity: &str) -> (&'static str, &'static str, &'static str) {
     let none = "none";
     match entity {
@@ -145,7 +146,7 @@ fn friction(sample: &Sample) -> &'static str {
         .map_or("none", admire_solver::system::StickSlipState::word)
 }
 
-/// Writes all samples of all tests as CSV, one line each, ride height first.
+/// Writes all samples of all tests as CSV, one line per sample, ride height first.
 pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Vec<u8> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     let mut write = |record: Vec<String>| {
@@ -186,7 +187,7 @@ pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Conve
     finished(csv)
 }
 
-/// Writes all gradients as CSV, one line each.
+/// Writes all gradients as CSV, one line per gradient.
 pub fn gradients_csv(
     run: &KcRun,
     config: &Config,
@@ -350,14 +351,15 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
     })
 }
 
-/// Writes one test as a results file with the requests of Adams/Car. Each sample is a quasi-static step, and TIME counts the samples from
-/// 1. Columns with undefined values are left out; their names are returned with the bytes.
+/// Writes one test as a results file with the requests of Adams/Car. Each sample is a quasi-static step, and TIME is the sample's number,
+/// counted from 1. Columns with undefined values are left out; their names are returned with the bytes of the file.
 ///
 /// # Errors
 /// None in practice: the file is written to memory.
 pub fn results(
     test: &TestRun,
-    (title, units): (&str, &Units),
+    title: &str,
+    units: &Units,
     convention: Convention,
 ) -> io::Result<(Vec<u8>, Vec<String>)> {
     let Some(first) = test.samples.first() else {

@@ -50,7 +50,7 @@ impl Bench<'_> {
         lengths.into_iter().filter_map(warning).collect()
     }
 
-    /// Returns the lateral distance of the wheel centres at design.
+    /// Returns the lateral distance between the wheel centres at design.
     fn track(&self) -> Option<f64> {
         let frame = &self.config().frame;
         let across = |wheel: &super::rig::FoundWheel| frame.vector(&wheel.design.p).y;

@@ -53,7 +53,7 @@ impl Unit {
         Self::Frequency,
     ];
 
-    /// Returns the unit as spelled in results files.
+    /// Returns the name of the unit as spelled in results files.
     pub fn word(self, units: &Units) -> String {
         let (f, l) = (units.force.word, units.length.word);
         match self {
@@ -88,11 +88,11 @@ impl Unit {
 pub struct Reading {
     /// Request name in Adams/Car, or a name of our own where Adams/Car has none.
     pub entity: &'static str,
-    /// Component of the request.
+    /// Name of the request's component.
     pub component: &'static str,
     /// Unit.
     pub unit: Unit,
-    /// Meaning of the sign.
+    /// Meaning of the value's sign.
     pub sense: Sense,
     /// Value in this crate's axes; not finite where undefined.
     pub value: f64,
@@ -120,7 +120,8 @@ pub(super) struct Readings {
 impl Readings {
     pub(crate) fn push(
         &mut self,
-        (entity, component): (&'static str, &'static str),
+        entity: &'static str,
+        component: &'static str,
         unit: Unit,
         sense: Sense,
         value: f64,

@@ -5,31 +5,31 @@ use super::{AxleState, Frame, Side, SteerAxis, Tyre, Wheel, contact};
 use admire_results::{Catalogue, Entity, ResultsError, Step};
 use admire_solver::mechanics::{Mat3, Vec3, euler313};
 
-/// Assumed road.
+/// Assumed road surface under the wheels.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Road {
-    /// Level in the axes of the vehicle.
+    /// Level road in the axes of the vehicle.
     #[default]
     Level,
     /// Plane along X through both contact points, as on a rolling rig.
     Patches,
-    /// Tilted by the file's own `roll_angle.at_contact_patches` in states where `suspension_exerciser_requests.Roll` shows that the rig of
-    /// Adams/Car rolls; otherwise level.
+    /// Level road, or tilted by the file's own `roll_angle.at_contact_patches` in states where the rig of Adams/Car rolls. The rig rolls
+    /// where `suspension_exerciser_requests.Roll` is nonzero.
     Rig,
 }
 
 /// Roll angle in radians up to which the rig counts as level.
 const LEAST_ROLL: f64 = 1e-9;
 
-/// Options for reading the wheels of a file.
+/// Options for following the wheels in a results file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ReplayOptions {
-    /// Column (0 to 2) of the wheel part's axes that is the spin axis; its sign is chosen so that it points outboard. `None` takes the most
-    /// lateral axis.
+    /// Column (0 to 2) of the wheel part's orientation matrix that is the spin axis. Its sign is chosen so that it points outboard. `None`
+    /// takes the most lateral axis.
     pub spin: Option<usize>,
-    /// Wheel centre in the frame of the part.
+    /// Wheel centre in the frame of the wheel part.
     pub centre: Vec3,
-    /// Axes of the file.
+    /// Axes of the results file.
     pub frame: Frame,
     /// Tyre data, for contact points.
     pub tyre: Option<Tyre>,
@@ -37,7 +37,7 @@ pub struct ReplayOptions {
     pub road: Road,
 }
 
-/// Point of a body.
+/// Point fixed to a body.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BodyPoint {
     /// Name of the body.
@@ -83,7 +83,7 @@ pub enum ReplayError {
     },
 }
 
-/// Columns of a body's X, Y, Z, PSI, THETA, PHI.
+/// Column ids of a body's X, Y, Z, PSI, THETA, PHI.
 #[derive(Clone, Copy, Debug)]
 struct Body([usize; 6]);
 
@@ -102,7 +102,7 @@ impl Body {
     }
 }
 
-/// One wheel that is followed.
+/// Wheel that is followed through the file.
 #[derive(Clone, Debug)]
 struct Followed {
     name: String,
@@ -115,25 +115,25 @@ struct Followed {
 
 #[derive(Clone, Debug)]
 struct Known {
-    /// Column of the spin axis, and its sign.
+    /// Column of the orientation matrix that is the spin axis, and the sign that makes it point outboard.
     axis: (usize, f64),
     design: Wheel,
     design_R: Mat3,
-    /// Column of the tyre's normal force.
+    /// Column id of the tyre's normal force.
     normal_force: Option<usize>,
     design_radius: f64,
 }
 
-/// Follower of wheels through the steps of a file. The first step is the design position.
+/// Reader that follows wheels through the steps of a results file. The first step is the design position.
 #[derive(Clone, Debug)]
 pub struct Replay {
     wheels: Vec<Followed>,
     options: ReplayOptions,
     /// Size of the file's angle unit in radians.
     angle: f64,
-    /// Columns of the normal forces, left and right.
+    /// Column ids of the normal forces, left and right.
     normal_force: [Option<usize>; 2],
-    /// Columns of the rig's roll input and of the roll angle at the contact points.
+    /// Column ids of the rig's roll input and of the roll angle at the contact points.
     roll: Option<[usize; 2]>,
 }
 
@@ -145,7 +145,8 @@ impl Replay {
     /// [`ReplayError`] if a body is missing or has no pose.
     pub fn new(
         catalogue: &Catalogue,
-        (names, axes): (&[String], &[[BodyPoint; 2]]),
+        names: &[String],
+        axes: &[[BodyPoint; 2]],
         degrees: bool,
         options: ReplayOptions,
     ) -> Result<Self, ReplayError> {
@@ -184,7 +185,8 @@ impl Replay {
     /// Returns the state of the axle at a step. The first step passed in becomes the design position.
     ///
     /// # Errors
-    /// [`ResultsError`] if the step cannot be read; the inner [`ReplayError`] if a body is not a wheel.
+    /// [`ResultsError`] if the step cannot be read. The inner error is a [`ReplayError`] if a body has no lateral axis or two wheels are on
+    /// one side.
     pub fn state(
         &mut self,
         step: &Step<'_>,
@@ -300,10 +302,10 @@ impl Known {
     }
 }
 
-/// Returns the normal of the plane along X through both contact points. The contact points depend on the normal, so the solution is
-/// iterated.
+/// Returns the normal of the plane along X through both contact points. The contact points depend on the normal, so the normal is found by
+/// iteration.
 fn through_patches(state: &AxleState) -> Vec3 {
-    /// Largest number of iterations. Each shrinks the correction by more than the ratio of tyre radius to track.
+    /// Largest number of iterations. Each iteration multiplies the correction by less than the ratio of tyre radius to track.
     const ROUNDS: usize = 60;
     let mut state = *state;
     for _ in 0..ROUNDS {

@@ -5,23 +5,24 @@
 
 use super::{Compliance, Side};
 
-/// Returns the vertical force per travel of the wheel centre, without tyre: `1 / (C33 + C39)`.
+/// Returns the wheel rate, the vertical force per travel of the wheel centre without tyre: `1 / (C33 + C39)`.
 pub fn wheel_rate(c: &Compliance, side: Side) -> f64 {
     1.0 / c.in_phase(side, 3, 3)
 }
 
-/// Returns the rate of wheel and tyre in series: `k Kt / (k + Kt)`.
+/// Returns the ride rate, the wheel rate and the tyre stiffness in series: `k Kt / (k + Kt)`.
 pub fn ride_rate(wheel_rate: f64, tyre: f64) -> f64 {
     wheel_rate * tyre / (wheel_rate + tyre)
 }
 
-/// Returns steer per travel, positive to the right in jounce: `-(C63 + C69) / (C33 + C39)`. The formula is exact at zero camber only; the
-/// tangent of a bounce test differentiates the steer angle itself.
+/// Returns steer per travel, positive to the right in jounce: `-(C63 + C69) / (C33 + C39)`. The formula is exact only at zero camber. The
+/// tangent of a bounce test is exact at any camber, because it differentiates the steer angle itself.
 pub fn ride_steer(c: &Compliance, side: Side) -> f64 {
     -c.in_phase(side, 6, 3) / c.in_phase(side, 3, 3)
 }
 
-/// Returns camber per travel, positive with the top outboard: `(C43 + C49) / (C33 + C39)`, with opposite sign on the right.
+/// Returns camber per travel, positive with the top outboard. It is `(C43 + C49) / (C33 + C39)` on the left, and the same with opposite
+/// sign on the right.
 pub(crate) fn ride_camber(c: &Compliance, side: Side) -> f64 {
     -side.outboard_sign() * c.in_phase(side, 4, 3) / c.in_phase(side, 3, 3)
 }

@@ -4,8 +4,9 @@
 //! and a ground marker `g` at the design position of the centre in the axes of Adams/Car. Variables carry the loads, and one GFORCE applies
 //! them.
 //!
-//! Loads at the contact patch come with their moment. With the unit spin axis o from `c` to `a`, the lever that follows the wheel is `d = r
-//! (oz ox, oz oy, oz^2 - 1) / sqrt(1 - oz^2)`. A MOTION holds the height where heights are driven; its reaction is part of the load.
+//! A load at the contact patch is applied at the wheel centre together with its moment. With the unit spin axis o from `c` to `a` and the
+//! loaded tyre radius r, the lever from the wheel centre to the patch is `d = r (oz ox, oz oy, oz^2 - 1) / sqrt(1 - oz^2)`. A MOTION holds
+//! the height where heights are driven; its reaction is part of the load.
 
 use super::Side;
 use super::config::{Config, Spelled, WheelConfig};
@@ -30,11 +31,11 @@ pub struct FoundWheel {
     pub design: Pose,
     /// Lower and upper marker of the geometric steer axis.
     pub steer_axis: Option<[MarkerIx; 2]>,
-    /// Marker whose height is held for the instant axis.
+    /// Marker whose height is held while the instant steer axis is computed.
     pub travel_lock: Option<MarkerIx>,
 }
 
-/// Variant of the rigged deck. Each variant is compiled once, and tests that hold the same constraints share it.
+/// Variant of the rigged deck. Each variant is compiled once and serves all tests that hold the same height and steering.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Variant {
     /// True if motions hold the heights of the wheel centres.
@@ -44,14 +45,14 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// Returns the stem of its file names.
+    /// Returns the stem of the variant's file names.
     pub(crate) fn name(self) -> String {
         let height = if self.height_held { "height" } else { "load" };
         let steering = if self.steering_locked { "" } else { "_free" };
         format!("kc_{height}{steering}")
     }
 
-    /// Returns the variant that holds this quantity, for ride height and for tests.
+    /// Returns the variant that holds this quantity, with the steering locked or free.
     pub(crate) fn of(hold: Hold, steering_locked: bool) -> Self {
         Self {
             height_held: hold == Hold::Height,
@@ -76,12 +77,12 @@ pub(crate) struct WheelIds {
     pub side: Side,
     /// Marker at the wheel centre.
     pub centre: u32,
-    /// Ground marker.
+    /// Ground marker at the design position of the wheel centre.
     pub ground: u32,
     /// Variables of the applied forces along X, Y, Z and of the torque about Z, in the axes of Adams/Car.
     pub loads: [u32; 4],
-    /// Variables that are 1 for loads at the patch and 0 for loads at the centre: for the vertical load, and for the loads in the road
-    /// plane.
+    /// Two variables that are 1 for loads at the patch and 0 for loads at the centre. The first belongs to the vertical load, the second to
+    /// the loads in the road plane.
     pub patch: [u32; 2],
     /// Motion that holds the height.
     pub motion: Option<u32>,
@@ -92,7 +93,7 @@ pub(crate) struct WheelIds {
 pub(crate) struct Rigged {
     /// Deck with the statements of the rig.
     pub dataset: Dataset,
-    /// Added statements of each wheel.
+    /// Ids of the statements added for each wheel.
     pub wheels: Vec<WheelIds>,
 }
 
@@ -115,7 +116,7 @@ fn marker_of(
     })
 }
 
-/// Returns the pose of a marker at design, in ground.
+/// Returns the pose of a marker at design, in ground axes.
 pub(crate) fn at_design(model: &Model, marker: MarkerIx) -> Pose {
     let frame = &model.markers[marker.0];
     model.parts[frame.part.0].pose.compose(&Pose {
@@ -124,7 +125,7 @@ pub(crate) fn at_design(model: &Model, marker: MarkerIx) -> Pose {
     })
 }
 
-/// Finds the wheels named in the file.
+/// Finds the wheels named in `kc.toml`.
 ///
 /// # Errors
 /// One diagnostic, with its place in the file, for each name that is missing or cannot be a wheel.
@@ -233,7 +234,7 @@ fn find(
     })
 }
 
-/// Collector of statements, each with the next free id of its kind. One edit inserts them before END.
+/// Collector of new statements, each with the next free id of its kind. One edit inserts them all before END.
 struct Builder<'a> {
     dataset: &'a Dataset,
     next: std::collections::BTreeMap<String, u32>,
@@ -246,7 +247,7 @@ impl Builder<'_> {
         let next = self.next.entry(kind.to_string()).or_insert_with(|| {
             let same = statements.iter().filter(|s| s.kind() == Some(kind));
             let last = same.filter_map(admire_syntax::Statement::number).max();
-            // Ids start at the next thousand, to distinguish the rig from the deck.
+            // Ids start at the next thousand, so that they differ visibly from the deck's ids.
             (last.unwrap_or(0) / 1000 + 1) * 1000
         });
         *next += 1;
@@ -306,13 +307,14 @@ fn number(value: f64) -> String {
     }
 }
 
-/// Puts a deck on the rig.
+/// Puts a deck on the rig: removes the statements named in `kc.toml` and adds the statements of the rig.
 ///
 /// # Errors
-/// A statement to be removed is missing, or is not removable.
+/// A diagnostic if a statement to be removed is missing or cannot be removed.
 pub(crate) fn rigged(
     config: &Config,
-    (dataset, model): (&Dataset, &Model),
+    dataset: &Dataset,
+    model: &Model,
     wheels: &[FoundWheel],
     variant: Variant,
 ) -> Result<Rigged, Diagnostic> {

@@ -1,31 +1,34 @@
 //! Characteristics of an axle in roll, from the compliance of the wheel centres.
 //!
-//! `track` is the distance of the contact points. Coefficients refer to the roll angle of the line through the loaded tyres on the road, so
-//! they include the tyres. Source of every formula: guide page `kc`, section "Ride and roll".
+//! `track` is the distance between the contact points. Coefficients refer to the roll angle of the line through the loaded tyres on the
+//! road, so they include the compliance of the tyres. Source of every formula: guide page `kc`, section "Ride and roll".
 
 use super::{Compliance, Side};
 
-/// Returns the opposed travel of the wheels per unit opposed load: `D = C33 - C39 - C93 + C99`.
+/// Returns the difference of the wheel travels, left minus right, per unit of opposite vertical loads on the wheels:
+/// `D = C33 - C39 - C93 + C99`.
 pub(crate) fn opposed_travel(c: &Compliance) -> f64 {
     c.c(3, 3) - c.c(3, 9) - c.c(9, 3) + c.c(9, 9)
 }
 
-/// Returns the opposed travel including the tyres: `Dt = D + 2 / Kt`, or D without tyre stiffness.
+/// Returns the difference of the wheel travels under opposite loads, with the tyres included: `Dt = D + 2 / Kt`, or D without tyre
+/// stiffness.
 pub(crate) fn opposed_travel_on_tyres(c: &Compliance, tyre: Option<f64>) -> f64 {
     opposed_travel(c) + tyre.map_or(0.0, |k| 2.0 / k)
 }
 
-/// Returns the roll moment per roll angle of the suspension: `T^2 / D`.
+/// Returns the suspension roll rate, the roll moment per roll angle of the suspension: `T^2 / D`.
 pub fn suspension_roll_rate(c: &Compliance, track: f64) -> f64 {
     track * track / opposed_travel(c)
 }
 
-/// Returns the roll moment per roll angle with the tyres in series: `T^2 / Dt`.
+/// Returns the total roll rate, the roll moment per roll angle with the tyres in series: `T^2 / Dt`.
 pub fn total_roll_rate(c: &Compliance, track: f64, tyre: Option<f64>) -> f64 {
     track * track / opposed_travel_on_tyres(c, tyre)
 }
 
-/// Returns the roll rate of the axle on its tyres with the body held: `T^2 / sum of c t / (c + t)`, c = C33 - C39, t = 1 / Kt.
+/// Returns the roll rate of the axle on its tyres with the body held: `T^2 / sum of c t / (c + t)`. The sum is over the two wheels, with c
+/// = C33 - C39 on the left, c = C99 - C93 on the right, and t = 1 / Kt.
 pub(crate) fn tramp_rate(c: &Compliance, track: f64, tyre: f64) -> f64 {
     let t = 1.0 / tyre;
     let sum: f64 = Side::BOTH
@@ -38,8 +41,8 @@ pub(crate) fn tramp_rate(c: &Compliance, track: f64, tyre: f64) -> f64 {
     track * track / sum
 }
 
-/// Returns steer per roll angle, positive to the left with the left wheel up. Left `(C63 - C69) T / Dt`, right `(C12,3 - C12,9) T / Dt`,
-/// with loads at the contact patch.
+/// Returns steer per roll angle, positive to the left with the left wheel up, with loads at the contact patch. It is `(C63 - C69) T / Dt`
+/// on the left and `(C12,3 - C12,9) T / Dt` on the right.
 pub fn roll_steer(
     at_patch: &Compliance,
     c: &Compliance,
@@ -51,12 +54,13 @@ pub fn roll_steer(
         / opposed_travel_on_tyres(c, tyre)
 }
 
-/// Returns inclination to the road per roll angle: left `1 + (C43 - C49) T / Dt`, right `1 - (C10,9 - C10,3) T / Dt`.
+/// Returns inclination to the road per roll angle. It is `1 + (C43 - C49) T / Dt` on the left and `1 - (C10,9 - C10,3) T / Dt` on the
+/// right.
 pub(crate) fn roll_camber(c: &Compliance, side: Side, track: f64, tyre: Option<f64>) -> f64 {
     1.0 - side.outboard_sign() * c.antiphase(side, 4, 3) * track / opposed_travel_on_tyres(c, tyre)
 }
 
-/// Returns caster per roll angle: left `(C53 - C59) T / Dt`, right `(C11,3 - C11,9) T / Dt`.
+/// Returns caster per roll angle. It is `(C53 - C59) T / Dt` on the left and `(C11,3 - C11,9) T / Dt` on the right.
 pub fn roll_caster(c: &Compliance, side: Side, track: f64, tyre: Option<f64>) -> f64 {
     -side.outboard_sign() * c.antiphase(side, 5, 3) * track / opposed_travel_on_tyres(c, tyre)
 }

@@ -2,12 +2,12 @@ use super::bench::Observation;
 use super::inputs::Inputs;
 use super::reading::Reading;
 
-/// Driving direction of a test at a sample.
+/// Direction in which the test's variable was driven to a sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Branch {
-    /// Towards the highest value.
+    /// Upward, to the highest value.
     Up,
-    /// Back towards the lowest value.
+    /// Downward, back to the lowest value.
     Down,
 }
 
@@ -21,17 +21,17 @@ impl Branch {
     }
 }
 
-/// One point of a test.
+/// One solved point of a test.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sample {
-    /// Driving direction.
+    /// Direction in which the variable was driven.
     pub branch: Branch,
     /// Value of the test's variable.
     pub value: f64,
-    /// Inputs of the rig.
+    /// Inputs that the rig imposes on the axle.
     pub inputs: Inputs,
     /// Solved state of the axle.
     pub seen: Observation,
-    /// All characteristics, the loads of the rig first.
+    /// All characteristics, preceded by the loads of the rig.
     pub readings: Vec<Reading>,
 }

@@ -9,7 +9,7 @@ fn metric(units: &Units) -> bool {
     units.force.word == "newton" && matches!(units.length.word, "mm" | "cm" | "meter")
 }
 
-/// Returns value and unit for display: angles in degrees, compliances per kilonewton.
+/// Converts a value to display units: angles to degrees, compliances to values per kilonewton. Returns the value and its unit.
 pub fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
     let (force, length) = (units.force.si, units.length.si);
     let people = match unit {
@@ -40,7 +40,7 @@ pub fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
     }
 }
 
-/// Returns a slope over a test's variable, with its unit for display.
+/// Converts a slope with respect to a test's variable to display units. Returns the slope and its unit.
 pub fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, String) {
     let (value, word) = shown(value, unit, units);
     let (force, length) = (units.force.si, units.length.si);
@@ -72,8 +72,8 @@ pub fn driven_unit(driven: Driven, units: &Units) -> String {
     }
 }
 
-/// Returns the size of a column's unit in units of the deck and radians. The word is a unit that [`shown`] writes, or begins with `deg`;
-/// any other word means the deck's own unit.
+/// Returns the size of a column's unit, in units of the deck and radians. `word` is a unit that [`shown`] writes, or begins with `deg`; any
+/// other word means the deck's own unit.
 pub fn unit_in_deck(word: &str, units: &Units) -> f64 {
     let mut all = Unit::ALL.iter().map(|unit| shown(1.0, *unit, units));
     match all.find(|(_, known)| known == word) {
@@ -83,7 +83,7 @@ pub fn unit_in_deck(word: &str, units: &Units) -> f64 {
     }
 }
 
-/// Returns the heading of a column of readings, such as `toe_angle.left [deg]`.
+/// Returns the heading of a reading's column, such as `toe_angle.left [deg]`.
 pub(super) fn head(reading: &Reading, units: &Units) -> String {
     let unit = shown(0.0, reading.unit, units).1;
     if unit.is_empty() {

@@ -11,7 +11,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// Left, then right.
+    /// Both sides: left, then right.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// Returns 0 for left, 1 for right.
@@ -19,7 +19,7 @@ impl Side {
         self as usize
     }
 
-    /// Returns the sign of y outboard: -1 for left, +1 for right.
+    /// Returns the sign of y in the outboard direction: -1 for left, +1 for right.
     pub const fn outboard_sign(self) -> f64 {
         match self {
             Self::Left => -1.0,
@@ -27,7 +27,7 @@ impl Side {
         }
     }
 
-    /// Returns the other side.
+    /// Returns the opposite side.
     #[must_use]
     pub(crate) const fn other(self) -> Self {
         match self {

@@ -1,6 +1,7 @@
 //! Steer axis of a wheel, and the quantities derived from it.
 //!
-//! Axes: X rearward, Y right, Z up; angles in radians. Source of every formula: guide page `kc`, section "Steer axis".
+//! In the formulas, u is the unit direction of the axis. Axes: X rearward, Y right, Z up; angles in radians. Source of every formula: guide
+//! page `kc`, section "Steer axis".
 
 use super::Side;
 use admire_solver::mechanics::{Vec3, Vec6};
@@ -17,7 +18,7 @@ pub struct SteerAxis {
 }
 
 impl SteerAxis {
-    /// Returns the line through two points. `None` if the points coincide or are at the same height.
+    /// Returns the steer axis through two points. `None` if the points coincide or are at the same height.
     pub(crate) fn through(a: &Vec3, b: &Vec3) -> Option<Self> {
         Self::upward(*a, (b - a).try_normalize(0.0)?, 0.0)
     }
@@ -57,30 +58,31 @@ impl SteerAxis {
         })
     }
 
-    /// Returns caster `atan(u.x / u.z)`, positive if the axis leans rearward.
+    /// Returns caster `atan(u.x / u.z)`, positive if the axis leans rearward; u is the direction of the axis.
     pub fn caster(&self) -> f64 {
         libm::atan(self.direction.x / self.direction.z)
     }
 
-    /// Returns kingpin inclination, positive if the axis leans inboard: `atan(u.y / u.z)` on the left, with opposite sign on the right.
+    /// Returns kingpin inclination, positive if the axis leans inboard. With the axis direction u, it is `atan(u.y / u.z)` on the left, and
+    /// the same with opposite sign on the right.
     pub fn kingpin_inclination(&self, side: Side) -> f64 {
         libm::atan(-side.outboard_sign() * self.direction.y / self.direction.z)
     }
 
-    /// Returns the foot of the perpendicular from the wheel centre.
+    /// Returns the point of the axis nearest to the wheel centre.
     pub fn location(&self, centre: &Vec3) -> Vec3 {
         let u = &self.direction;
         self.point + u * u.dot(&(centre - self.point))
     }
 
-    /// Returns the intersection of the axis with the road, the plane through the contact point normal to `normal`.
+    /// Returns the point where the axis meets the road. The road is the plane through the contact point, normal to `normal`.
     pub fn road_point(&self, contact: &Vec3, normal: &Vec3) -> Vec3 {
         let along = normal.dot(&(contact - self.point)) / normal.dot(&self.direction);
         self.point + self.direction * along
     }
 
-    /// Returns (scrub radius, caster trail): `I - C` resolved in the heading of the wheel, positive inboard and forward. `steer` is
-    /// positive to the right.
+    /// Returns (scrub radius, caster trail), positive inboard and forward. They are the components of `I - C` across and along the heading
+    /// of the wheel, from the contact point C to the point I where the axis meets the road. `steer` is positive to the right.
     pub fn scrub_and_trail(
         &self,
         side: Side,
@@ -89,7 +91,7 @@ impl SteerAxis {
         steer: f64,
     ) -> (f64, f64) {
         let d = self.road_point(contact, normal) - contact;
-        // Forward and right axes of the road, turned by the steer angle.
+        // Forward and right axes of the road, rotated by the steer angle.
         let right = Vec3::new(0.0, normal.z, -normal.y);
         let forward = Vec3::new(-1.0, 0.0, 0.0);
         let (s, c) = libm::sincos(steer);
@@ -98,14 +100,14 @@ impl SteerAxis {
         (-side.outboard_sign() * d.dot(&lateral), d.dot(&heading))
     }
 
-    /// Returns the distance of the wheel centre from the axis.
+    /// Returns the distance between the wheel centre and the axis.
     pub fn offset(&self, centre: &Vec3) -> f64 {
         (centre - self.location(centre)).norm()
     }
 
-    /// Returns the parts of the offset `d = P - K`: (lateral, longitudinal). With e the normalised component of the spin axis normal to u,
-    /// the lateral part is `d . e`, positive outboard. The longitudinal part is `d . (e x u)`, with opposite sign on the left, positive
-    /// rearward.
+    /// Returns the (lateral, longitudinal) components of the offset `d = P - K` from the nearest point K of the axis to the wheel centre P.
+    /// Let u be the axis direction, and e the normalised component of the spin axis normal to u. The lateral component is `d . e`, positive
+    /// outboard. The longitudinal component, positive rearward, is `d . (e x u)` on the right, and the same with opposite sign on the left.
     pub fn offset_parts(&self, side: Side, centre: &Vec3, spin: &Vec3) -> (f64, f64) {
         let u = &self.direction;
         let across = spin - u * u.dot(spin);
@@ -117,12 +119,12 @@ impl SteerAxis {
     }
 
     /// Returns the lever of a vertical load at the contact point about the axis: `scrub tan(caster) + trail tan(kingpin)`.
-    pub(crate) fn load_lever(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
+    pub(crate) fn load_lever(&self, side: Side, scrub: f64, trail: f64) -> f64 {
         scrub * libm::tan(self.caster()) + trail * libm::tan(self.kingpin_inclination(side))
     }
 
     /// Returns `hub_lead` as Adams/Car writes it: [`Self::load_lever`] with the angles in radians mistaken for degrees.
-    pub fn hub_lead(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
+    pub fn hub_lead(&self, side: Side, scrub: f64, trail: f64) -> f64 {
         let tan = |angle: f64| libm::tan(angle.to_radians());
         scrub * tan(self.caster()) + trail * tan(self.kingpin_inclination(side))
     }
@@ -132,7 +134,8 @@ impl SteerAxis {
 mod tests {
     use super::*;
 
-    /// In the golden state, caster and kingpin angles through the foot point give the road point, scrub and trail of real Adams/Car.
+    /// In the golden state, the axis through the foot point with the caster and kingpin angles of Adams/Car also gives its road point,
+    /// scrub and trail.
     #[test]
     fn golden_axis() {
         let (caster, kingpin): (f64, f64) = (-0.398819456, 0.428462047);

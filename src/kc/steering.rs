@@ -5,7 +5,7 @@ use super::Side;
 
 /// Smallest inside steer angle that is evaluated, 0.1 degrees, as in Adams/Car.
 pub(crate) const LEAST_STEER: f64 = 0.1 * std::f64::consts::PI / 180.0;
-/// Turn radius written for a straight wheel, in length units, as in Adams/Car.
+/// Turn radius that is reported for straight wheels, in length units, as in Adams/Car.
 pub(crate) const STRAIGHT: f64 = 1e5;
 
 /// Geometry of two steered wheels.
@@ -13,7 +13,7 @@ pub(crate) const STRAIGHT: f64 = 1e5;
 pub struct Steering {
     /// Steer angles, left and right.
     pub steer: [f64; 2],
-    /// y of the contact points, left and right.
+    /// Lateral coordinates y of the contact points, left and right.
     pub y: [f64; 2],
     /// Wheelbase.
     pub wheelbase: f64,
@@ -27,7 +27,8 @@ impl Steering {
         (self.steer[side.index()].abs() >= LEAST_STEER).then_some(side)
     }
 
-    /// Returns the turn radius R, positive for a right turn: `L / tan(steer) + y` of the inside wheel.
+    /// Returns the turn radius R, positive for a right turn: `L / tan(steer) + y`, with steer and y of the inside wheel. `None` straight
+    /// ahead.
     pub fn turn_radius(&self) -> Option<f64> {
         let k = self.inside()?.index();
         Some(self.wheelbase / libm::tan(self.steer[k]) + self.y[k])
@@ -39,7 +40,8 @@ impl Steering {
             .map_or(0.0, |r| libm::atan(self.wheelbase / r))
     }
 
-    /// Returns the ideal steer angle: the inside wheel's own angle, and `atan(L / (R - y))` for the outside wheel; zero straight ahead.
+    /// Returns the ideal steer angle, zero straight ahead. For the inside wheel it is the wheel's own angle, for the outside wheel
+    /// `atan(L / (R - y))`.
     pub fn ideal(&self, side: Side) -> f64 {
         let (Some(inside), Some(radius)) = (self.inside(), self.turn_radius()) else {
             return 0.0;
@@ -83,7 +85,7 @@ impl Steering {
 mod tests {
     use super::*;
 
-    /// With both wheels on circles about one point of the rear axle, the error is zero and Ackerman is 100 percent.
+    /// If both wheels turn on circles about one point of the rear axle, the steer error is zero and Ackerman is 100 percent.
     #[test]
     fn true_ackerman_has_no_error() {
         for radius in [6000.0_f64, -9000.0] {

@@ -37,7 +37,8 @@ pub struct KcRun {
     pub tests: Vec<TestRun>,
     /// Relative asymmetry of the compliance matrix at ride height.
     pub asymmetry: f64,
-    /// Worst imbalance of forces and torques on a part over all states of the axle, from an independent sum of the loads.
+    /// Worst imbalance of forces and torques on a part over all states of the axle. The loads on each part are summed independently of the
+    /// solver.
     pub balance: Balance,
 }
 
@@ -102,7 +103,7 @@ pub fn run_watched(
         ..inputs
     };
     let mut chain = base.clone();
-    let seen = bench.observe(held, &mut chain, (&ride_inputs, None), "ride height")?;
+    let seen = bench.observe(held, &mut chain, &ride_inputs, None, "ride height")?;
     let length = 0.1 / units.length.si;
     let asymmetry = seen
         .axle
@@ -127,7 +128,7 @@ pub fn run_watched(
     })
 }
 
-/// Finds ride height, from the load if the configuration gives a load.
+/// Finds ride height. The height follows from the load if the configuration gives a load.
 fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
     let config = bench.config;
     let at = "ride height";
@@ -142,7 +143,7 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
             vertical_at_patch,
             ..Inputs::default()
         };
-        let seen = bench.observe(loaded, &mut chain, (&inputs, None), at)?;
+        let seen = bench.observe(loaded, &mut chain, &inputs, None, at)?;
         for side in Side::BOTH {
             if let Some(state) = &seen.axle.wheels[side.index()] {
                 height[side.index()] = state.wheel.centre.z - state.design.centre.z;
@@ -162,12 +163,12 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
         vertical_at_patch,
         ..Inputs::default()
     };
-    let seen = bench.observe(held, &mut chain, (&inputs, None), at)?;
+    let seen = bench.observe(held, &mut chain, &inputs, None, at)?;
     let load = seen.load;
     Ok((Ride { height, load }, chain))
 }
 
-/// Returns the change of the inputs per unit of the test's variable, for a deck with these wheels.
+/// Returns the change of the inputs per unit of the test's variable. `wheels` are the wheels in the deck.
 fn drive(kind: TestKind, wheels: &[Side], mirror: bool) -> Drive {
     let mut drive = Drive::default();
     let mut on_loads = |k: usize, both: [f64; 2]| {
@@ -205,7 +206,7 @@ fn grid(settings: &TestSettings) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the values between ride height and the lowest value, in descending order.
+/// Returns the values on the way from ride height down to the lowest value, both excluded.
 fn way_down(settings: &TestSettings, grid: &[f64]) -> Vec<f64> {
     let below = |v: &f64| *v < 0.0 && *v > settings.range[0];
     grid.iter().copied().filter(below).rev().collect()
@@ -230,11 +231,11 @@ struct Course<'a> {
     variant: Variant,
     drive: Drive,
     ride: &'a Ride,
-    /// Common rise of both wheels that keeps the axle's load.
+    /// Common rise of both wheels that keeps the axle's load constant.
     rise: f64,
 }
 
-/// Direction in which both wheels rise.
+/// Drive that raises both wheels alike.
 const HEAVE: Drive = Drive {
     height: [1.0; 2],
     loads: [[0.0; 4]; 2],
@@ -251,7 +252,7 @@ impl Course<'_> {
         )
     }
 
-    /// Returns true for a roll test that holds the axle's load.
+    /// Returns true for a roll test that holds the axle's load constant.
     fn keeps_axle_load(&self) -> bool {
         self.kind == TestKind::Roll && self.settings.hold == Hold::Load
     }
@@ -285,7 +286,8 @@ impl Course<'_> {
         inputs
     }
 
-    /// Returns the inputs at a value, including the common rise that keeps the axle's load. The chain does not move.
+    /// Returns the inputs at a value, including the common rise that keeps the axle's load constant. The states of the chain are not
+    /// changed.
     fn placed(
         &mut self,
         bench: &mut Bench<'_>,
@@ -294,7 +296,7 @@ impl Course<'_> {
     ) -> Result<Inputs, BenchError> {
         /// Largest number of Newton steps.
         const ROUNDS: usize = 20;
-        /// Height change that counts as zero, relative to the tyre radius (to 100 length units without tyre).
+        /// Height change that counts as zero, relative to the tyre radius, or to 100 length units without tyre data.
         const NONE: f64 = 1e-8;
         if !self.keeps_axle_load() {
             return Ok(self.inputs(value));
@@ -304,7 +306,7 @@ impl Course<'_> {
         for _ in 0..ROUNDS {
             let mut trial = chain.clone();
             let inputs = self.inputs(value);
-            let seen = bench.observe(self.variant, &mut trial, (&inputs, Some(&HEAVE)), &at)?;
+            let seen = bench.observe(self.variant, &mut trial, &inputs, Some(&HEAVE), &at)?;
             let sum = |of: [f64; 2]| of[0] + of[1];
             let rate = sum(seen.rates.map(|rate| rate.map_or(0.0, |rate| rate.load)));
             let step = (sum(self.ride.load) - sum(seen.load)) / rate;
@@ -319,7 +321,8 @@ impl Course<'_> {
         Err(BenchError::NoAxleLoad { at })
     }
 
-    /// Returns the change of the inputs per unit of the variable in a state.
+    /// Returns the change of the inputs per unit of the variable at these inputs, including the common rise that keeps the axle's load
+    /// constant.
     fn direction(
         &self,
         bench: &mut Bench<'_>,
@@ -331,7 +334,7 @@ impl Course<'_> {
         if self.keeps_axle_load() {
             let mut load = |drive: &Drive| -> Result<f64, BenchError> {
                 let seen =
-                    bench.observe(self.variant, &mut chain.clone(), (inputs, Some(drive)), at)?;
+                    bench.observe(self.variant, &mut chain.clone(), inputs, Some(drive), at)?;
                 Ok(seen.rates.iter().flatten().map(|rate| rate.load).sum())
             };
             let rise = -load(&self.drive)? / load(&HEAVE)?;
@@ -340,7 +343,7 @@ impl Course<'_> {
         Ok(drive)
     }
 
-    /// Solves and evaluates the state at a value, with tangents if requested.
+    /// Solves and evaluates the state at a value, with tangents if `tangents` is true.
     fn observe(
         &mut self,
         bench: &mut Bench<'_>,
@@ -354,21 +357,21 @@ impl Course<'_> {
         } else {
             None
         };
-        let seen = bench.observe(self.variant, chain, (&inputs, drive.as_ref()), &at)?;
+        let seen = bench.observe(self.variant, chain, &inputs, drive.as_ref(), &at)?;
         Ok((inputs, seen))
     }
 }
 
-/// Drives the loop repeatedly until it closes. The record then does not depend on how the axle came to ride height.
+/// Repeats the loop of the test until it closes. The recorded samples then do not depend on the path by which the axle reached ride height.
 fn settle_loop(
     course: &mut Course<'_>,
     bench: &mut Bench<'_>,
     chain: &mut WarmStart,
     grid: &[f64],
 ) -> Result<(), BenchError> {
-    /// Largest number of loops; convergence is slow where joints slide in only part of the loop.
+    /// Largest number of loops; convergence is slow if joints slide in only part of the loop.
     const LOOPS: usize = 60;
-    /// Change of spin axes that counts as zero; for positions, the change per 100 length units.
+    /// Change of the unit spin axes that counts as zero. For wheel centres, the limit is the change per 100 length units.
     const NONE: f64 = 1e-10;
     let back = grid.iter().rev().skip(1);
     let way: Vec<f64> = grid.iter().skip(1).chain(back).copied().collect();
@@ -418,7 +421,7 @@ fn test(
     let mut chain = bench.chain(course.variant)?;
     chain.start_at(base);
     bench.enable_friction(course.variant, &mut chain)?;
-    // The order is: ride height with tangents, outward to the lowest value, up, and down again.
+    // The order is: ride height with tangents, down to the lowest value, up to the highest, and down again.
     let (_, mut centre) = course.observe(bench, &mut chain, (0.0, true))?;
     each();
     let grid = grid(&settings);
@@ -431,7 +434,7 @@ fn test(
     if rubs {
         settle_loop(&mut course, bench, &mut chain, &grid)?;
     }
-    // With friction, the tangent is the mean of both branches, each taken where it passes ride height.
+    // With friction, the tangent is the mean over both branches of the tangents at the grid point nearest to ride height.
     let nearest = grid
         .iter()
         .copied()

@@ -3,12 +3,12 @@
 use super::{Compliance, Side};
 use admire_solver::mechanics::Vec3;
 
-/// Vertical load case that moves the wheel. The cases differ where an anti-roll bar couples the wheels; real results do not show which of
-/// them Adams/Car uses.
+/// Vertical load case that moves the wheel. The load cases give different results if an anti-roll bar couples the wheels. Real results do
+/// not show which load case Adams/Car uses.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerticalLoad {
-    /// Load on this wheel alone: column 3.
+    /// Load on this wheel alone (column 3 of the left wheel's compliance, column 9 of the right).
     #[default]
     OneWheel,
     /// The same load on both wheels.
@@ -18,7 +18,7 @@ pub enum VerticalLoad {
 }
 
 impl VerticalLoad {
-    /// Returns row `i` of a wheel for this load.
+    /// Returns displacement `i` of a wheel centre under this load case.
     fn row(self, c: &Compliance, side: Side, i: usize) -> f64 {
         match self {
             Self::OneWheel => c.of((side, i), (side, 3)),
@@ -27,18 +27,20 @@ impl VerticalLoad {
         }
     }
 
-    /// Returns the change of row `i` per travel of the wheel.
+    /// Returns displacement `i` of a wheel centre per vertical travel of the wheel.
     pub(crate) fn per_travel(self, c: &Compliance, side: Side, i: usize) -> f64 {
         self.row(c, side, i) / self.row(c, side, 3)
     }
 }
 
-/// Returns the slope angle of the front-view swing arm, positive if the instant centre is above the wheel centre: left `atan(-C23 / C33)`.
+/// Returns the slope angle of the front-view swing arm, positive if the instant centre is above the wheel centre. On the left it is
+/// `atan(-C23 / C33)`.
 pub fn front_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     libm::atan(side.outboard_sign() * load.per_travel(c, side, 2))
 }
 
-/// Returns the slant length of the front-view swing arm, positive with the instant centre inboard: left `-1 / (C43/C33 cos angle)`.
+/// Returns the slant length of the front-view swing arm, positive with the instant centre inboard. On the left it is
+/// `-1 / (C43/C33 cos angle)`.
 pub(crate) fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = front_view_angle(c, side, load);
     side.outboard_sign() / (load.per_travel(c, side, 4) * libm::cos(angle))

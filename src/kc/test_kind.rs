@@ -9,7 +9,7 @@ pub enum TestKind {
     Bounce,
     /// The left wheel moves up, the right wheel down.
     Roll,
-    /// The steering input is driven.
+    /// Steering input.
     Steering,
     /// The same lateral force acts on both wheels.
     Lateral,
@@ -27,12 +27,12 @@ pub enum TestKind {
     AligningOpposed,
 }
 
-/// Driven input of a test, with the factor for each wheel (left, right).
+/// Driven input of a test. The two factors are the input of the left and the right wheel per unit of the test's variable.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Driven {
     /// Heights of the wheel centres.
     Height([f64; 2]),
-    /// The steering input is driven.
+    /// Steering input.
     Steering,
     /// Longitudinal forces, +X rearward.
     Fx([f64; 2]),
@@ -86,7 +86,7 @@ impl TestKind {
         )
     }
 
-    /// Names the configuration that the test requires.
+    /// Returns the part of the configuration that the test requires.
     pub(crate) const fn needs(self) -> &'static str {
         match self {
             Self::Steering => "`steering.drive`",
@@ -94,8 +94,7 @@ impl TestKind {
         }
     }
 
-    /// Returns the driven input per unit of the test's variable. The variable of a roll test is half the difference of the travels, left
-    /// minus right.
+    /// Returns the driven input. The variable of a roll test is half the difference of the travels, left minus right.
     pub const fn driven(self) -> Driven {
         match self {
             Self::Bounce => Driven::Height([1.0, 1.0]),
@@ -124,7 +123,7 @@ impl TestKind {
         }
     }
 
-    /// Returns the unit of the test's variable in units of the deck.
+    /// Returns the unit of the test's variable, from the units of the deck.
     pub fn unit(self, units: &Units) -> String {
         match self.driven() {
             Driven::Height(_) => Unit::Length.word(units),
@@ -136,7 +135,7 @@ impl TestKind {
 
     /// Returns the usual settings; `length` is a millimetre and `force` a newton in units of the deck. A travel of 50 mm is usual on rigs;
     /// the other levels are customary but have no cited source.
-    pub(crate) fn settings(self, (length, force): (f64, f64), tyre: bool) -> TestSettings {
+    pub(crate) fn settings(self, length: f64, force: f64, tyre: bool) -> TestSettings {
         let (reach, window) = match self {
             Self::Bounce => (50.0 * length, 15.0 * length),
             Self::Roll => (40.0 * length, 15.0 * length),

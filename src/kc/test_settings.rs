@@ -1,12 +1,12 @@
 use serde::Deserialize;
 
-/// Quantity held while a load grows.
+/// Quantity held while the test's variable changes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hold {
     /// Height of the wheel centre.
     Height,
-    /// Vertical load; in a roll test the sum over both wheels.
+    /// Vertical load of each wheel; in a roll test, the sum over both wheels.
     Load,
 }
 
@@ -40,7 +40,7 @@ impl LoadPoint {
     }
 }
 
-/// Directions in which a test is driven.
+/// Directions in which the variable of a test is driven.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Branches {
@@ -58,11 +58,11 @@ pub struct TestSettings {
     pub range: [f64; 2],
     /// Number of points from the lowest to the highest value.
     pub points: usize,
-    /// Half the width of the window in which gradients are fitted.
+    /// Half the width of the window around ride height in which gradients are fitted.
     pub window: f64,
     /// Point where loads act.
     pub point: LoadPoint,
-    /// Held quantity.
+    /// Quantity held during the test.
     pub hold: Hold,
     /// True if the steering is locked, false if it is free.
     pub steering_locked: bool,

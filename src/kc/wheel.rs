@@ -6,7 +6,7 @@
 use super::Side;
 use admire_solver::mechanics::{Mat3, Vec3};
 
-/// Wheel in one state.
+/// Position and orientation of a wheel in one state.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Wheel {
     /// Side of the vehicle.
@@ -43,7 +43,8 @@ pub fn camber(o: &Vec3) -> f64 {
     -libm::asin(o.z.clamp(-1.0, 1.0))
 }
 
-/// Returns the inclination relative to the road normal, positive with the top leaning to the vehicle's left on both sides: `-+asin(o . n)`.
+/// Returns the inclination relative to the road normal, positive with the top leaning to the vehicle's left on both sides. It is
+/// `-asin(o . n)` for the left wheel and `asin(o . n)` for the right wheel.
 pub fn inclination(side: Side, o: &Vec3, normal: &Vec3) -> f64 {
     side.outboard_sign() * libm::asin(o.dot(normal).clamp(-1.0, 1.0))
 }
@@ -60,13 +61,13 @@ pub fn side_view_angle(turn: &Mat3) -> f64 {
     -libm::atan(turn[(2, 0)] / turn[(0, 0)])
 }
 
-/// Returns the point of the spin axis 1000 length units outboard of the centre; Adams/Car calls it `wheel_axis`.
+/// Returns the point on the spin axis 1000 length units outboard of the wheel centre; Adams/Car calls it `wheel_axis`.
 pub(crate) fn axis_point(wheel: &Wheel) -> Vec3 {
     wheel.centre + wheel.spin * 1000.0
 }
 
-/// Returns the rates of toe, camber and steer on a level road for a rotation `w` of the wheel, from `do = w x o`. The toe rate is not
-/// simply the rotation about z: a cambered wheel that pitches changes its toe.
+/// Returns the rates of toe, camber and steer on a level road for a rotation rate `w` of the wheel, from `do = w x o`. The toe rate differs
+/// from the rotation rate about z: a cambered wheel that pitches changes its toe.
 pub fn angle_rates(side: Side, o: &Vec3, w: &Vec3) -> AngleRates {
     let d = w.cross(o);
     // Derivative of |o.y|.
@@ -79,7 +80,7 @@ pub fn angle_rates(side: Side, o: &Vec3, w: &Vec3) -> AngleRates {
     }
 }
 
-/// Rates of wheel angles.
+/// Rates of the toe, camber and steer angles.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct AngleRates {
     /// Rate of [`toe`].
@@ -95,7 +96,7 @@ mod tests {
     use super::*;
     use admire_solver::mechanics::exp;
 
-    /// Golden state of a real Adams/Car axle: left wheel at design.
+    /// Left wheel of a real Adams/Car axle at design, the golden state.
     #[test]
     fn golden_angles() {
         let o = Vec3::new(
@@ -109,7 +110,7 @@ mod tests {
         assert!((inclination(Side::Left, &o, &Vec3::z()) + 1.35323366e-5).abs() < 1e-13);
     }
 
-    /// A right wheel steered to the right toes out; with its top outboard it leans to the right.
+    /// A right wheel steered to the right toes out. With its top outboard it leans to the right.
     #[test]
     fn signs_of_the_right_wheel() {
         let o = Vec3::new(0.01, 1.0, -0.02).normalize();

@@ -3,14 +3,14 @@ use admire_solver::mechanics::Vec6;
 /// Motion and load of a wheel per unit of the driven variable.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WheelRate {
-    /// Translation of the centre, and rotation, per unit.
+    /// Translation of the wheel centre and rotation of the carrier, per unit of the variable.
     pub motion: Vec6,
-    /// Vertical load per unit.
+    /// Vertical load per unit of the variable.
     pub load: f64,
 }
 
 impl WheelRate {
-    /// Returns the mean; `None` if the slice is empty.
+    /// Returns the mean of the rates; `None` if the slice is empty.
     pub(super) fn mean(all: &[Self]) -> Option<Self> {
         let share = 1.0 / all.len() as f64;
         (!all.is_empty()).then(|| Self {

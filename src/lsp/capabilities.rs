@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::workspace::path_of;
 
-/// Returns the server's answer to `initialize`.
+/// Returns the result of the `initialize` request: the capabilities of the server.
 pub(super) fn answer() -> Value {
     let capabilities = ServerCapabilities {
         position_encoding: Some(PositionEncodingKind::UTF16),

@@ -1,4 +1,5 @@
-//! Diagnostics that are kept while the text changes: their positions are relative to pieces of the file.
+//! Diagnostics that are kept while the text changes. Their positions are relative to pieces of the file (runs of whole lines parsed
+//! separately).
 
 use admire_session::check::DiagnosticSource;
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -8,26 +9,26 @@ use admire_syntax::text::{Edit, Span};
 #[derive(Clone, Debug)]
 pub(super) struct AnchoredDiagnostic {
     pub diagnostic: Diagnostic,
-    /// Position of each label; `None` for labels in other files.
+    /// Position of each label; `None` for a label in another file.
     pub labels: Vec<Option<Anchor>>,
-    /// Position of each edit of its fix.
+    /// Position of each edit in the diagnostic's fix.
     pub edits: Vec<Anchor>,
 }
 
-/// A span relative to the start of a piece.
+/// A span relative to the start of the piece with this key.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Anchor {
     pub piece: u32,
     pub span: Span,
 }
 
-/// A diagnostic that may be published, with the data needed for the selection.
+/// A diagnostic that may be published, with the data that decide whether it is.
 pub(super) struct Candidate<'a> {
     pub told: DiagnosticSource,
     pub diagnostic: &'a Diagnostic,
     /// Position of its first label in the current text.
     pub span: Option<Span>,
-    /// Offset of its piece, for diagnostics of the reader.
+    /// Offset of its piece in the file, for a diagnostic of the reader; zero for other diagnostics.
     pub base: usize,
     pub kept: Option<&'a AnchoredDiagnostic>,
 }
@@ -46,13 +47,13 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// Returns the code and the start offset, by which duplicates are recognised.
+    /// Returns the code and the start offset. Two diagnostics with the same code and start are duplicates.
     pub(crate) fn place(&self) -> (Code, Option<usize>) {
         (self.diagnostic.code, self.span.map(Span::start))
     }
 }
 
-/// Returns the new position of a span after `length` bytes have replaced the span `edited`. `None` if the edit touches the span.
+/// Returns the position of a span after `length` bytes have replaced the bytes in `edited`. `None` if the edit touches the span.
 pub(super) fn new_place(span: Span, edited: Span, length: usize) -> Option<Span> {
     if span.end() < edited.start() {
         return Some(span);
@@ -64,7 +65,7 @@ pub(super) fn new_place(span: Span, edited: Span, length: usize) -> Option<Span>
     Some(Span::new(shift(span.start()), shift(span.end())))
 }
 
-/// Converts a diagnostic of a piece to positions in the file.
+/// Converts a diagnostic with positions relative to its piece into a diagnostic with positions in the file.
 pub(super) fn shifted(found: &Diagnostic, base: usize) -> Diagnostic {
     let mut found = found.clone();
     let shift = |span: Span| Span::new(base + span.start(), base + span.end());

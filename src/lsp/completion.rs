@@ -1,4 +1,4 @@
-//! Completion: statements as snippets, arguments, values, ids with names, functions.
+//! Completion of statements (as snippets), arguments, values, ids with names, and functions.
 
 use lsp_types::{
     CompletionItem, CompletionItemKind, CompletionParams, CompletionResponse, CompletionTextEdit,
@@ -14,7 +14,7 @@ use super::workspace::Workspace;
 use admire_syntax::describe;
 use admire_syntax::grammar::{ArgumentDef, FUNCTIONS, Role, STATEMENTS, StatementDef, ValueKind};
 
-/// Largest number of ids offered. Longer lists are marked incomplete, and the editor requests them again with the next keystroke.
+/// Largest number of ids offered. A longer list is marked incomplete, and the editor requests it again with the next keystroke.
 const MOST_IDS: usize = 2000;
 
 pub(super) fn completion(
@@ -78,7 +78,7 @@ fn page(text: &str) -> Option<Documentation> {
     }))
 }
 
-/// Returns the statements; those with an example are snippets.
+/// Returns all statements that the file may contain. A statement with a shipped example is offered as a snippet.
 fn statements(document: &Document, typed: Range) -> Vec<CompletionItem> {
     let commands = document.is_command_file();
     let role = if commands {
@@ -90,7 +90,7 @@ fn statements(document: &Document, typed: Range) -> Vec<CompletionItem> {
         .iter()
         .filter(|def| def.role == Role::Both || def.role == role);
     here.map(|def| {
-        // A command that redefines an object states only the changes, so the snippet of the whole statement would not fit.
+        // A command that redefines an object states only what changes, so a snippet of the whole statement would not fit.
         let whole = snippet(def.name).filter(|_| !commands || def.role == Role::Command);
         let new = match whole {
             Some(text) => {
@@ -108,7 +108,7 @@ fn statements(document: &Document, typed: Range) -> Vec<CompletionItem> {
     .collect()
 }
 
-/// Returns the id after the largest one of a kind.
+/// Returns the next free id of a statement kind: the largest id in the document plus 1.
 fn next_id(document: &Document, def: &StatementDef) -> u32 {
     let own = document
         .objects()
@@ -154,7 +154,7 @@ fn arguments(def: &'static StatementDef, there: &[&str], typed: Range) -> Vec<Co
         .collect()
 }
 
-/// Returns the keywords that an argument accepts, or its default for numbers.
+/// Returns the keywords that an argument accepts; for an argument with numbers, its default.
 fn values(argument: &'static ArgumentDef, typed: Range) -> Vec<CompletionItem> {
     if let ValueKind::Choice(choices) = argument.kind {
         let word = |choice: &admire_syntax::grammar::Choice| {
@@ -178,7 +178,8 @@ fn values(argument: &'static ArgumentDef, typed: Range) -> Vec<CompletionItem> {
     }]
 }
 
-/// Returns the ids of an id space that start with the typed digits or whose object's name contains them.
+/// Returns the ids of an id space (the ids of one kind of object) that match the typed prefix. An id matches if it starts with the prefix,
+/// or if the name of its object contains the prefix.
 fn ids(
     document: Option<&Document>,
     space: Option<&str>,

@@ -11,10 +11,10 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::pieces::Pieces;
 use admire_syntax::text::{Edit, Span};
 
-/// Largest number of diagnostics published for one file; editors show no more.
+/// Largest number of diagnostics published for one file; editors do not show more.
 const MOST_SHOWN: usize = 1000;
 
-/// Returns the diagnostics of a file to publish.
+/// Returns the diagnostics of a file that are to be published.
 pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
     let wanted = |found: &Diagnostic| file.settings.shows(found);
     let (all, dropped) = file.document.complaints_where(wanted, MOST_SHOWN - 1);
@@ -34,7 +34,7 @@ pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
     shown
 }
 
-/// Converts a diagnostic. Its help is part of the message, because the protocol has no field for it.
+/// Converts a diagnostic. Its help text becomes part of the message, because the protocol has no field for help.
 pub(super) fn diagnostic(found: &Diagnostic, pieces: &Pieces, uri: &Uri) -> lsp_types::Diagnostic {
     let name = pieces.name();
     let own = found.labels.first().filter(|label| label.file == name);
@@ -58,7 +58,7 @@ pub(super) fn diagnostic(found: &Diagnostic, pieces: &Pieces, uri: &Uri) -> lsp_
             } else {
                 uri_of(std::path::Path::new(&*label.file))?
             };
-            // The text of the other file is not available, so its first line serves as position.
+            // The text of the other file is not available here, so the label points to the start of that file.
             let range = if here {
                 range(pieces, label.span)
             } else {
@@ -86,7 +86,7 @@ pub(super) fn diagnostic(found: &Diagnostic, pieces: &Pieces, uri: &Uri) -> lsp_
     }
 }
 
-/// Converts edits of a file; their bytes are decoded as text.
+/// Converts edits of a file. The replacement bytes are decoded as UTF-8.
 pub(super) fn text_edits(edits: &[Edit], pieces: &Pieces) -> Vec<TextEdit> {
     let mut sorted: Vec<&Edit> = edits.iter().collect();
     sorted.sort_by_key(|edit| edit.span);

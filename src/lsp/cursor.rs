@@ -31,7 +31,7 @@ pub(super) enum Thing {
 /// The item at a position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cursor {
-    /// Indices of the piece and of the statement in it; `None` outside of statements.
+    /// Indices of the piece and of the statement within that piece; `None` outside of statements.
     pub place: Option<(usize, usize)>,
     /// Kind of item.
     pub thing: Thing,
@@ -132,13 +132,13 @@ pub(super) fn cursor(document: &Document, offset: usize) -> Option<Cursor> {
     found(Thing::Argument(def, of), span, false)
 }
 
-/// Returns the statement whose text or view name contains an offset, with its indices and the offset of its piece.
+/// Returns the statement whose text or view name contains an offset, with its (piece, statement) indices and the offset of its piece.
 pub(super) fn statement_at(
     document: &Document,
     offset: usize,
 ) -> Option<((usize, usize), usize, &Statement)> {
     let last = document.pieces().at(offset)?;
-    // An item that ends where a piece starts belongs to the preceding piece.
+    // A statement that ends exactly where a piece starts belongs to the preceding piece.
     (last.saturating_sub(1)..=last).rev().find_map(|piece| {
         let base = document.pieces().start(piece);
         let inside = offset.checked_sub(base)?;
@@ -153,7 +153,7 @@ pub(super) fn statement_at(
     })
 }
 
-/// Returns every reference of a statement or command, including the ids listed by ACTIVATE and DEACTIVATE.
+/// Returns every reference in a statement or command, including the ids that ACTIVATE and DEACTIVATE list.
 pub(super) fn all_references(statement: &Statement) -> Vec<Reference> {
     let mut found: Vec<Reference> = references(statement).collect();
     if let Some(space) = switched(statement) {
@@ -169,7 +169,7 @@ pub(super) fn all_references(statement: &Statement) -> Vec<Reference> {
     found
 }
 
-/// Returns the id space of the ids in an ACTIVATE or DEACTIVATE command.
+/// Returns the id space of the ids in an ACTIVATE or DEACTIVATE command; `None` for any other command.
 fn switched(command: &Statement) -> Option<&'static str> {
     if !matches!(command.kind(), Some("ACTIVATE" | "DEACTIVATE")) {
         return None;
@@ -196,7 +196,7 @@ fn function_at(node: &Node, offset: usize) -> Option<(&'static FunctionDef, Span
         .find_map(|child| function_at(child, offset))
 }
 
-/// Returns true if a cursor at this offset touches a span; the end of the span counts.
+/// Returns true if a cursor at this offset touches a span. The offset after the last byte of the span counts too.
 pub(super) fn touches(span: Span, offset: usize) -> bool {
     (span.start()..=span.end()).contains(&offset)
 }

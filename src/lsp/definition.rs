@@ -1,4 +1,4 @@
-//! Go to definition: of an object, or of a deck named in a command file.
+//! Go to definition, for an object or for a deck that a command file names.
 
 use lsp_types::{GotoDefinitionParams, GotoDefinitionResponse, Location};
 

@@ -1,4 +1,5 @@
-//! Definitions in pieces of a file, as far as they affect other statements. An edit that leaves them unchanged affects no other statement.
+//! Definitions of objects in pieces of a file, as far as they affect other statements. An edit that leaves these definitions unchanged
+//! affects no other statement.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -7,15 +8,15 @@ use std::sync::Arc;
 use admire_syntax::pieces::Piece;
 use admire_syntax::{ObjectId, Statement};
 
-/// Hashes of the definitions in some pieces, by object.
+/// Hashes of the definitions in a set of pieces, keyed by object.
 pub(super) struct Definitions {
     of: BTreeMap<ObjectId, Vec<u64>>,
-    /// The last body of the pieces, to which following markers without a PART belong.
+    /// Last body in the pieces. Following markers without a PART belong to it.
     pub body: Option<ObjectId>,
 }
 
 impl Definitions {
-    /// Collects the definitions of pieces that follow the body `entering`.
+    /// Collects the definitions in `pieces`. The body `entering` is the last body before the pieces.
     pub(crate) fn of<'p>(
         entering: Option<ObjectId>,
         pieces: impl IntoIterator<Item = &'p Arc<Piece>>,
@@ -42,7 +43,7 @@ impl Definitions {
         Self { of, body }
     }
 
-    /// Returns the objects whose definitions differ between the two.
+    /// Returns the objects whose definitions differ between `self` and `other`.
     pub(crate) fn differing(&self, other: &Self) -> Vec<ObjectId> {
         let objects: BTreeSet<&ObjectId> = self.of.keys().chain(other.of.keys()).collect();
         let differs = |object: &&ObjectId| self.of.get(*object) != other.of.get(*object);
@@ -50,7 +51,7 @@ impl Definitions {
     }
 }
 
-/// Returns true for a body with an id, whose markers need not name it.
+/// Returns true for a body with an id. Markers that follow such a body need not name it.
 pub(super) fn is_known_body(statement: &Statement) -> bool {
     statement.carries_markers() && statement.object().is_some()
 }

@@ -1,8 +1,8 @@
 //! An open file: its pieces, the positions of its objects, and its diagnostics.
 //!
-//! Independent of the protocol. A piece is a run of whole lines that is parsed by itself. After every edit the reader and the neighbourhood
-//! rules run again on the affected pieces. A neighbourhood rule looks at a statement, the statements it names and those with its id. Rules
-//! about the whole file run in a background check.
+//! This module is independent of the protocol. A piece is a run of whole lines that is parsed separately. After every edit, the reader and
+//! the neighbourhood rules run again on the affected pieces. A neighbourhood rule depends on one statement, on the statements that this
+//! statement names, and on statements with the same id. Rules about the whole file run in a background check.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
@@ -20,23 +20,25 @@ use admire_syntax::pieces::Pieces;
 use admire_syntax::text::{Source, Span};
 use admire_syntax::{ObjectId, Statement};
 
-/// Largest number of affected pieces that the neighbourhood rules check after an edit. The check of the whole file does the others.
+/// Largest number of affected pieces that the neighbourhood rules check after an edit. The check of the whole file covers the remaining
+/// pieces.
 const MOST_PIECES: usize = 64;
-/// The same limit for a file with more than [`MOST_PIECES`] pieces, unless the edit itself touches more. The smaller number keeps typing
-/// responsive while the check of the whole file takes longer.
+/// Largest number of affected pieces checked after an edit, in a file with more than [`MOST_PIECES`] pieces. It is exceeded only if the
+/// edit itself touches more pieces. This limit is smaller because in such a file the check of the whole file takes longer, and typing must
+/// stay responsive.
 const MOST_OF_MANY: usize = 12;
 
 /// An open dataset or command file.
 pub struct Document {
     pieces: Pieces,
     catalogue: Catalogue,
-    /// Index of each piece by its key.
+    /// Index of each piece in the file, by the key of the piece.
     places: HashMap<u32, usize>,
-    /// Diagnostics of the neighbourhood rules, by the piece of the first label.
+    /// Diagnostics of the neighbourhood rules, by the key of the piece that contains the first label.
     near: HashMap<u32, Vec<AnchoredDiagnostic>>,
     /// Diagnostics of the checks of the whole file.
     far: Vec<AnchoredDiagnostic>,
-    /// Suppression comments, by piece.
+    /// Suppression comments, by the key of their piece.
     silences: HashMap<u32, Suppressed>,
 }
 
@@ -82,7 +84,7 @@ impl Document {
         self.pieces.is_command_file()
     }
 
-    /// Replaces text, reads the touched pieces again, and runs the neighbourhood rules on the affected pieces.
+    /// Replaces text, parses the touched pieces again, and runs the neighbourhood rules on the affected pieces.
     pub fn edit(&mut self, span: Span, replacement: &[u8]) {
         let old_live = self.pieces.live().len();
         let change = self.pieces.edit(span, replacement);
@@ -93,7 +95,7 @@ impl Document {
         let was_live = old_live.max(old_behind) - old_behind + behind;
         let revived = was_live.min(live)..live;
         let lost = live.min(was_live)..was_live;
-        // The text before the pieces is unchanged.
+        // The text before the first changed piece is unchanged.
         let entering = self.body_entering(start);
         let all = self.pieces.pieces();
         let removed = &change.removed[..old_live.clamp(start, old_behind) - start];
@@ -147,13 +149,13 @@ impl Document {
         self.ask_neighbours(&nearest(affected, &change.added, most));
     }
 
-    /// Stores the findings of a check of the whole file, which must have seen the current text.
+    /// Stores the findings of a check of the whole file. The check must have used the current text.
     pub fn store_findings(&mut self, found: Vec<Found>) {
         self.far.clear();
         self.near.clear();
         for found in found {
             let complaint = match found.told {
-                // The pieces hold the reader's diagnostics themselves.
+                // The pieces hold the diagnostics of the reader themselves.
                 DiagnosticSource::Reader => continue,
                 DiagnosticSource::Neighbourhood | DiagnosticSource::File => {
                     self.anchored(found.diagnostic)
@@ -174,7 +176,8 @@ impl Document {
         self.complaints_where(|_| true, usize::MAX).0
     }
 
-    /// Returns the `most` worst diagnostics accepted by `wanted`, in the order of the file, and the number of the others.
+    /// Returns the `most` most severe diagnostics accepted by `wanted`, in the order of the file, and the number of accepted diagnostics
+    /// left out.
     pub(crate) fn complaints_where(
         &self,
         wanted: impl Fn(&Diagnostic) -> bool,
@@ -219,7 +222,7 @@ impl Document {
         (all.into_iter().filter_map(found).collect(), others)
     }
 
-    /// Returns a stored diagnostic as a candidate, or `None` if its own position is gone.
+    /// Returns a stored diagnostic as a candidate for publication, or `None` if the text at its position is gone.
     fn candidate<'a>(
         &self,
         complaint: &'a AnchoredDiagnostic,
@@ -227,7 +230,7 @@ impl Document {
     ) -> Option<Candidate<'a>> {
         let first = complaint.diagnostic.labels.first();
         let span = match complaint.labels.first() {
-            // After END only diagnostics about suppression comments remain.
+            // In pieces after END, only diagnostics about suppression comments remain.
             Some(Some(anchor))
                 if complaint.diagnostic.code != Code::UnknownKey
                     && self.live_place(anchor.piece).is_none() =>
@@ -246,12 +249,12 @@ impl Document {
         })
     }
 
-    /// Returns the statement at these indices of the piece and of the statement in it.
+    /// Returns the statement with the given index within the piece of the given index.
     pub fn statement(&self, (piece, at): (usize, usize)) -> &Statement {
         &self.pieces.pieces()[piece].statements()[at]
     }
 
-    /// Returns every statement with its indices and the offset of its piece.
+    /// Returns every statement, with its (piece, statement) indices and the offset of its piece.
     pub fn statements(&self) -> impl Iterator<Item = ((usize, usize), usize, &Statement)> {
         let pieces = self.pieces.live().iter().enumerate();
         pieces.flat_map(move |(piece, read)| {
@@ -261,7 +264,7 @@ impl Document {
         })
     }
 
-    /// Returns the indices of the definitions of an object, in the order of the file.
+    /// Returns the (piece, statement) indices of the definitions of an object, in the order of the file.
     pub fn definitions(&self, object: ObjectId) -> Vec<(usize, usize)> {
         self.in_order(self.catalogue.definitions(object))
     }
@@ -277,13 +280,13 @@ impl Document {
         pieces
     }
 
-    /// Returns every object with the indices of its first definition.
+    /// Returns every object, with the (piece, statement) indices of its first definition.
     pub(crate) fn objects(&self) -> impl Iterator<Item = (ObjectId, (usize, usize))> {
         let all = self.catalogue.objects();
         all.filter_map(|(object, places)| Some((object, *self.in_order(places).first()?)))
     }
 
-    /// Returns the body to which a marker without a PART belongs.
+    /// Returns the (piece, statement) indices of the body to which a marker without a PART belongs.
     pub(crate) fn body_before(&self, (piece, at): (usize, usize)) -> Option<(usize, usize)> {
         let pieces = self.pieces.pieces();
         let last = |piece: usize, statements: &[Statement]| {
@@ -306,13 +309,13 @@ impl Document {
         found
     }
 
-    /// Returns the index of a piece, or `None` if it follows END.
+    /// Returns the index of the piece with this key, or `None` if the piece follows END.
     fn live_place(&self, key: u32) -> Option<usize> {
         let at = *self.places.get(&key)?;
         (at < self.pieces.live().len()).then_some(at)
     }
 
-    /// Updates the indices of the pieces.
+    /// Updates the map from piece keys to piece indices.
     fn place(&mut self) {
         let pieces = self.pieces.pieces().iter().enumerate();
         self.places = pieces.map(|(at, piece)| (piece.key(), at)).collect();
@@ -327,7 +330,7 @@ impl Document {
         }
     }
 
-    /// Returns the body to which a marker at the start of a piece would belong.
+    /// Returns the body to which a marker at the start of piece `at` would belong.
     fn body_entering(&self, at: usize) -> Option<ObjectId> {
         let before = &self.pieces.pieces()[..at];
         let all = before
@@ -337,7 +340,7 @@ impl Document {
         all.into_iter().find(|s| is_known_body(s))?.object()
     }
 
-    /// Returns the markers that belong to the last body before piece `first`, and adds their pieces to `affected`.
+    /// Returns the markers from piece `first` on that belong to the last body before it, and adds their pieces to `affected`.
     fn followers(&self, first: usize, affected: &mut BTreeSet<usize>) -> Vec<ObjectId> {
         let mut found = Vec::new();
         for (at, piece) in self.pieces.live().iter().enumerate().skip(first) {
@@ -354,7 +357,7 @@ impl Document {
         found
     }
 
-    /// Runs the neighbourhood rules on the statements of some pieces.
+    /// Runs the neighbourhood rules on the statements of the given pieces.
     fn ask_neighbours(&mut self, pieces: &BTreeSet<usize>) {
         if self.is_command_file() {
             return;
@@ -470,7 +473,7 @@ impl Document {
         ))
     }
 
-    /// Returns a stored diagnostic with its current positions, or `None` if its own position is gone.
+    /// Returns a stored diagnostic with positions in the current text, or `None` if the text at its first label is gone.
     fn resolved(&self, complaint: &AnchoredDiagnostic) -> Option<Diagnostic> {
         let mut found = complaint.diagnostic.clone();
         let mut labels = Vec::with_capacity(found.labels.len());
@@ -500,8 +503,8 @@ impl Document {
         Some(found)
     }
 
-    /// Moves diagnostics of the whole file from removed pieces to the pieces that replace them. `gone` holds the offsets of the removed
-    /// pieces. A diagnostic whose own position is edited is dropped until the next check.
+    /// Moves diagnostics of the whole file from removed pieces to the pieces that replace them. `gone` holds the offset of each removed
+    /// piece by its key. A diagnostic is dropped until the next check if the text at its own position was edited.
     fn settle(&mut self, gone: &HashMap<u32, usize>, edited: Span, length: usize) {
         let far = std::mem::take(&mut self.far);
         let place = |document: &Self, anchor: Anchor| match gone.get(&anchor.piece) {
@@ -544,12 +547,13 @@ impl Document {
     }
 }
 
-/// Returns the first [`MOST_PIECES`] of some pieces.
+/// Returns the first [`MOST_PIECES`] of the given pieces.
 fn few(pieces: &Range<usize>) -> Range<usize> {
     pieces.start..pieces.end.min(pieces.start + MOST_PIECES)
 }
 
-/// Returns the edited pieces and the affected pieces nearest to them: `most` in total, or as many as the edit has.
+/// Returns the edited pieces and the affected pieces nearest to them. The result has at most `most` pieces, or as many as were edited if
+/// that is more.
 fn nearest(affected: BTreeSet<usize>, edited: &Range<usize>, most: usize) -> BTreeSet<usize> {
     let most = most.max(edited.len().min(MOST_PIECES));
     if affected.len() <= most {

@@ -1,5 +1,5 @@
-//! A small dataset made of some statements of a large one and the statements they refer to. Neighbourhood rules and the model give the same
-//! results on it as on the whole dataset.
+//! A small dataset copied from a large one: some statements, and the statements that they refer to. Neighbourhood rules and the model give
+//! the same results for the copied statements as in the whole dataset.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,24 +21,24 @@ struct Copied {
     start: usize,
     /// Position in the document.
     from: Span,
-    /// True for a requested statement, false for one that a requested statement refers to.
+    /// True for a requested statement, false for a statement that was added because another statement refers to it.
     asked: bool,
 }
 
-/// Largest number of statements with one id that are copied; a file with more is nonsense.
+/// Largest number of statements with the same id that are copied; a file with more is nonsense.
 const MOST_OF_AN_ID: usize = 64;
 
 /// Depth to which an excerpt follows references.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Depth {
-    /// Only the statements named by the requested ones.
+    /// Only the statements that a requested statement names.
     One,
-    /// All statements reached through references, up to this number.
+    /// All statements reached through references, up to this total number of statements.
     All(usize),
 }
 
 impl Excerpt {
-    /// Creates the excerpt of statements given by the indices of the piece and of the statement in it.
+    /// Creates the excerpt of the given statements. `asked` contains their (piece, statement) indices.
     pub(crate) fn of(
         document: &Document,
         asked: impl IntoIterator<Item = (usize, usize)>,
@@ -67,7 +67,7 @@ impl Excerpt {
             for place in open {
                 let statement = document.statement(place);
                 let named = references(statement).map(|r| (r.space, r.id));
-                // Statements with the same id count as named. A marker may belong to the body before it.
+                // Statements with the same id are treated as referred to. A marker may belong to the body before it.
                 for object in named.chain(statement.object()) {
                     if known.insert(object) {
                         let places = document.definitions(object);
@@ -83,7 +83,7 @@ impl Excerpt {
                 }
             }
             wave += 1;
-            // The bodies of markers without a PART are always included.
+            // The bodies to which markers without a PART belong are always included.
             if depth == Depth::One && wave == 2 {
                 break;
             }
@@ -119,7 +119,7 @@ impl Excerpt {
                 bytes.extend_from_slice(piece.source().slice(span));
             };
             if !names_itself(statement, piece.source()) {
-                // An empty statement before it prevents its first words from being read as arguments of the preceding statement.
+                // An empty statement is inserted before it, so that its first words are not read as arguments of the preceding statement.
                 bytes.extend_from_slice(b"_;\n");
             }
             if let Some(name) = statement.view_name {
@@ -141,7 +141,7 @@ impl Excerpt {
         }
     }
 
-    /// Returns the position of a span of the excerpt in the document, and whether its statement was requested.
+    /// Returns the position in the document of a span in the excerpt, and whether the statement there was requested.
     pub(crate) fn place(&self, span: Span) -> Option<(Span, bool)> {
         let after = self
             .pieces
@@ -155,7 +155,7 @@ impl Excerpt {
     }
 }
 
-/// Returns true if a slash follows the keyword.
+/// Returns true if a slash follows the statement's keyword.
 fn names_itself(statement: &Statement, source: &Source) -> bool {
     let rest = &source.bytes()[statement.keyword.end()..statement.span.end()];
     rest.trim_ascii_start().starts_with(b"/")

@@ -1,4 +1,4 @@
-//! Quick fixes: the fixes of diagnostics, all safe fixes at once, and suppression comments.
+//! Quick fixes: the fix of each diagnostic, all safe fixes at once, and suppression comments.
 
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CodeActionResponse,
@@ -107,7 +107,8 @@ fn silence(file: &File, found: &Diagnostic) -> Option<Edit> {
     let start =
         memchr::memrchr2(b'\n', b'\r', &bytes[..statement.span.start()]).map_or(0, |end| end + 1);
     let blank = bytes[start..statement.span.start()].trim_ascii().is_empty();
-    // A comment cannot precede the title, and a statement that shares its line with another has no line of its own.
+    // No comment can precede the title. A statement that shares its line with another statement has no line of its own for a comment above
+    // it.
     if !blank || base + start == 0 {
         return None;
     }

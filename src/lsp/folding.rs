@@ -1,4 +1,4 @@
-//! Folding ranges: statements and blocks of comments over several lines.
+//! Folding ranges: statements and comment blocks of several lines.
 
 use lsp_types::{FoldingRange, FoldingRangeKind, FoldingRangeParams};
 
@@ -29,7 +29,7 @@ pub(super) fn folding(
             let range = lines.range(statement.span);
             add(range.start.line, range.end.line, FoldingRangeKind::Region);
         }
-        // Comment blocks end with the piece.
+        // A comment block ends at the end of its piece.
         let mut block: Option<(u32, u32)> = None;
         for (line, text) in lines.texts() {
             let is_comment = text.trim_ascii_start().starts_with(b"!");

@@ -1,4 +1,4 @@
-//! Highlights in one file: the places that name the object under the cursor.
+//! Highlighting of all places in one file that name the object under the cursor.
 
 use lsp_types::{DocumentHighlight, DocumentHighlightKind, DocumentHighlightParams};
 

@@ -1,4 +1,4 @@
-//! Hover text: the grammar's description of an item, and for an object also its statement and facts from the model.
+//! Hover text: the grammar's description of an item. For an object, its statement and facts from the model are added.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,9 +17,9 @@ use admire_syntax::text::Span;
 use admire_syntax::units::{Dimension, Units};
 use admire_syntax::{Argument, ObjectId, describe};
 
-/// Largest number of lines shown of a statement.
+/// Largest number of lines of a statement that are shown.
 const MOST_LINES: usize = 12;
-/// Largest number of statements in the excerpt that the facts about an object are taken from.
+/// Largest number of statements in the excerpt from which the facts about an object are taken.
 const MOST_STATEMENTS: usize = 2000;
 
 pub(super) fn hover(workspace: &mut Workspace, params: &HoverParams) -> Option<Hover> {
@@ -70,7 +70,7 @@ fn of_argument(document: &Document, def: &StatementDef, argument: &ArgumentDef) 
     out
 }
 
-/// Returns the units of a document, or the defaults of ADAMS if none are stated.
+/// Returns the units of a document, or the default units of ADAMS if the document has no UNITS statement.
 fn units(document: &Document) -> Units {
     let stated = document
         .statements()
@@ -96,7 +96,7 @@ fn of_object(
     let defined =
         document.and_then(|document| Some((document, *document.definitions(object).first()?)));
     let Some((document, place)) = defined else {
-        // Either a command redefines an object that does not exist, or the id is undefined.
+        // The object is not defined. It is named by a command that redefines it, or by a reference.
         let def = own.statement(found.place?).def?;
         return Some(format!(
             "{}/{}: not defined\n\n{}",
@@ -132,7 +132,7 @@ fn of_object(
     Some(out)
 }
 
-/// Returns facts about an object from the model: the position of a marker in ground, numbers with their units, the connected bodies.
+/// Returns facts about an object from the model: the position of a marker in ground, numbers with their units, and the connected bodies.
 fn facts(document: &Document, place: (usize, usize), object: ObjectId) -> Vec<String> {
     let units = document
         .statements()
@@ -223,7 +223,7 @@ fn facts(document: &Document, place: (usize, usize), object: ObjectId) -> Vec<St
     facts
 }
 
-/// Formats a number with six digits, which hides rounding noise.
+/// Formats a number with six significant digits, which hides rounding noise.
 fn short(value: f64) -> String {
     let rounded = format!("{value:.5e}").parse::<f64>().unwrap_or(value);
     if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {

@@ -1,7 +1,7 @@
 //! The language server: the toolkit over the Language Server Protocol, on standard input and output.
 //!
-//! Diagnostics come from `admire-syntax` and the checks of `admire-session`. Nothing depends on a particular editor. One thread answers
-//! requests, a second one checks whole files.
+//! Diagnostics come from `admire-syntax` and from the checks of `admire-session`. The server is independent of any particular editor. One
+//! thread answers requests, and another thread checks whole files.
 #![warn(unreachable_pub)]
 // The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -5,7 +5,7 @@ use lsp_types::{Position, Range};
 use admire_syntax::pieces::Pieces;
 use admire_syntax::text::Span;
 
-/// Converts an offset to a position. Offsets beyond the end are clamped to it.
+/// Converts an offset to a position. An offset beyond the end of the file becomes the end of the file.
 pub(super) fn position(pieces: &Pieces, offset: usize) -> Position {
     let Some(at) = pieces.at(offset) else {
         return Position::new(0, 0);
@@ -29,8 +29,8 @@ pub(super) fn range(pieces: &Pieces, span: Span) -> Range {
     Range::new(position(pieces, span.start()), position(pieces, span.end()))
 }
 
-/// Converts a position to an offset. A column beyond the end of its line is clamped to that end, a line beyond the last one to the end of the
-/// file.
+/// Converts a position to an offset. A column beyond the end of its line becomes the end of that line. A line beyond the last line becomes
+/// the end of the file.
 pub(super) fn offset(pieces: &Pieces, position: Position) -> usize {
     let line = position.line as usize;
     let Some(at) = pieces.at_line(line) else {
@@ -56,7 +56,7 @@ pub(super) fn span(pieces: &Pieces, range: Range) -> Span {
     Span::new(start, offset(pieces, range.end).max(start))
 }
 
-/// Line starts of one piece, for the conversion of many spans.
+/// Line starts of one piece, for converting many spans.
 pub(super) struct PieceLines<'p> {
     bytes: &'p [u8],
     first: usize,
@@ -100,7 +100,7 @@ fn line_ends(bytes: &[u8]) -> impl Iterator<Item = usize> + '_ {
         .map(|at| at + 1)
 }
 
-/// Decodes bytes as UTF-8, or as Latin-1 if they are not valid UTF-8.
+/// Decodes bytes as UTF-8, or as Latin-1 if they are not valid UTF-8. (Latin-1 decoding never fails.)
 pub(super) fn decoded(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes)
         .unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect())
@@ -115,7 +115,8 @@ fn units(text: &[u8]) -> u32 {
     text.chars().map(|c| c.len_utf16() as u32).sum()
 }
 
-/// Returns the number of bytes in the first `wanted` UTF-16 units of a line. A position inside a character is moved to its start.
+/// Returns the number of bytes in the first `wanted` UTF-16 units of a line. If that ends inside a character, the count ends before the
+/// character.
 fn bytes_of(line: &[u8], wanted: u32) -> usize {
     if line.is_ascii() {
         return line.len().min(wanted as usize);
@@ -156,7 +157,7 @@ mod tests {
             assert_eq!(position(&pieces, at), place, "{needle:?}");
             assert_eq!(offset(&pieces, place), at, "{needle:?}");
         }
-        // Inside the car character, beyond the end of a line, beyond the end of the file.
+        // The cases are: inside the car character, beyond the end of a line, beyond the end of the file.
         let car = text.find('\u{1f697}').expect("there");
         assert_eq!(offset(&pieces, Position::new(1, 10)), car);
         assert_eq!(

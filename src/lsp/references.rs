@@ -10,7 +10,7 @@ use super::workspace::Workspace;
 use admire_syntax::ObjectId;
 use admire_syntax::text::Span;
 
-/// Role of a place that names an object.
+/// Role of a place in the text that names an object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Role {
     /// Id of the object in its definition.
@@ -21,13 +21,13 @@ pub(super) enum Role {
     Reference,
 }
 
-/// Returns the places of a document that name an object.
+/// Returns the spans in a document that name an object, each with its role.
 pub(super) fn places(document: &Document, object: ObjectId) -> Vec<(Span, Role)> {
     let mut found = Vec::new();
     let mut pieces = document.referring(object);
     pieces.extend(document.definitions(object).iter().map(|(piece, _)| *piece));
     if document.is_command_file() {
-        // ACTIVATE and DEACTIVATE name objects by plain numbers.
+        // ACTIVATE and DEACTIVATE name objects by plain numbers, which are not indexed as references.
         pieces = (0..document.pieces().pieces().len()).collect();
     }
     pieces.sort_unstable();
@@ -56,7 +56,8 @@ pub(super) fn places(document: &Document, object: ObjectId) -> Vec<(Span, Role)>
     found
 }
 
-/// Returns the places that name an object in a deck and in the command files that run it. Without a deck only the file itself is searched.
+/// Returns all places that name an object, in a deck and in the command files that run the deck. Without a deck, only the file itself is
+/// searched.
 pub(super) fn everywhere(
     workspace: &mut Workspace,
     path: &Path,

@@ -1,4 +1,4 @@
-//! Renaming of ids and view names, with all references in the deck and in the command files that run it.
+//! Renaming of ids and view names. All references in the deck and in the command files that run the deck are changed too.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use admire_syntax::renumber::{Renumbering, renumber};
 use admire_syntax::text::Edit;
 use admire_syntax::{CommandFile, Dataset, ObjectId};
 
-/// Returns the range of the id or view name that would be renamed.
+/// Returns the range of the id or view name at the cursor that would be renamed.
 pub(super) fn prepare(
     workspace: &Workspace,
     params: &TextDocumentPositionParams,
@@ -41,7 +41,7 @@ pub(super) fn prepare(
     ))))
 }
 
-/// Returns the edits for a new id or a new view name.
+/// Returns the edits that give an object a new id or a new view name.
 pub(super) fn rename(
     workspace: &mut Workspace,
     params: &RenameParams,
@@ -76,7 +76,7 @@ fn refused(why: &str) -> Refused {
     Refused::Request(why.to_string())
 }
 
-/// Converts edits of several files to protocol types.
+/// Converts edits in several files to protocol types.
 pub(super) fn workspace_edit(
     workspace: &Workspace,
     all: Vec<(PathBuf, Vec<Edit>)>,
@@ -170,7 +170,7 @@ fn new_id(
         .map_err(|found| Refused::Request(found.message))?;
     let mut all = vec![(deck.clone(), done.value.dataset)];
     for ((file, _), edits) in commands.iter().zip(done.value.commands) {
-        // Other commands of the file may run another deck.
+        // Other commands in the file may belong to another deck.
         let here = |edit: &Edit| workspace.deck_of(file, edit.span.start()).as_ref() == Some(&deck);
         all.push(((*file).clone(), edits.into_iter().filter(here).collect()));
     }

@@ -14,12 +14,12 @@ use super::{
 
 type RequestHandler = Box<dyn Fn(&mut Workspace, Value) -> Result<Value, Refused> + Send>;
 
-/// Handlers by request method.
+/// Handlers of requests, keyed by method.
 #[derive(Default)]
 pub(super) struct Routes(BTreeMap<&'static str, RequestHandler>);
 
 impl Routes {
-    /// Returns all supported handlers.
+    /// Creates the routes of all supported requests.
     pub(crate) fn all() -> Self {
         let mut routes = Self::default();
         routes.add::<request::HoverRequest>(|w, p| Ok(hover::hover(w, &p)));
@@ -55,7 +55,7 @@ impl Routes {
         self.0.insert(R::METHOD, Box::new(answer));
     }
 
-    /// Answers a request by its handler.
+    /// Answers a request by calling its handler.
     pub(crate) fn answer(
         &self,
         workspace: &mut Workspace,

@@ -1,4 +1,4 @@
-//! The main loop: messages in order, cancelled requests, results of background checks.
+//! Main loop of the server: processes messages in order, cancels requests, and takes the results of background checks.
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -38,7 +38,7 @@ pub(super) struct Server {
 /// How a session ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ended {
-    /// According to the protocol: shutdown, then exit.
+    /// Orderly end as the protocol requires: shutdown, then exit.
     Orderly,
     /// The editor disconnected, or sent exit without shutdown.
     Abruptly,
@@ -58,13 +58,14 @@ impl Server {
             queue: VecDeque::new(),
             shut_down: false,
         };
-        // The connection passes one message at a time. This thread collects the messages that arrive while another is processed.
+        // The connection passes on one message at a time. This thread collects the messages that arrive while the server processes an
+        // earlier message.
         let (said, messages) = crossbeam_channel::unbounded();
         let receiver = connection.receiver.clone();
         std::thread::spawn(move || receiver.iter().try_for_each(|message| said.send(message)));
         let ended = server.serve(&messages, &answers);
         drop(server);
-        // A running check is not waited for.
+        // The server does not wait for a running check.
         drop(worker);
         ended
     }
@@ -105,7 +106,7 @@ impl Server {
         }
     }
 
-    /// Runs an action whose panic must not end the server.
+    /// Runs an action in such a way that a panic in it does not end the server.
     fn guarded(&mut self, what: &str, action: impl FnOnce(&mut Self)) {
         if catch_unwind(AssertUnwindSafe(|| action(self))).is_err() {
             self.log(&format!("{what} failed; the server goes on"));
@@ -144,7 +145,7 @@ impl Server {
         self.send(response.into());
     }
 
-    /// Returns true if a queued message cancels the request.
+    /// Returns true if a message in the queue cancels the request.
     fn is_cancelled(&self, id: &RequestId) -> bool {
         self.queue.iter().any(|message| {
             let Message::Notification(note) = message else {
@@ -191,7 +192,7 @@ impl Server {
             }
             notification::DidSaveTextDocument::METHOD
             | notification::DidChangeWatchedFiles::METHOD => {
-                // The save may concern the settings or a file next to an open one.
+                // The saved file may be a settings file, or a file on which the diagnostics of an open file depend.
                 let wrong = self.workspace.renew_settings();
                 self.complain(&wrong);
                 let open: Vec<PathBuf> = self
@@ -226,14 +227,14 @@ impl Server {
             let before = file.document.pieces().clone();
             let edit = || file.document.edit(place, new);
             if catch_unwind(AssertUnwindSafe(edit)).is_err() {
-                // After a panic the half-edited document is read again as a whole.
+                // After a panic the document may be half edited, so the whole text is parsed again.
                 let mut bytes = before.bytes();
                 bytes.splice(place.range(), new.iter().copied());
                 let source = Source::new(before.name(), bytes);
                 file.document = Document::open(&source, before.is_command_file());
             }
         }
-        // Diagnostics that the next queued edit makes outdated are not published.
+        // Diagnostics are not published if the next queued edit makes them outdated.
         let overtaken = self.queue.iter().any(|message| match message {
             Message::Notification(note) => {
                 note.method == notification::DidChangeTextDocument::METHOD
@@ -246,14 +247,14 @@ impl Server {
         }
     }
 
-    /// Publishes the current diagnostics of a file, and requests a check of it and of the command files that name it.
+    /// Publishes the current diagnostics of a file, and requests a check of the file and of the open command files that name it.
     fn renewed(&mut self, path: &Path) {
         self.show(path);
         self.ask(path);
         self.ask_commands(path);
     }
 
-    /// Requests a check of the open command files that name a deck.
+    /// Requests a check of the open command files that name this deck.
     fn ask_commands(&mut self, deck: &Path) {
         let open = self.workspace.open_files();
         let commands = open.filter(|(_, file)| file.document.is_command_file());
@@ -301,7 +302,7 @@ impl Server {
         let _ = self.jobs.send(job);
     }
 
-    /// Stores and publishes the findings of a check, unless the file has been edited since.
+    /// Stores and publishes the findings of a check, unless the file has been edited since the check was requested.
     fn take(&mut self, answer: Answer) {
         let Some(file) = self.workspace.file_mut(&answer.path) else {
             return;
@@ -312,7 +313,7 @@ impl Server {
         }
     }
 
-    /// Publishes the diagnostics of a file if they differ from those last published.
+    /// Publishes the diagnostics of a file if they differ from the diagnostics published before.
     fn show(&mut self, path: &Path) {
         let Some(file) = self
             .workspace
@@ -335,7 +336,7 @@ impl Server {
         self.notify::<notification::PublishDiagnostics>(params);
     }
 
-    /// Shows errors of the settings to the user.
+    /// Shows the errors in settings files to the user.
     fn complain(&self, wrong: &[Diagnostic]) {
         for found in wrong {
             let place = found.labels.first().map_or("", |label| &label.file);
@@ -358,7 +359,7 @@ impl Server {
     }
 
     fn send(&self, message: Message) {
-        // A disconnected editor reads nothing; the loop ends with its messages.
+        // A disconnected editor reads nothing. The main loop ends when its incoming messages end.
         let _ = self.out.send(message);
     }
 
@@ -373,7 +374,8 @@ impl Server {
     }
 }
 
-/// Returns the replaced span and the new text of a change. For a new text of the whole file, only the differing part is returned.
+/// Returns the span that a change replaces, and the new text. If the change contains the whole new text of the file, only the differing
+/// part is returned.
 fn edit_of<'c>(
     document: &Document,
     change: &'c TextDocumentContentChangeEvent,

@@ -1,4 +1,4 @@
-//! Snippets of statements: the shipped example of each kind, with its values as placeholders.
+//! Snippets of statements, made from the shipped example of each kind of statement, with its values as placeholders.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -101,7 +101,7 @@ examples! {
     "vtorque.adm"
 }
 
-/// Returns the snippet of a kind of statement, with its id as `${1:ID}`, or `None` for a kind without an example.
+/// Returns the snippet for a kind of statement, with `${1:ID}` in place of its id; `None` for a kind without an example.
 pub(super) fn snippet(kind: &str) -> Option<&'static str> {
     static ALL: OnceLock<BTreeMap<String, String>> = OnceLock::new();
     let all = ALL.get_or_init(|| {
@@ -113,7 +113,7 @@ pub(super) fn snippet(kind: &str) -> Option<&'static str> {
     all.get(kind).map(String::as_str)
 }
 
-/// Returns the kind of an example, and its statement as a snippet.
+/// Returns the statement kind of an example and its statement as a snippet.
 fn of_example(file: &str, text: &str) -> Option<(String, String)> {
     let (kind, extension) = file.rsplit_once('.')?;
     let kind = kind.to_uppercase();
@@ -128,7 +128,7 @@ fn of_example(file: &str, text: &str) -> Option<(String, String)> {
     Some((kind.clone(), with_places(&kind, statement, &source)))
 }
 
-/// Returns the text of a statement with its id and values as placeholders.
+/// Returns the text of a statement in which placeholders replace the id and the values.
 fn with_places(kind: &str, statement: &Statement, source: &Source) -> String {
     let mut out = kind.to_string();
     let mut at = statement.keyword.end();

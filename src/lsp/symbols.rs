@@ -1,4 +1,4 @@
-//! Statements as symbols: of one file, and of all files in the workspace whose symbols match a query.
+//! Statements as symbols: all statements of one file, or the statements in the whole workspace that match a query.
 
 use lsp_types::{
     DocumentSymbol, DocumentSymbolParams, DocumentSymbolResponse, Location, OneOf, SymbolKind,
@@ -87,7 +87,7 @@ fn matching(file: &File, query: &str, found: &mut Vec<WorkspaceSymbol>) {
     }
 }
 
-/// Returns the decks and command files in some folders and their subfolders.
+/// Returns the decks and command files in the given folders and their subfolders.
 fn files_below(folders: &[std::path::PathBuf]) -> Vec<std::path::PathBuf> {
     let mut found = Vec::new();
     let mut open = folders.to_vec();
@@ -126,7 +126,7 @@ fn name_of(statement: &Statement, source: &Source) -> String {
     name
 }
 
-/// Returns the span of keyword and id.
+/// Returns the span from the keyword of a statement to its id.
 fn head_of(statement: &Statement) -> Span {
     let id = statement.id.map_or(statement.keyword, |(_, id)| id);
     statement.keyword.join(id)

@@ -1,4 +1,4 @@
-//! Context of the text being typed: the statement before the cursor, as far as it is written.
+//! Context of the text being typed, from the part of the statement before the cursor.
 
 use super::document::Document;
 use admire_syntax::expression::argument_space;
@@ -14,11 +14,11 @@ pub(super) enum Typing {
     Keyword,
     /// The id of a statement.
     Id(&'static StatementDef),
-    /// An argument; the arguments that the statement already has are listed.
+    /// An argument of a statement, with the names of the arguments that the statement already has.
     Argument(&'static StatementDef, Vec<&'static str>),
     /// A value of this argument.
     Value(&'static ArgumentDef),
-    /// An id of this id space: in an argument, in a function, or listed by a command.
+    /// An id from this id space, expected in an argument, in a function, or in the list of a command.
     Reference(&'static str),
     /// Part of an expression.
     Expression,
@@ -85,7 +85,7 @@ fn call_in(text: &str) -> Option<OpenCall> {
     None
 }
 
-/// Returns the text of a statement up to an offset on one line, without comments. `None` within a comment or a title.
+/// Returns the part of a statement before an offset, joined to one line and without comments. `None` within a comment or a title.
 fn statement_before(document: &Document, offset: usize) -> Option<String> {
     let pieces = document.pieces();
     let last = pieces.at(offset)?;
@@ -133,7 +133,7 @@ fn statement_before(document: &Document, offset: usize) -> Option<String> {
     Some(out[start..].trim_start().to_string())
 }
 
-/// Returns a line without its comment.
+/// Returns a line without the comment at its end.
 fn code(line: &str) -> &str {
     let mut quoted = false;
     let comment = line.bytes().position(|byte| {
@@ -165,7 +165,7 @@ fn typing(document: &Document, before: &str) -> Option<Typing> {
     }
     let parts = split(arguments);
     let mut there = Vec::new();
-    // The last argument with a value is being typed, unless a comma has ended it and it takes no further list values.
+    // The last argument with a value is still being typed, unless a comma has ended it and it takes no further list values.
     let mut open: Option<(&'static ArgumentDef, usize)> = None;
     for part in &parts {
         let (name, has_value) = match part.split_once('=') {
@@ -176,7 +176,7 @@ fn typing(document: &Document, before: &str) -> Option<Typing> {
         if has_value {
             open = argument.map(|argument| (argument, 0));
             there.extend(argument.map(|argument| argument.name));
-            // A backslash ends the value, and another argument follows.
+            // A backslash ends the value, and the next argument follows.
             open = open.filter(|_| !part.contains('\\'));
         } else if let Some(flag) = argument {
             there.push(flag.name);
@@ -213,7 +213,8 @@ fn typing(document: &Document, before: &str) -> Option<Typing> {
     }
 }
 
-/// Returns the id space of the ids in an ACTIVATE or DEACTIVATE command.
+/// Returns the id space of the ids that an ACTIVATE or DEACTIVATE command lists; `None` for any other command. `there` contains the
+/// arguments that the command already has.
 fn listed_space(def: &StatementDef, there: &[&str]) -> Option<&'static str> {
     if !matches!(def.name, "ACTIVATE" | "DEACTIVATE") {
         return None;

@@ -1,4 +1,4 @@
-//! Protocol messages on standard input and output. Malformed input is refused, and reading continues with the next message.
+//! Protocol messages on standard input and output. Malformed input is answered with an error, and reading continues with the next message.
 
 use std::io::{self, BufRead, Read, Write};
 use std::thread::JoinHandle;
@@ -9,18 +9,18 @@ use serde_json::{Value, json};
 
 use admire_syntax::text::Source;
 
-/// Largest accepted message: the largest readable file with each byte escaped as two.
+/// Largest accepted size of a message in bytes. It admits the largest readable file with each byte escaped as two.
 const LARGEST: u64 = 2 * Source::LARGEST;
 
-/// Length beyond which a line is no header; only the end of such a line is kept.
+/// Length in bytes beyond which a line is not a header. Only the end of such a line is kept.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// Number of bytes kept of an overlong line, because a header may start in them.
+/// Number of bytes kept from the end of an overlong line, because a header may start within them.
 const KEPT: usize = 64;
 
 const LENGTH: &[u8] = b"content-length:";
 
-/// The reader and writer threads.
+/// Threads that read and write the messages.
 pub(super) struct Wire {
     reader: JoinHandle<()>,
     writer: JoinHandle<io::Result<()>>,
@@ -28,7 +28,7 @@ pub(super) struct Wire {
 
 /// Connects to the editor that started this process.
 pub(super) fn stdio() -> (Connection, Wire) {
-    // The channels hold no messages: a sender waits for the receiver.
+    // The channels have no buffer, so a sender waits for the receiver.
     let (sender, messages) = bounded(0);
     let (said, receiver) = bounded(0);
     let writer = std::thread::spawn(move || write(&messages));
@@ -37,10 +37,10 @@ pub(super) fn stdio() -> (Connection, Wire) {
 }
 
 impl Wire {
-    /// Waits until the last message is written.
+    /// Waits until the threads have ended and the last message is written.
     ///
     /// # Errors
-    /// When the last message cannot be written, or a thread has panicked.
+    /// When a message cannot be written, or a thread has panicked.
     pub(super) fn join(self) -> io::Result<()> {
         let crashed = |_| io::Error::other("a thread of the connection crashed");
         self.reader.join().map_err(crashed)?;
@@ -59,7 +59,7 @@ fn read(said: &Sender<Message>) {
         input: io::stdin().lock(),
         lost: false,
     };
-    // An unreadable input counts as ended.
+    // Unreadable input counts as the end of the input.
     while let Ok(Some(next)) = messages.next() {
         match next {
             Ok(message) => {
@@ -94,7 +94,8 @@ impl MalformedMessage {
         }
     }
 
-    /// Sends the error response. Standard output is locked per message, so it cannot mix with messages of the other thread.
+    /// Sends the error response. Standard output is locked for each message, so that the response does not mix with messages of the writer
+    /// thread.
     fn write(&self) -> io::Result<()> {
         let error = json!({ "code": self.code as i32, "message": self.why });
         let text = json!({ "jsonrpc": "2.0", "id": self.id, "error": error }).to_string();
@@ -104,10 +105,10 @@ impl MalformedMessage {
     }
 }
 
-/// Incoming messages, one at a time.
+/// Reader of incoming messages, one at a time.
 struct Messages<R> {
     input: R,
-    /// True if the start of the next message is unknown; input before the next header is skipped.
+    /// True after a malformed header, when the start of the next message is unknown. Input is then skipped up to the next header.
     lost: bool,
 }
 
@@ -124,7 +125,7 @@ impl<R: BufRead> Messages<R> {
         };
         self.lost = false;
         let mut body = Vec::new();
-        // The buffer grows with the received bytes, not with the announced length.
+        // The buffer grows with the bytes received; the announced length is not trusted.
         self.input.by_ref().take(size).read_to_end(&mut body)?;
         if (body.len() as u64) < size {
             return Ok(None);
@@ -132,7 +133,7 @@ impl<R: BufRead> Messages<R> {
         Ok(Some(message(&body)))
     }
 
-    /// Reads the header and returns the length of the next message, or an error text. `None` at the end of the input.
+    /// Reads the header of the next message and returns the announced length, or an error text. `None` at the end of the input.
     fn header(&mut self) -> io::Result<Option<Result<u64, String>>> {
         let mut found: Option<Result<u64, String>> = None;
         let mut line = Vec::new();
@@ -213,7 +214,7 @@ fn message(body: &[u8]) -> Result<Message, MalformedMessage> {
 mod tests {
     use super::*;
 
-    /// Returns the methods of the messages, and the error codes of refused input.
+    /// Returns, in order of input, the method of each message and the error code of each malformed input.
     fn read_all(input: &[u8]) -> Vec<String> {
         let mut messages = Messages { input, lost: false };
         let mut out = Vec::new();

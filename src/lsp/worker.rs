@@ -1,4 +1,4 @@
-//! Background checks of whole files. A check outdated by an edit ends early and returns nothing.
+//! Background checks of whole files. A check that an edit has made outdated ends early and returns nothing.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -22,11 +22,11 @@ pub(super) struct Job {
     pub path: PathBuf,
     /// Text of the file.
     pub text: Pieces,
-    /// Open decks, for a command file.
+    /// Text of the open decks, if the file is a command file.
     pub decks: HashMap<PathBuf, Pieces>,
     /// True if columns beyond 80 are reported.
     pub fortran: bool,
-    /// Counter of the file's edits, and its value at the time of the request.
+    /// Counter of the file's edits, and its value when the check was requested.
     pub edits: (Arc<AtomicU64>, u64),
 }
 
@@ -34,18 +34,18 @@ pub(super) struct Job {
 pub(super) struct Answer {
     /// Path of the file.
     pub path: PathBuf,
-    /// Value of the edit counter that the check refers to.
+    /// Value of the edit counter when the check was requested.
     pub edits: u64,
     /// Findings of the check.
     pub found: Vec<Found>,
 }
 
-/// Size from which a file is checked only when typing pauses, because the processor is needed for the next keystroke.
+/// File size in bytes above which a file is checked only when typing pauses, because the processor is needed for the next keystroke.
 const LARGE: usize = 1 << 20;
-/// Length of such a pause.
+/// Time without an edit that counts as a pause in typing.
 const PAUSE: Duration = Duration::from_millis(120);
 
-/// Checks files until the job channel closes. Of several jobs for one file only the last is done.
+/// Checks files until the job channel closes. If several jobs for one file are waiting, only the last is done.
 pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
     let mut waiting: Vec<Job> = Vec::new();
     let threads = all_but_one();
@@ -62,7 +62,7 @@ pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
                 continue;
             }
             let job = waiting.remove(0);
-            // A check that panics returns nothing; the next one may succeed.
+            // A check that panics returns nothing; the next check may succeed.
             let found = catch_unwind(AssertUnwindSafe(|| match &threads {
                 Some(threads) => threads.install(|| job.found()),
                 None => job.found(),
@@ -80,7 +80,7 @@ pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
     }
 }
 
-/// Returns a thread pool for checks that leaves one processor free for the next keystroke.
+/// Returns a thread pool for checks that leaves one processor free for the response to the next keystroke.
 fn all_but_one() -> Option<rayon::ThreadPool> {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = processors.saturating_sub(1).max(1);

@@ -1,4 +1,4 @@
-//! The files of the session: those open in the editor, and further files as they are on disk.
+//! Files of the session: the files open in the editor, and further files as they are on disk.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,17 +24,17 @@ pub(super) struct File {
     pub uri: Uri,
     /// Settings that select the diagnostics to publish.
     pub settings: Settings,
-    /// Version in the editor; `None` for a file that is not open.
+    /// Version number that the editor gives to the file; `None` for a file that is not open.
     pub version: Option<i32>,
-    /// Number of edits, by which a check of an older text is recognised as outdated.
+    /// Number of edits. It shows whether the text has changed since a check was requested.
     pub edits: Arc<AtomicU64>,
     /// Modification time of the file on disk.
     written: Option<SystemTime>,
-    /// Diagnostics last published.
+    /// Diagnostics that were published last.
     pub shown: Option<Vec<lsp_types::Diagnostic>>,
 }
 
-/// All files of the session by path.
+/// All files of the session, keyed by path.
 #[derive(Default)]
 pub(super) struct Workspace {
     files: BTreeMap<PathBuf, File>,
@@ -42,13 +42,13 @@ pub(super) struct Workspace {
     pub folders: Vec<PathBuf>,
 }
 
-/// Size up to which files that are not open are read, in bytes.
+/// Largest size in bytes of a file that is read from disk.
 const MOST_BYTES: u64 = 256 << 20;
-/// Largest number of command files read beside a deck.
+/// Largest number of command files that are read from the folder of a deck.
 const MOST_FILES: usize = 1000;
 
 impl Workspace {
-    /// Creates a workspace of some folders, without files.
+    /// Creates a workspace with the given folders, without files.
     pub(crate) fn of(folders: Vec<PathBuf>) -> Self {
         Self {
             folders,
@@ -56,7 +56,7 @@ impl Workspace {
         }
     }
 
-    /// Adds a file opened in the editor, and returns the errors of its settings.
+    /// Adds a file opened in the editor, and returns the errors in its settings.
     pub(crate) fn open(
         &mut self,
         uri: Uri,
@@ -86,7 +86,7 @@ impl Workspace {
         self.files.remove(&path_of(uri));
     }
 
-    /// Reads the settings of all files again, and returns their errors.
+    /// Reads the settings of all files again, and returns the errors in them.
     pub(crate) fn renew_settings(&mut self) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         for (path, file) in &mut self.files {
@@ -102,7 +102,7 @@ impl Workspace {
         self.files.get(path)
     }
 
-    /// Returns a file that is open or has been read, for editing.
+    /// Returns a file that is open or has been read, mutably.
     pub(crate) fn file_mut(&mut self, path: &Path) -> Option<&mut File> {
         self.files.get_mut(path)
     }
@@ -145,7 +145,8 @@ impl Workspace {
         true
     }
 
-    /// Returns the deck that the command at an offset runs: the one named by the last FILE command before it, or by the first line.
+    /// Returns the deck of the command at offset `before`. The last FILE command before the offset names it, or else the first line of the
+    /// command file.
     pub(crate) fn deck_of(&self, commands: &Path, before: usize) -> Option<PathBuf> {
         let document = &self.file(commands)?.document;
         let names = decks_named(document);
@@ -157,7 +158,7 @@ impl Workspace {
         let folder = commands.parent().unwrap_or(Path::new(""));
         let found = find_file(written, "adm", &[folder]).value;
         let found = found.map(|path| normal(&path));
-        // A deck that was never saved exists only as an open file.
+        // A deck that has never been saved exists only as an open file.
         found.or_else(|| {
             let named = folder.join(written.trim());
             let beside = [named.clone(), named.with_extension("adm")];
@@ -182,7 +183,7 @@ impl Workspace {
         found
     }
 
-    /// Returns the command files that name a deck, among those beside it and those that are open.
+    /// Returns the command files that name a deck. The open files and the files in the deck's folder are searched.
     pub(crate) fn commands_of(&mut self, deck: &Path) -> Vec<PathBuf> {
         let beside = deck.parent().map(std::fs::read_dir);
         let mut candidates: Vec<PathBuf> = beside
@@ -204,7 +205,8 @@ impl Workspace {
         candidates
     }
 
-    /// Returns a deck with its command files, or a command file with its decks and their other command files. The file itself comes first.
+    /// Returns the files that belong together. For a deck these are the deck and its command files. For a command file they are the file,
+    /// its decks and their other command files. The file at `path` comes first.
     pub(crate) fn together(&mut self, path: &Path) -> Vec<PathBuf> {
         let is_commands = |file: &File| file.document.is_command_file();
         let mut found = vec![path.to_path_buf()];
@@ -226,7 +228,7 @@ impl Workspace {
     }
 }
 
-/// Returns the deck names in a command file, each with the offset from which it applies.
+/// Returns the deck names in a command file, each with the offset from which on it applies.
 fn decks_named(document: &Document) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let text = |span: Span| {
@@ -244,18 +246,18 @@ fn decks_named(document: &Document) -> Vec<(usize, String)> {
     found
 }
 
-/// Returns the span of the deck name in a FILE command.
+/// Returns the span of the deck name in a FILE command; `None` for any other command.
 pub(super) fn deck_argument(command: &Statement) -> Option<Span> {
     let argument = command.argument("MODEL")?;
     (command.kind() == Some("FILE")).then(|| argument.value_span())
 }
 
-/// Returns the canonical path of a file, for comparison with others.
+/// Returns the canonical path of a file, for comparison with other paths.
 pub(super) fn normal(path: &Path) -> PathBuf {
     dunce::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// Returns the path of a URI from the editor, or the URI's text if it is not a file.
+/// Returns the path of a URI from the editor. A URI that is not a file is returned as text in a path.
 pub(super) fn path_of(uri: &Uri) -> PathBuf {
     let path = url::Url::parse(uri.as_str())
         .ok()
@@ -270,7 +272,7 @@ pub(super) fn uri_of(path: &Path) -> Option<Uri> {
     url.as_str().parse().ok()
 }
 
-/// Returns the settings for a file, and their errors.
+/// Returns the settings for a file, and the errors in them.
 fn settings_of(path: &Path) -> (Settings, Vec<Diagnostic>) {
     let Some(source) = table_above(path).and_then(|table| Source::read(&table).ok()) else {
         return (Settings::default(), Vec::new());

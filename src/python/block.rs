@@ -1,8 +1,8 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Numbers that NumPy reads where they are: `numpy.asarray` of an object with `__array_interface__` copies nothing and keeps the object
-/// alive. Nobody may write to them.
+/// Read-only numbers that NumPy uses without copying them: `numpy.asarray` of an object with `__array_interface__` refers to the same
+/// memory and keeps the object alive.
 #[pyclass(frozen, module = "admire._admire")]
 pub(super) struct Block {
     values: Vec<f64>,
@@ -29,7 +29,7 @@ impl Block {
     }
 }
 
-/// Returns the dictionary of the array interface protocol, version 3: shape, number type, read-only address.
+/// Returns the dictionary of the array interface protocol, version 3. It states the shape, the number type, and the address as read-only.
 pub(super) fn interface<'py>(
     py: Python<'py>,
     values: &[f64],

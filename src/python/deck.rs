@@ -17,12 +17,12 @@ use super::refusal::{json, raised};
 use super::run::Run;
 use super::work::{at_once, work};
 
-/// Commands of a single equilibrium.
+/// Commands that find a single equilibrium.
 const EQUILIBRIUM: &str = "SIMULATE/STATICS\n";
-/// Size in bytes up to which the equilibrium of a deck takes only milliseconds, whether it is found or not.
+/// Largest size in bytes of a deck whose equilibrium takes only milliseconds, whether it is found or not.
 const SMALL: usize = 1 << 16;
 
-/// A dataset.
+/// An ADAMS dataset.
 #[pyclass(frozen, module = "admire._admire")]
 pub(super) struct Deck(Mutex<front::Deck>);
 
@@ -74,13 +74,13 @@ impl Deck {
         PyBytes::new(py, self.now(py).bytes())
     }
 
-    /// The value at an address.
+    /// Return the value at an address.
     fn get<'py>(&self, py: Python<'py>, address: &str) -> PyResult<Bound<'py, PyAny>> {
         let found = self.now(py).get(address);
         object(py, &found.map_err(|error| raised(py, &error))?)
     }
 
-    /// Addresses and values of a pattern.
+    /// Return the addresses that match a pattern, each with its value.
     fn values<'py>(
         &self,
         py: Python<'py>,
@@ -92,7 +92,7 @@ impl Deck {
         found.into_iter().map(each).collect()
     }
 
-    /// Changes all or nothing.
+    /// Set all values, or none if one of them is refused.
     fn set(&self, py: Python<'_>, values: Vec<(String, Given)>) -> PyResult<()> {
         let changed = py.detach(|| {
             let mut held = self.lock();
@@ -116,14 +116,14 @@ impl Deck {
         saved.map_err(|error| raised(py, &error))
     }
 
-    /// Complaints as JSON.
+    /// Return the complaints of the check as JSON.
     fn check(&self, py: Python<'_>) -> PyResult<String> {
         let deck = self.now(py);
         let job = move || deck.check();
         Ok(json(&work(py, &SharedProgress::default(), None, job)?))
     }
 
-    /// Changes as JSON.
+    /// Return the differences to another deck as JSON.
     fn diff(&self, py: Python<'_>, other: &Self, relative: f64, absolute: f64) -> PyResult<String> {
         let (a, b) = (self.now(py), other.now(py));
         let tolerance = DiffTolerance { absolute, relative };
@@ -132,7 +132,7 @@ impl Deck {
         Ok(serde_json::to_string(&found).expect("differences hold only names and numbers"))
     }
 
-    /// Executes commands; with a path those of a file, else those of a text.
+    /// Set values, then execute the command file at `path`, or the text `commands` if there is no path.
     #[pyo3(signature = (values, path, commands, progress))]
     fn run(
         &self,
@@ -163,7 +163,7 @@ impl Deck {
         }
     }
 
-    /// Names of columns, addresses, values and the derivatives, a row for each address.
+    /// Return the names of the columns, the addresses, the values, and the derivatives with one row for each address.
     #[allow(clippy::type_complexity)]
     fn sensitivity(
         &self,
@@ -185,8 +185,9 @@ impl Deck {
         Ok((table.of, addresses, values, block))
     }
 
-    /// `kc.json`, `curves.csv`, `gradients.csv`, the report, complaints as JSON. Other decks, with their names, and a table of measured
-    /// curves stand beside in the report.
+    /// Run the K&C tests. Return `kc.json`, `curves.csv`, `gradients.csv`, the report, and the complaints as JSON.
+    ///
+    /// The report compares the results with other decks, given with their names, and with a table of measured curves.
     #[pyo3(signature = (config, convention, compare, measured))]
     fn kc(
         &self,
@@ -221,7 +222,7 @@ impl Deck {
     }
 }
 
-/// Value passed from Python.
+/// Value that Python passes for a setting.
 #[derive(FromPyObject)]
 pub(super) enum Given {
     Flag(bool),

@@ -1,7 +1,7 @@
 //! Python package: classes and functions over the front of the library.
 //!
 //! This module only passes values on and computes nothing. The Python layer (`src/python/admire`) provides names, types and documentation.
-//! Compiled only with the feature `python`, which maturin enables.
+//! The module is compiled only with the feature `python`, which maturin enables.
 #![allow(unsafe_code)] // The macros of PyO3 expand to unsafe code.
 #![allow(missing_docs)] // The Python layer documents its interface.
 #![allow(clippy::used_underscore_binding, clippy::elidable_lifetime_names)] // The macros of PyO3 trigger these lints, too.

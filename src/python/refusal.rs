@@ -12,7 +12,7 @@ static INPUT: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 static USAGE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 static NO_ANSWER: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
-/// Creates the exception of an error, with its text, and its complaints as JSON for the Python layer.
+/// Creates the Python exception for an error. It holds the text of the error, and the complaints as JSON for the Python layer.
 pub(super) fn raised(py: Python<'_>, error: &Error) -> PyErr {
     let text = error.to_string();
     let (lock, name) = match error.kind {

@@ -47,7 +47,7 @@ impl Results {
         Ok(Block::new(work(py, &watched, None, job)?, 1))
     }
 
-    /// Names and units of the columns, kinds of the steps, and the values, a row for each step.
+    /// Return the names and units of the columns, the kinds of the steps, and the values with one row for each step.
     #[allow(clippy::type_complexity)]
     fn select(
         &self,

@@ -12,7 +12,7 @@ use super::block::interface;
 use super::refusal::{json, raised};
 use super::work::work;
 
-/// What came of executing commands.
+/// Results of executing commands on a deck.
 #[pyclass(frozen, module = "admire._admire")]
 pub(super) struct Run(std::sync::Arc<front::Run>);
 
@@ -33,7 +33,7 @@ pub(super) fn named(columns: &[SelectedColumn]) -> Vec<(String, String)> {
 
 #[pymethods]
 impl Run {
-    /// All values, a row for each step, where the table has them: a run never changes.
+    /// All values, with one row for each step. They are not copied, because a run never changes.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let table = self.0.table();
@@ -44,12 +44,12 @@ impl Run {
         interface(py, values, (steps, width))
     }
 
-    /// Names and units of the columns, in the order of their values; positions without a name are left out.
+    /// Return the names and units of the columns, in the order of their values. Positions without a name are left out.
     fn columns(&self) -> Vec<(String, String)> {
         named(&self.0.columns())
     }
 
-    /// Which value of each step each column is, from 0.
+    /// Return the position, from 0, of each column within the values of a step.
     fn positions(&self) -> Vec<usize> {
         self.0
             .columns()
@@ -63,7 +63,7 @@ impl Run {
         found.map_err(|error| raised(py, &error))
     }
 
-    /// Positions among the columns that patterns name.
+    /// Return the columns that match patterns, each with its position within the values of a step.
     fn select(&self, py: Python<'_>, patterns: Vec<String>) -> PyResult<Vec<(String, usize)>> {
         let found = self.0.select(&patterns);
         let found = found.map_err(|error| raised(py, &error))?;
@@ -79,12 +79,12 @@ impl Run {
         self.0.messages()
     }
 
-    /// Warnings and errors as JSON.
+    /// Return the warnings and errors as JSON.
     fn complaints(&self) -> String {
         json(self.0.complaints())
     }
 
-    /// Exit code of the command line.
+    /// Return the exit code that the command line would give.
     fn exit_code(&self) -> u8 {
         self.0.ending().exit_code(true)
     }
@@ -97,7 +97,7 @@ impl Run {
         self.0.elapsed().as_secs_f64()
     }
 
-    /// Raises if the run did not succeed.
+    /// Raise an exception if the run did not succeed.
     fn succeeded(&self, py: Python<'_>) -> PyResult<()> {
         self.0.succeeded().map_err(|error| raised(py, &error))
     }
@@ -119,7 +119,7 @@ impl Run {
         work(py, &SharedProgress::default(), None, job)
     }
 
-    /// For pickle: everything but the values, and the values.
+    /// Return the state for pickling: the run without its values as JSON, and the values as bytes.
     fn state<'py>(&self, py: Python<'py>) -> (String, Bound<'py, PyBytes>) {
         let text = serde_json::to_string(&*self.0).expect("runs hold only names and numbers");
         let values = self.0.table().map_or(&[][..], |table| &table.values);

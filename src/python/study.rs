@@ -22,7 +22,7 @@ use super::block::Block;
 use super::refusal::json;
 use super::work::work;
 
-/// A study folder.
+/// A study folder: a deck, load cases and measurements.
 #[pyclass(frozen, module = "admire._admire")]
 pub(super) struct Study(front::Study);
 
@@ -42,18 +42,20 @@ impl Study {
         self.0.deck()
     }
 
-    /// Warnings and notes as JSON.
+    /// Return the warnings and notes about the study as JSON.
     fn complaints(&self) -> String {
         json(self.0.complaints())
     }
 
-    /// The command that is started for every equilibrium, if the study names one.
+    /// Return the command that is started for every equilibrium, or None if the study names none.
     fn starts_program(&self) -> Option<String> {
         self.0.starts_program().map(|words| words.join(" "))
     }
 
-    /// `identification.json`, the answer in a sentence, the deck, the report, remarks, and for bootstrap and posterior their numbers, a
-    /// row for each repeat.
+    /// Identify the stiffnesses.
+    ///
+    /// Return `identification.json`, a summary, the deck, the report, the remarks, and the parameters from the bootstrap fits and from the
+    /// posterior draws, with one row for each repeat.
     #[pyo3(signature = (method, force, repeats, progress, allow_command))]
     #[allow(clippy::type_complexity)]
     fn identify<'py>(
@@ -99,7 +101,8 @@ impl Study {
         ))
     }
 
-    /// `diagnosis.json`, sentences, the extended deck and its command file, the report, remarks.
+    /// Diagnose the model. Return `diagnosis.json`, the result as sentences, the extended deck, its command file, the report, and the
+    /// remarks.
     #[pyo3(signature = (force, check, progress, allow_command))]
     #[allow(clippy::type_complexity)]
     fn diagnose<'py>(
@@ -141,7 +144,7 @@ impl Study {
         ))
     }
 
-    /// `plan.json`, and load cases as rows of the study's own table.
+    /// Plan further measurements. Return `plan.json`, and load cases as rows in the format of the study's load case file.
     #[pyo3(signature = (aim, count, force, progress))]
     fn plan(
         &self,
@@ -171,7 +174,7 @@ impl Study {
 }
 
 impl Study {
-    /// Returns the study for a single call, with or without permission to start its program.
+    /// Returns a copy of the study for a single call, with or without permission to start the study's program.
     fn permitted(&self, allow_command: bool) -> front::Study {
         let mut study = self.0.clone();
         if allow_command {
@@ -181,7 +184,7 @@ impl Study {
     }
 }
 
-/// Checks the requested repetitions: bootstrap fits, posterior draws, seed, threads.
+/// Checks the requested repetitions: numbers of bootstrap fits and posterior draws, seed, and number of threads.
 fn asked(
     (bootstrap, posterior, seed, jobs): (Option<u64>, Option<u64>, u64, Option<usize>),
 ) -> PyResult<Option<Repeats>> {
@@ -206,7 +209,8 @@ fn asked(
     }))
 }
 
-/// Identifies a study with repetitions. Returns the identification, and the values of the bootstrap fits and of the posterior draws.
+/// Identifies a study with repetitions. Returns the identification, and the parameters from the bootstrap fits and from the posterior
+/// draws.
 fn repeated(
     study: &front::Study,
     force: bool,
@@ -230,7 +234,7 @@ fn repeated(
             watch.count(progress.done as usize, Some(progress.all as usize), "");
             watch.goes_on()
         };
-        let made = repeat((&problem, marginal), fit, asked, (None, VERSION), &mut tell)
+        let made = repeat(&problem, marginal, fit, asked, None, VERSION, &mut tell)
             .map_err(|error| failed(&error.to_string()))?
             .ok_or_else(|| failed("stopped before its end"))?;
         for (kind, made) in made {

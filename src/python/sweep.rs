@@ -13,7 +13,8 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
 use super::work::work;
 
-/// Runs what is left of a sweep or of one of its shards, joins it where it is whole; `summary.json`, or nothing after a shard.
+/// Run the unfinished cases of a sweep or of one of its shards. After a whole sweep, join the shards and return `summary.json`; after a
+/// shard, return None.
 #[pyfunction]
 #[pyo3(signature = (plan, out, jobs, shard, progress, allow_command))]
 pub(super) fn sweep<'py>(
@@ -31,7 +32,7 @@ pub(super) fn sweep<'py>(
     work(py, &watched, progress.as_ref(), job)
 }
 
-/// Joins the shards of a sweep; `summary.json`.
+/// Join the shards of a sweep and return `summary.json`.
 #[pyfunction]
 pub(super) fn merge_shards(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
     let job = move || {
@@ -41,7 +42,8 @@ pub(super) fn merge_shards(py: Python<'_>, folder: PathBuf) -> PyResult<String> 
     work(py, &SharedProgress::default(), None, job)
 }
 
-/// The command that is started for every case, if the plan or its study names one. What is wrong with the plan is told by the sweep.
+/// Return the command that is started for every case, or None if neither the plan nor its study names one. Errors in the plan are reported
+/// by `sweep`.
 #[pyfunction]
 pub(super) fn program_of_sweep(py: Python<'_>, plan: PathBuf) -> PyResult<Option<String>> {
     let job = move || {
@@ -109,7 +111,7 @@ fn run(
         watch.stage("sweep");
         let threads =
             jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-        let done = run_shard(&runner, &plan, (&folder, shard), threads, |progress| {
+        let done = run_shard(&runner, &plan, &folder, shard, threads, |progress| {
             let most = (progress.all - progress.before) as usize;
             watch.count(progress.done as usize, Some(most), "cases");
             watch.goes_on()

@@ -1,5 +1,5 @@
-//! Long computations next to the interpreter. They run without its lock on threads of this package, while the calling thread handles
-//! Ctrl-C.
+//! Long computations beside the Python interpreter. They run without the interpreter's lock on threads of this package, while the calling
+//! thread handles Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -17,12 +17,12 @@ use super::refusal::raised;
 
 /// Interval between checks for signals and progress.
 const TICK: Duration = Duration::from_millis(50);
-/// Time that an interrupted computation may take to end; after that, it is abandoned.
+/// Time allowed for an interrupted computation to end. After this time, the computation is abandoned.
 const GRACE: Duration = Duration::from_millis(400);
-/// Stack size of the threads in bytes, as large as the stack of a main thread.
+/// Stack size of the threads in bytes, equal to the usual stack size of a main thread.
 const STACK: usize = 8 << 20;
 
-/// Threads with the id of their process. A child of `fork` does not inherit them.
+/// Thread pool, with the id of the process that created it. A child process created by `fork` does not inherit the threads.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
 fn pool() -> PyResult<Arc<ThreadPool>> {
@@ -36,13 +36,13 @@ fn pool() -> PyResult<Arc<ThreadPool>> {
     let built = ThreadPoolBuilder::new().stack_size(STACK).build();
     let pool = Arc::new(built.map_err(|error| PyRuntimeError::new_err(error.to_string()))?);
     if let Some((_, gone)) = held.replace((own, Arc::clone(&pool))) {
-        // Its threads stayed in the parent process and cannot be joined.
+        // The threads of the old pool exist only in the parent process and cannot be joined.
         std::mem::forget(gone);
     }
     Ok(pool)
 }
 
-/// Abandons the threads to a job that does not end; the next job gets new threads.
+/// Leaves the current threads to a job that does not end. The next job gets new threads.
 fn abandon() {
     *POOL.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }
@@ -62,7 +62,7 @@ pub(super) fn at_once<T: Send + 'static>(
     job: impl FnOnce() -> Result<T, Error> + Send + 'static,
 ) -> PyResult<T> {
     if LOADED_BY.get() != Some(&std::process::id()) {
-        // After `fork`, the thread-related state used by the job is invalid.
+        // After `fork`, thread state that the job may use is invalid.
         return work(py, &SharedProgress::default(), None, job);
     }
     match py.detach(|| catch_unwind(AssertUnwindSafe(job))) {
@@ -71,8 +71,8 @@ pub(super) fn at_once<T: Send + 'static>(
     }
 }
 
-/// Runs a job without the interpreter's lock. Ctrl-C stops `watched` and raises within a second, whatever the job does. `progress` is
-/// called with stage, detail, count and total whenever these change.
+/// Runs a job without the interpreter's lock. Ctrl-C stops `watched` and raises the exception within a second, whatever the job does.
+/// `progress` is called with stage, detail, count and total whenever one of these changes.
 pub(super) fn work<T: Send + 'static>(
     py: Python<'_>,
     watched: &SharedProgress,
@@ -82,7 +82,7 @@ pub(super) fn work<T: Send + 'static>(
     let (send, receive) = bounded(1);
     let pool = pool()?;
     pool.spawn(move || {
-        // After an interrupt, nobody receives the result.
+        // After an interrupt, no thread receives the result.
         let _ = send.send(catch_unwind(AssertUnwindSafe(job)));
     });
     drop(pool);

@@ -1,22 +1,22 @@
-//! Check of curves and sensors against the model at its start values. It reveals a wrong sign, unit or zero before any fit.
+//! Check of the channels (curves and sensors) against the model at its start values. Before any fit, it reveals a wrong sign, unit or zero.
 
 use admire_identify::LoadedStudy;
 use admire_identify::global::Row;
 
-/// Smallest number of readings for judging a channel.
+/// Minimum number of readings for judging a channel.
 const ENOUGH: usize = 6;
-/// Smallest correlation, in absolute value, at which a channel moves with the model or against it.
+/// Minimum absolute correlation at which a channel counts as moving with the model, or against it.
 const TOGETHER: f64 = 0.95;
-/// Smallest spread of the readings, in units of the channel's noise, at which a channel moves.
+/// Minimum standard deviation of a channel's readings, in units of its noise, at which the channel counts as moving.
 const MOVES: f64 = 10.0;
-/// Relative tolerance when a ratio of sizes is compared with a ratio of units.
+/// Relative tolerance for comparing a ratio of motions with a ratio of units.
 const NEAR: f64 = 0.25;
-/// Smallest offset between readings and model that counts as a different zero, in units of the scatter of their difference.
+/// Minimum mean difference between readings and model that counts as a different zero, in units of the scatter of the difference.
 const SHIFTED: f64 = 3.0;
-/// Largest first reading that counts as zero, relative to the spread of the readings.
+/// Largest first reading that counts as zero, relative to the standard deviation of the readings.
 const ZERO: f64 = 0.02;
 
-/// Ratios between confusable units: minutes, radians, inches, centimetres, metres.
+/// Ratios between units that are easily confused, and the names of these units.
 const UNITS: [(f64, &str); 5] = [
     (60.0, "degrees and minutes"),
     (57.296, "degrees and radians"),
@@ -25,7 +25,7 @@ const UNITS: [(f64, &str); 5] = [
     (1000.0, "mm and m"),
 ];
 
-/// Readings of one channel with the model's values in the same cases.
+/// Readings of one channel, and the model's values in the same cases.
 struct Beside {
     channel: usize,
     read: Vec<f64>,
@@ -33,7 +33,7 @@ struct Beside {
 }
 
 /// Compares each channel with the model. Returns the number of channels that clearly follow the model, and one sentence for each suspicious
-/// channel; `None` without channels. `residual` is prediction minus reading, divided by sigma.
+/// channel. Returns `None` without channels. `residual` is prediction minus reading, in units of sigma.
 pub(super) fn agreement(
     loaded: &LoadedStudy,
     rows: &[Row],
@@ -120,7 +120,7 @@ pub(super) fn agreement(
     (!all.is_empty()).then_some((alike, odd))
 }
 
-/// Returns the mean and the standard deviation.
+/// Returns the mean and the standard deviation of the values.
 fn spread(values: &[f64]) -> (f64, f64) {
     let count = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / count;

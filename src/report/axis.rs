@@ -1,16 +1,16 @@
-/// One axis of a chart: its range and its ticks.
+/// Axis of a chart, with its range and ticks.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Axis {
     low: f64,
     high: f64,
     log: bool,
-    /// Values with a grid line and a label.
+    /// Values at which the axis has a grid line and a label.
     pub ticks: Vec<f64>,
 }
 
 impl Axis {
-    /// Creates an axis that covers all these values, with about `wanted` ticks. Values that are not finite are ignored, and on a
-    /// logarithmic axis also values that are not positive.
+    /// Creates an axis that covers all given values, with about `wanted` ticks. Values that are not finite are ignored. A logarithmic axis
+    /// also ignores values that are not positive.
     pub(crate) fn over(values: impl Iterator<Item = f64>, log: bool, wanted: usize) -> Self {
         let (low, high) = values
             .filter(|v| v.is_finite() && (!log || *v > 0.0))
@@ -55,7 +55,7 @@ impl Axis {
         let (low, high) = if low > high { (0.1, 10.0) } else { (low, high) };
         let (low, high) = (low / 1.25, high * 1.25);
         let decades = libm::log10(high / low);
-        // With fewer decades, more ticks of each decade are labelled.
+        // If the axis covers few decades, more ticks are labelled in each decade.
         let steps: &[f64] = if decades < 1.2 {
             &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0]
         } else if decades < 3.0 {
@@ -78,7 +78,7 @@ impl Axis {
         }
     }
 
-    /// Returns the relative position of a value between the ends of the axis, 0 to 1; `None` if it cannot be drawn.
+    /// Returns the position of a value as a fraction of the axis, from 0 to 1. Returns `None` if the value cannot be drawn.
     pub(crate) fn share(&self, value: f64) -> Option<f64> {
         let share = if self.log {
             libm::log(value / self.low) / libm::log(self.high / self.low)
@@ -89,9 +89,9 @@ impl Axis {
     }
 }
 
-/// Formats a tick label without superfluous digits.
+/// Formats the label of a tick without superfluous digits.
 pub(super) fn short(value: f64) -> String {
-    // Ticks are multiples of a step, so a tick at zero may carry round-off.
+    // A tick at zero may have a rounding error, because ticks are multiples of a step.
     if value.abs() < 1e-12 {
         return "0".to_string();
     }

@@ -3,28 +3,28 @@ use std::fmt::Write as _;
 use super::axis::{Axis, short};
 use super::escape;
 
-/// Tornado chart: bars from a lower to an upper value, one below the other.
+/// Tornado chart: bars one below the other, each from a common start value to two end values.
 #[derive(Clone, Debug)]
 pub struct Bars {
-    /// Title.
+    /// Title of the chart.
     pub title: String,
-    /// Label of the axis, with its unit.
+    /// Label of the value axis, with its unit.
     pub x: String,
-    /// Name of each bar, and its two end values; the bar to the first value is drawn in another colour.
+    /// Name and two end values of each bar. The colour of the bar to the first value differs from the colour of the bar to the second value.
     pub rows: Vec<(String, [f64; 2])>,
-    /// Value at which all bars start.
+    /// Start value of all bars.
     pub level: f64,
 }
 
-/// Width of the chart, and height of one bar with its margin, in pixels.
+/// Width of the chart and height of one bar with its margin, in pixels.
 const SIZE: (f64, f64) = (560.0, 26.0);
-/// Margins in pixels: left for the names, right, top, and bottom for the axis.
+/// Margins in pixels: left (for the names), right, top, and bottom (for the axis).
 const ROOM: [f64; 4] = [170.0, 14.0, 8.0, 46.0];
-/// Largest number of characters shown of a name.
+/// Maximum number of characters shown of a bar's name.
 const LETTERS: usize = 24;
 
 impl Bars {
-    /// Draws the chart as an `<svg>` element, coloured by the page's style sheet.
+    /// Draws the chart as an `<svg>` element. The page's style sheet defines the colours.
     pub(crate) fn svg(&self) -> String {
         let ends = self.rows.iter().flat_map(|(_, ends)| ends.iter().copied());
         let axis = Axis::over(ends.chain([self.level]), false, 6);
@@ -90,7 +90,7 @@ impl Bars {
         out
     }
 
-    /// Returns the data of the chart as CSV, one line for each bar.
+    /// Returns the data of the chart as CSV, one line per bar.
     pub(crate) fn csv(&self) -> String {
         let mut out = String::from("name,low,high\n");
         for (name, [low, high]) in &self.rows {

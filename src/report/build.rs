@@ -1,4 +1,5 @@
-//! Passes the commit to the compiler for release builds. Development builds omit it; otherwise every commit would trigger a rebuild.
+//! Passes the git commit to the compiler for release builds. Development builds omit the commit, because it would trigger a rebuild after
+//! every commit.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +7,7 @@ use std::process::Command;
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     let commit = if std::env::var("PROFILE").as_deref() == Ok("release") {
-        // In a worktree these files are elsewhere. A missing file would trigger a rebuild every time.
+        // In a git worktree, these files are elsewhere. A missing file would trigger a rebuild every time, so it is not listed.
         for file in ["HEAD", "logs/HEAD"] {
             if let Some(path) =
                 git(&["rev-parse", "--git-path", file]).filter(|p| Path::new(p).exists())
@@ -21,7 +22,7 @@ fn main() {
     println!("cargo:rustc-env=ADMIRE_COMMIT={commit}");
 }
 
-/// Returns the abbreviated commit of this folder, marked if files have changed since; `None` outside a clone.
+/// Returns the abbreviated commit of this folder, marked if files have changed since the commit. Returns `None` outside a clone.
 fn commit() -> Option<String> {
     let text = git(&[
         "describe",
@@ -33,7 +34,7 @@ fn commit() -> Option<String> {
     Some(format!("commit {text}"))
 }
 
-/// Runs git and returns its output; `None` if git fails, for example outside a clone.
+/// Runs git and returns its output. Returns `None` if git fails, for example outside a clone.
 fn git(words: &[&str]) -> Option<String> {
     let run = Command::new("git").args(words).output().ok()?;
     let text = String::from_utf8(run.stdout).ok()?.trim().to_string();

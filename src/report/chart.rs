@@ -17,42 +17,43 @@ pub enum SeriesStyle {
     LinePoints,
 }
 
-/// One curve or point cloud.
+/// Series of a chart: a curve or a point cloud.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Name in the legend.
+    /// Name of the series in the legend.
     pub name: String,
-    /// Points (x, y); points that are not finite are omitted.
+    /// Points as pairs of x and y. Points that are not finite are omitted.
     pub points: Vec<(f64, f64)>,
-    /// Drawing style.
+    /// Drawing style of the series.
     pub mark: SeriesStyle,
 }
 
-/// Chart with two axes.
+/// Chart of several series over two axes.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Title.
+    /// Title of the chart.
     pub title: String,
     /// Label of the x axis, with its unit.
     pub x: String,
     /// Label of the y axis, with its unit.
     pub y: String,
-    /// Curves and point clouds.
+    /// Series of the chart: curves and point clouds.
     pub series: Vec<Series>,
-    /// True for a logarithmic y axis, which omits values that are not positive.
+    /// True for a logarithmic y axis. Values that are not positive are then omitted.
     pub log_y: bool,
-    /// Value of a horizontal reference line.
+    /// Position of a horizontal reference line on the y axis.
     pub level: Option<f64>,
 }
 
-/// Width and height in pixels. Two charts fit side by side on a screen, and the text stays readable on a narrow screen.
+/// Width and height of a chart in pixels. Two charts fit side by side on a screen, and the text stays readable on a narrow screen.
 const SIZE: (f64, f64) = (560.0, 340.0);
-/// Margins in pixels: left, right, top, bottom.
+/// Margins around the plot in pixels: left, right, top, bottom.
 const ROOM: [f64; 4] = [66.0, 14.0, 12.0, 46.0];
 const LEGEND_ROW: f64 = 18.0;
-/// Number of colours in the style sheet; further series repeat them with dashes.
+/// Number of colours in the style sheet; further series repeat the colours with dashes.
 const COLOURS: usize = 8;
-/// Colour class of series with a fixed role, by name. A role has the same colour in all charts, tables and views of a page.
+/// Colour classes of series with a fixed role, by the name of the series. A role has the same colour in all charts, tables and views of a
+/// page.
 const ROLES: [(&str, &str); 8] = [
     ("measured", MEASURED),
     ("as read", MEASURED),
@@ -64,26 +65,26 @@ const ROLES: [(&str, &str); 8] = [
     ("two standard errors below", "s1"),
 ];
 const MEASURED: &str = "s-measured";
-/// Colour class of the model before a fit or an extension.
+/// Colour class of the original model, before a fit or an extension.
 pub(super) const INITIAL: &str = "s-initial";
 /// Colour class of the extended model.
 pub(super) const EXTENDED: &str = "s-extended";
 
 impl Chart {
-    /// Draws the chart as an `<svg>` element, coloured by the page's style sheet. The legend below the plot shows each name beside a piece
-    /// of its line.
+    /// Draws the chart as an `<svg>` element. The page's style sheet defines the colours. The legend below the plot shows each name beside a
+    /// sample of its line.
     ///
     /// # Errors
-    /// None at present; other kinds of pictures may return errors.
+    /// None at present. The return type is shared with pictures that may fail.
     pub(crate) fn svg(&self) -> Result<String, DrawingError> {
         self.svg_in(&[])
     }
 
-    /// Draws the chart as an `<svg>` element with given colours. The first series take these colours of the style sheet, counted from 1;
-    /// the others take the colour of their position.
+    /// Draws the chart as an `<svg>` element in given colours. `colours` holds colour indices of the style sheet, counted from 1, for the
+    /// first series. The other series take the colour of their position in the chart.
     ///
     /// # Errors
-    /// See [`Self::svg`].
+    /// The same as [`Self::svg`].
     pub(crate) fn svg_in(&self, colours: &[usize]) -> Result<String, DrawingError> {
         let class = |name: &str, k: usize, mark: SeriesStyle| match colours.get(k) {
             Some(colour) => format!("s{colour}{}", dashed(mark == SeriesStyle::Dashed)),
@@ -202,7 +203,7 @@ impl Chart {
             .map(|s| s.name.chars().count())
             .max()
             .unwrap_or(0);
-        // Eight pixels per letter suffice for most sans-serif fonts of this size, including the larger font of narrow windows.
+        // Eight pixels per letter suffice for most sans-serif fonts of this size, even for the larger font of narrow windows.
         let column = 44.0 + 8.0 * longest as f64;
         let columns = (((SIZE.0 - 20.0) / column) as usize).max(1);
         let mut out = String::new();
@@ -225,7 +226,7 @@ impl Chart {
         (self.series.len().div_ceil(columns), out)
     }
 
-    /// Returns the data of the chart as CSV, one line for each point.
+    /// Returns the data of the chart as CSV, one line per point.
     pub(crate) fn csv(&self) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut out = format!("series,{},{}\n", quoted(&self.x), quoted(&self.y));
@@ -238,8 +239,8 @@ impl Chart {
     }
 }
 
-/// Returns the SVG path through points. A segment that is traversed again is drawn once, because overlapping dashes would fill each other's
-/// gaps.
+/// Returns the SVG path through points. A segment that is traversed again is drawn only once; otherwise overlapping dashes would fill each
+/// other's gaps.
 fn path(spots: &[(f64, f64)]) -> String {
     let places: Vec<String> = spots
         .iter()
@@ -275,7 +276,7 @@ fn class(name: &str, k: usize, mark: SeriesStyle) -> String {
     }
 }
 
-/// Draws a circle, square, triangle or diamond, so that point clouds differ in more than colour.
+/// Draws a point of series `k`: a circle, square, triangle or diamond, so that point clouds differ in more than colour.
 fn symbol(k: usize, (x, y): (f64, f64)) -> String {
     match k % 4 {
         0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.2\"/>"),

@@ -1,25 +1,25 @@
-//! One line of the plausibility table.
+//! Lines of the plausibility table.
 
-/// Assessment of a line.
+/// Assessment of a property of the study.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Verdict {
-    /// Within the usual range.
+    /// The property is in its usual range.
     Plausible,
-    /// Unusual; a person should check it.
+    /// The property is unusual; a person should check it.
     Doubtful,
-    /// Certainly a mistake; a fit of this study would be meaningless.
+    /// The property is certainly a mistake; a fit of this study would be meaningless.
     Impossible,
 }
 
-/// One line of the plausibility table.
+/// One line of the plausibility table: a property of the study and its assessment.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Check {
-    /// Checked property.
+    /// Name of the property.
     pub what: &'static str,
-    /// Value found, with its unit.
+    /// Value of the property, with its unit.
     pub found: String,
-    /// Assessment.
+    /// Assessment of the property.
     pub verdict: Verdict,
-    /// Reason, empty if plausible.
+    /// Reason for the assessment; empty if the property is plausible.
     pub why: String,
 }

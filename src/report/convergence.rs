@@ -1,8 +1,8 @@
 use super::{Chart, DrawingError, Figure, Series, SeriesStyle};
 use admire_identify::{Fit, LoadedStudy};
 
-/// Draws the convergence of every parameter over the iterations, in one chart per element to keep many parameters readable. `named` splits
-/// a parameter's address into the names of the element and of the number.
+/// Draws the values of all parameters over the iterations of a fit. There is one chart per element, so that many parameters remain readable.
+/// `named` splits the address of a parameter into the name of the element and the name of the parameter in that element.
 pub(super) fn convergence(
     loaded: &LoadedStudy,
     fit: &Fit,

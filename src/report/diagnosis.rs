@@ -1,11 +1,11 @@
-use admire_diagnosis::{
-    ChannelMiss, CrossValidation, FittedModel, HoldOut, Outcome, Over, Remainder, Verdict,
-};
+use admire_diagnosis::{FittedModel, Outcome, Over, Remainder, Verdict};
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
 use super::chart::EXTENDED;
-use super::diagnosis_text::{channel_sentence, diagnosis_sentences};
+use super::diagnosis_phrases::channel_sentence;
+use super::diagnosis_tables::{groups, hold_out, missed, probability};
+use super::diagnosis_text::diagnosis_sentences;
 use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
 use super::interval::IntervalScale;
 use super::limits;
@@ -20,116 +20,26 @@ use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
 use admire_identify::{LackOfFitTest, LoadedStudy};
 use admire_results::Timestamp;
 
-/// Largest number of cases for which a map is readable.
+/// Maximum number of cases for which a heat map is readable.
 const MAPPED: usize = 60;
 
-/// Report of a diagnosis.
+/// Report of a diagnosis as an HTML page.
 pub struct DiagnosisReport<'a> {
-    /// Study.
+    /// Study that was diagnosed.
     pub loaded: &'a LoadedStudy,
-    /// Diagnosis and the fits behind it.
+    /// Diagnosis, and the fitted models behind it.
     pub outcome: &'a Outcome<'a>,
-    /// Changes in the deck, as a diff.
+    /// Changes from the deck to the extended deck, as a diff.
     pub diff: &'a str,
 }
 
-/// Formats the loads of a case: `vertical = 4500, lateral = 0`.
+/// Formats the loads of a case as text: `vertical = 4500, lateral = 0`.
 fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
     case.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// Formats a number with three digits.
-fn three(value: f64) -> String {
-    number(value, Some(0.1 * value.abs()))
-}
-
-/// Formats a p-value for readers.
-fn probability(p: f64) -> String {
-    match p {
-        0.0 => "< 1e-300".to_string(),
-        p if p < 1e-3 => format!("{p:.0e}"),
-        p => format!("{p:.3}"),
-    }
-}
-
-/// Creates the empty table of cases that were predicted from other cases.
-fn predicted(of: &str, length: &str) -> Table {
-    let unit = if of == "mark" { length } else { "sigmas" };
-    let (before, after) = (
-        format!("rms without any cause, {unit}"),
-        format!("with the causes chosen, {unit}"),
-    );
-    Table::new(&[
-        ("cases predicted from all others", Align::Left),
-        ("causes that those choose", Align::Left),
-        (before.as_str(), Align::Right),
-        (after.as_str(), Align::Right),
-    ])
-}
-
-/// Creates a row of the table of predicted cases.
-fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene) -> [String; 4] {
-    let cases = match cases {
-        [first, .., last] if cases.len() > 6 => format!("{} from {first} to {last}", cases.len()),
-        few => few.join(", "),
-    };
-    let causes = if causes.is_empty() {
-        "none".to_string()
-    } else {
-        scene.naming(&causes.join(", "))
-    };
-    let [before, after] = rms.map(three);
-    [cases, causes, before, after]
-}
-
-/// Tabulates the residuals of the channels.
-fn missed(channels: &[ChannelMiss]) -> Table {
-    let mut table = Table::new(&[
-        ("channel", Align::Left),
-        ("unit", Align::Left),
-        ("missed, rms: as the model was", Align::Right),
-        ("as it is extended", Align::Right),
-        ("noise of a reading", Align::Right),
-    ]);
-    for miss in channels {
-        let value = |x: f64| number(x, Some(0.1 * miss.noise));
-        table.row([
-            miss.name.clone(),
-            miss.behind.trim().to_string(),
-            value(miss.before),
-            value(miss.after),
-            value(miss.noise),
-        ]);
-    }
-    table
-}
-
-/// Tabulates the held-out cases.
-fn hold_out(found: &HoldOut, length: &str, scene: &Scene) -> Table {
-    let mut table = predicted(found.of, length);
-    let rms = [found.rms_before, found.rms_after];
-    table.row(prediction(&found.cases, &found.causes, rms, scene));
-    table
-}
-
-/// Tabulates the groups of cases, each predicted from the others.
-fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
-    let mut table = predicted(found.of, length);
-    for group in &found.groups {
-        let rms = [group.rms_before, group.rms_after];
-        table.row(prediction(&group.cases, &group.causes, rms, scene));
-    }
-    table.row([
-        "all".to_string(),
-        String::new(),
-        three(found.rms_before),
-        three(found.rms_after),
-    ]);
-    table
-}
-
-/// Draws the unexplained remainder as a force over its coordinate.
+/// Draws the extra force that explains the remaining structure, over its coordinate.
 fn remainder(found: &Remainder) -> Chart {
     let over = match (&found.load, found.over) {
         (Some(load), _) => load.clone(),
@@ -160,13 +70,13 @@ fn remainder(found: &Remainder) -> Chart {
 }
 
 impl DiagnosisReport<'_> {
-    /// Creates the page.
+    /// Returns the page as HTML text.
     ///
     /// # Errors
-    /// When a picture cannot be drawn.
+    /// [`DrawingError`] if a picture cannot be drawn.
     pub fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
-        // Larger tolerances make any chi-square small, so it is shown only if the model explains the data.
+        // Larger tolerances reduce any chi-square, so chi-square is shown only if the model explains the data.
         let lead = match diagnosis.verdict {
             Verdict::Consistent => format!(
                 "The model explains the data to their noise and to tolerances of the size shown below, with a chi-square of {:.2} per degree \
@@ -196,7 +106,7 @@ impl DiagnosisReport<'_> {
         let channels = self.outcome.channels();
         let mut sentences = diagnosis_sentences(self.outcome);
         if channels.len() > 1 {
-            // Many alike read better as a table.
+            // Several similar sentences are easier to read as a table.
             sentences.retain(|text| channels.iter().all(|miss| channel_sentence(miss) != *text));
             page.table(&missed(&channels));
         }
@@ -418,7 +328,7 @@ impl DiagnosisReport<'_> {
         table
     }
 
-    /// Draws the rms residual of each case, before and after.
+    /// Draws the rms residual of each case, by the original and by the extended model.
     fn by_case(&self) -> Chart {
         let rows = &self.outcome.subject.rows;
         let series = |name: &str, fit: &FittedModel| {
@@ -454,7 +364,7 @@ impl DiagnosisReport<'_> {
         }
     }
 
-    /// Draws the residual over the force that it follows most closely; `None` without such a trend.
+    /// Draws the residual that follows an element force most closely, over that force. Returns `None` if no residual follows a force.
     fn force(&self) -> Option<Chart> {
         let trend = self.outcome.trend()?;
         let series = |name: &str, points: Vec<(f64, f64)>| Series {
@@ -484,7 +394,7 @@ impl DiagnosisReport<'_> {
         })
     }
 
-    /// Tabulates the gain of each finding on the held-out cases.
+    /// Tabulates errors of prediction and fit without and with each finding.
     fn gains(&self, scene: &Scene) -> Table {
         let length = self.loaded.model.units.length.word;
         let (before, after) = (
@@ -537,7 +447,7 @@ impl DiagnosisReport<'_> {
         ]);
         let [before, after] = &self.outcome.structure;
         for test in before.iter().take(16) {
-            // The worst of many tests may be a different test afterwards.
+            // The most significant tests of the extended model may differ from those of the original model.
             let later = after.iter().find(|other| other.what == test.what);
             let value = |test: &LackOfFitTest| test.statistic.map(|s| format!("{:.1}", s.value));
             let dof = test.statistic.map(|statistic| statistic.dof.to_string());
@@ -553,7 +463,7 @@ impl DiagnosisReport<'_> {
         table
     }
 
-    /// Draws the residuals as a map of cases and marks.
+    /// Draws a heat map of the residuals by case and mark: of the extended model if `after` is set, otherwise of the original model.
     fn map(&self, after: bool) -> HeatMap {
         let outcome = self.outcome;
         let fitted = if after {

@@ -1,21 +1,22 @@
-//! The sentences of a diagnosis.
+//! Sentences of a diagnosis in the report.
 
-use admire_diagnosis::{
-    CandidateEffect, ChannelMiss, HoldOutPrediction, LAW_MISFIT, Outcome, Over, RemainderPoint,
-    SolverDifference,
-};
+use admire_diagnosis::{HoldOutPrediction, LAW_MISFIT, Outcome, Over, RemainderPoint};
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
-/// Bias of a stiffness, in standard errors, from which it gets a sentence.
+use super::diagnosis_phrases::{
+    channel_sentence, chosen, fallen_by, labels, loads_text, percent, solver_sentence,
+};
+
+/// Bias of a stiffness, in standard errors, above which a sentence states it.
 const NOTABLE_BIAS: f64 = 2.0;
-/// Largest gap in nats at which the second-best place of what remains is named.
+/// Largest deficit of the second-best site of the extra force, in nats, at which that site is named.
 const RIVAL_PLACE_NATS: f64 = 5.0;
-/// Number of failing tests of structure that are listed.
+/// Maximum number of failed tests of structure that are listed.
 const LISTED_TESTS: usize = 6;
 
-/// The sentences of a diagnosis: what the model misses and where, which causes explain it, what is gained on held-out cases, how the wrong
-/// model biased the stiffnesses, and what remains.
+/// Returns the sentences of a diagnosis. They state what the model misses and where, which causes explain it, and what is gained on held-out
+/// cases. They also state how the wrong model biased the stiffnesses, and what remains unexplained.
 pub fn diagnosis_sentences(outcome: &Outcome<'_>) -> Vec<String> {
     Text { outcome }.sentences()
 }
@@ -75,7 +76,7 @@ impl Text<'_> {
         out
     }
 
-    /// Names a case with its loads: `case 7 (vertical = 4500, longitudinal = -4000)`. Loads of zero are left out.
+    /// Returns the name of a case with its loads: `case 7 (vertical = 4500, longitudinal = -4000)`. Loads of zero are left out.
     fn case_text(&self, case: usize) -> String {
         let programme = self.outcome.subject.problem.programme;
         let of = &programme.cases[case];
@@ -84,7 +85,7 @@ impl Text<'_> {
         format!("case {} ({loads})", of.label)
     }
 
-    /// Returns the number format for positions of marks.
+    /// Returns the number format for mark positions.
     pub(super) fn decimals(&self) -> Decimals {
         Decimals::of_error(self.outcome.subject.mark_sigma())
     }
@@ -102,7 +103,7 @@ impl Text<'_> {
         diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
     }
 
-    /// Returns sentences on fitted laws that differ in detail from the true law, with the rms force difference.
+    /// Returns sentences about fitted force laws that differ in detail from the true law, with the rms difference of the force.
     fn left_by_laws(&self) -> Vec<String> {
         let findings = self.outcome.diagnosis.findings.iter();
         let left = findings.filter_map(|finding| {
@@ -115,7 +116,7 @@ impl Text<'_> {
         left.collect()
     }
 
-    /// Returns a sentence on the rms error of the marks, and on the worst mark if findings matter.
+    /// Returns a sentence about the rms error of the marks. If findings matter, the sentence also names the mark with the largest error.
     fn worst_mark(&self) -> Option<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let residual = &self.outcome.baseline.residual;
@@ -162,7 +163,7 @@ impl Text<'_> {
         Some(text + ".")
     }
 
-    /// Returns sentences on the worst steer and camber error of the wheel, if above three standard deviations.
+    /// Returns sentences about the largest steer error and the largest camber error of the wheel, if above three standard deviations.
     fn worst_angle(&self) -> Vec<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let Some(wheel) = &measurement.wheel else {
@@ -198,7 +199,7 @@ impl Text<'_> {
         out
     }
 
-    /// Returns a sentence on the part and case with the largest rotation between the original and the extended model.
+    /// Returns a sentence about the part and the case with the largest rotation between the original and the extended model.
     fn turned_part(&self) -> Option<String> {
         if !self.findings_matter() || self.outcome.subject.problem.measurement.wheel.is_some() {
             return None;
@@ -236,7 +237,7 @@ impl Text<'_> {
         })
     }
 
-    /// Returns sentences on the probability of each cause and of its rivals.
+    /// Returns sentences about the probability of each cause and of its rivals.
     fn probabilities(&self) -> Vec<String> {
         let findings = self.outcome.diagnosis.findings.iter();
         let acting = findings.filter(|f| !f.cause.is_told_by_marks());
@@ -278,7 +279,7 @@ impl Text<'_> {
         out
     }
 
-    /// Returns sentences on noise and tolerances as estimated from the readings.
+    /// Returns sentences about noise and tolerances as estimated from the readings.
     fn exactness(&self) -> Vec<String> {
         let mut out = Vec::new();
         let noise = &self.outcome.diagnosis.noise;
@@ -362,7 +363,7 @@ impl Text<'_> {
         ))
     }
 
-    /// Returns a sentence on the extra force that best describes the remaining structure.
+    /// Returns a sentence about the extra force that best describes the remaining structure.
     fn remains(&self) -> Option<String> {
         let found = self.outcome.diagnosis.unexplained.remainder.as_ref()?;
         let over = match (&found.load, found.over) {
@@ -409,7 +410,7 @@ impl Text<'_> {
         ))
     }
 
-    /// Returns sentences on the prediction of groups of cases from the others.
+    /// Returns sentences about the prediction of groups of cases from the other groups.
     fn cross_validated(&self) -> Vec<String> {
         let Some(found) = &self.outcome.diagnosis.cross_validation else {
             return Vec::new();
@@ -447,7 +448,7 @@ impl Text<'_> {
         out
     }
 
-    /// Returns the change of the rms error of each channel in the held-out cases.
+    /// Returns, for each channel, a text with the change of its rms error in the held-out cases.
     fn channels_gained(&self) -> Vec<String> {
         let Some(unseen) = &self.outcome.unseen else {
             return Vec::new();
@@ -486,7 +487,7 @@ impl Text<'_> {
             .collect()
     }
 
-    /// Returns a sentence on the three largest significant biases of stiffnesses in the original model.
+    /// Returns a sentence about the three largest significant biases of stiffnesses in the original model.
     fn biases(&self) -> Option<String> {
         let mut biased: Vec<_> = self
             .outcome
@@ -513,113 +514,4 @@ impl Text<'_> {
             .collect();
         (!listed.is_empty()).then(|| format!("The wrong model had {}.", listed.join(", ")))
     }
-}
-
-/// Formats a gain with its standard error, which does not exist for a single case.
-fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
-    let gain = decimals.format(gain);
-    if std_error.is_finite() {
-        format!("by {gain} +- {}", decimals.format(std_error))
-    } else {
-        format!("by {gain}, in one case")
-    }
-}
-
-/// Lists causes by name and site.
-fn chosen(causes: &[CandidateEffect]) -> String {
-    let names: Vec<String> = CandidateEffect::causes(causes)
-        .map(ToString::to_string)
-        .collect();
-    match names.as_slice() {
-        [] => "no cause".to_string(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
-/// Formats case labels: `case 7`, `8 cases from 1 to 8`, `cases 1, 4, 9`.
-fn labels(cases: &[String]) -> String {
-    match cases {
-        [one] => format!("case {one}"),
-        [first, .., last] if cases.len() > 6 => {
-            format!("{} cases from {first} to {last}", cases.len())
-        }
-        _ => format!("cases {}", cases.join(", ")),
-    }
-}
-
-/// Lists the non-zero loads as text.
-fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
-    let listed: Vec<String> = loads
-        .filter(|(_, value)| *value != 0.0)
-        .map(|(name, value)| format!("{name} = {value}"))
-        .collect();
-    if listed.is_empty() {
-        "no load".to_string()
-    } else {
-        listed.join(", ")
-    }
-}
-
-/// Formats a probability as a rounded percentage, with open ends below 1 and above 99 percent.
-fn percent(probability: f64) -> String {
-    match 100.0 * probability {
-        p if p > 99.0 => "above 99 percent".to_string(),
-        p if p < 1.0 => "below 1 percent".to_string(),
-        p => format!("{p:.0} percent"),
-    }
-}
-
-/// The sentence on the residuals of one channel.
-pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
-    let decimals = Decimals::of_error(miss.noise);
-    let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.format(x));
-    format!(
-        "Channel {} is missed by {before}{unit} rms as the model was and by {after}{unit} as it is extended, where its noise is {noise}{unit}.",
-        miss.name,
-        unit = miss.behind
-    )
-}
-
-/// The sentence on the difference between the study's solver and the built-in one. `sigma` is the noise of a mark in `unit`.
-fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str) -> String {
-    let mut text = format!(
-        "With the fitted stiffnesses the solver of the study ({}) and the built-in one differ by {:.2e} {unit} rms per coordinate",
-        solver.solver, solver.rms
-    );
-    if let Some(case) = &solver.case {
-        text += &format!(", at most by {:.2e} in case {case}", solver.most);
-    }
-    text += if solver.is_negligible(sigma) {
-        ", which is small against the noise."
-    } else {
-        ": what is found below may be a difference of the solvers."
-    };
-    let told = |rms: f64| Decimals::of_error(sigma).finer().format(rms);
-    if let Some(both) = solver.residual_rms {
-        let [own, other] = both.map(told);
-        text += &format!(
-            " Tolerances left out, the marks are missed by {own} by the built-in solver and by {other} by the other"
-        );
-        text += &match solver.held_out_rms {
-            Some(both) => {
-                let [own, other] = both.map(told);
-                format!(", by {own} and {other} in the cases held out.")
-            }
-            None => ".".to_string(),
-        };
-    }
-    if let Some(rms) = solver.refitted_rms {
-        text += &format!(
-            " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {}.",
-            told(rms)
-        );
-    }
-    if !solver.unsolved.is_empty() {
-        text += &format!(
-            " Only one of them solved case {}.",
-            solver.unsolved.join(", ")
-        );
-    }
-    text
 }

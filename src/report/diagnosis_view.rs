@@ -7,7 +7,7 @@ use admire_diagnosis::{FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;
 
-/// Creates the scene of the mechanism with the findings highlighted. It shows the measured positions, the initial model and the extended
+/// Creates the scene of the mechanism with the findings highlighted. It shows the measured positions, the original model and the extended
 /// model.
 pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Scene {
     let before = positions(
@@ -32,7 +32,7 @@ pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Sc
     scene
 }
 
-/// Returns the poses that a fit gives to the parts of the study's own deck. Parts added by an extension are omitted.
+/// Returns the poses of a fitted model for the parts of the study's own deck. Parts added by an extension are omitted.
 fn positions(name: &str, role: Role, model: &Model, fitted: &FittedModel) -> Positions {
     let of = |part: &admire_solver::model::Part| {
         let mut others = fitted.deck.model.parts.iter();
@@ -54,7 +54,7 @@ fn positions(name: &str, role: Role, model: &Model, fitted: &FittedModel) -> Pos
     }
 }
 
-/// Draws the wheel and the sensors of a rig over each load, along the whole loop: measurement, initial model and extended model.
+/// Draws wheel and sensor readings of a rig over each load, along the whole loop: by measurement, original model and extended model.
 pub(super) fn curves(
     loaded: &LoadedStudy,
     outcome: &Outcome<'_>,
@@ -92,7 +92,7 @@ pub(super) fn curves(
     Ok(out)
 }
 
-/// Describes in words how well the model fits without and with causes.
+/// Describes in words how well the model fits, without and with causes.
 pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let [before, after] =
         [&outcome.baseline, &outcome.extended].map(|fitted| fitted.posterior.chi_square_per_dof());
@@ -110,7 +110,7 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     )
 }
 
-/// Returns the result in a sentence or two for decision makers: problem, cause, place, gain.
+/// Returns the result for decision makers in a few sentences: problem, cause, site and gain.
 pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
     let diagnosis = &outcome.diagnosis;
     let length = loaded.model.units.length.word;

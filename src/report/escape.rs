@@ -1,4 +1,4 @@
-/// Escapes text for HTML. No character of it can open a tag or an entity, or leave an attribute.
+/// Escapes text for HTML. No character of the result can open a tag or an entity, or end an attribute.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
@@ -16,7 +16,7 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// Escapes a sentence, and sets text in backticks as code.
+/// Escapes a sentence for HTML. Text in backticks is set as code.
 pub(super) fn prose(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut pieces = text.split('`');

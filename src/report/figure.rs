@@ -1,7 +1,7 @@
 use super::scene::Role;
 use super::{Bars, Chart, DrawingError, HeatMap, escape};
 
-/// Picture of a page with its caption and data.
+/// Picture on a page, with its title, caption and data.
 #[derive(Clone, Debug)]
 pub struct Figure {
     svg: String,
@@ -11,10 +11,10 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Draws a chart with a caption.
+    /// Creates a figure from a chart, with a caption.
     ///
     /// # Errors
-    /// When it cannot be drawn.
+    /// [`DrawingError`] if the chart cannot be drawn.
     pub fn chart(chart: &Chart, caption: &str) -> Result<Self, DrawingError> {
         Ok(Self {
             svg: chart.svg()?,
@@ -24,10 +24,10 @@ impl Figure {
         })
     }
 
-    /// Draws a chart whose first series take the colours of their roles, by [`Role::colour`].
+    /// Creates a figure from a chart, with a caption. The first series take the colours of their roles; see [`Role::colour`].
     ///
     /// # Errors
-    /// When it cannot be drawn.
+    /// [`DrawingError`] if the chart cannot be drawn.
     pub(crate) fn of_roles(
         chart: &Chart,
         roles: &[Role],
@@ -42,7 +42,7 @@ impl Figure {
         })
     }
 
-    /// Draws bars with a caption.
+    /// Creates a figure from a bar chart, with a caption.
     pub fn bars(bars: &Bars, caption: &str) -> Self {
         Self {
             svg: bars.svg(),
@@ -52,7 +52,7 @@ impl Figure {
         }
     }
 
-    /// Draws a map with a caption.
+    /// Creates a figure from a heat map, with a caption.
     pub(crate) fn map(map: &HeatMap, caption: &str) -> Self {
         Self {
             svg: map.svg(),
@@ -62,7 +62,7 @@ impl Figure {
         }
     }
 
-    /// Returns the `<figure>` element. A link embeds the data, so that the page remains a single file.
+    /// Returns the `<figure>` element. A link contains the data, so that the page remains a single file.
     pub(super) fn html(&self) -> String {
         format!(
             "<figure><h3>{}</h3>{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",

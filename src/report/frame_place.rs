@@ -1,16 +1,19 @@
-//! Check of whether the marks are given in the deck's frame.
+//! Check of whether the marks (measured points on parts) are given in the deck's frame.
 
 use super::check::Verdict;
 use admire_identify::LoadedStudy;
 use admire_solver::mechanics::Vec3;
 use admire_study::{Case, FramePlace};
 
-/// Largest share of the marks' offset (rms) that may remain after a rigid motion, for the marks to be certainly in another frame.
+/// Fraction of the marks' rms offset that may remain after a rigid motion. Up to this fraction, the marks are certainly in a frame other
+/// than the deck's frame.
 const SURE: f64 = 0.4;
-/// Shift in metres and rotation in degrees beyond which such a frame is certainly a mistake.
-const FAR: (f64, f64) = (0.02, 2.0);
+/// Shift in metres beyond which such a frame is certainly a mistake.
+const FAR_METRES: f64 = 0.02;
+/// Rotation in degrees beyond which such a frame is certainly a mistake.
+const FAR_DEGREES: f64 = 2.0;
 
-/// Returns the finding if a common rigid motion separates the measured marks from those predicted at the start values.
+/// Returns a finding if one rigid motion separates all measured marks from the marks predicted at the start values, otherwise `None`.
 pub(super) fn odd_frame(loaded: &LoadedStudy, predicted: &[Case]) -> Option<(Verdict, String)> {
     let to = &loaded.measurement;
     let of = |cases: &[Case]| -> Vec<Vec3> {
@@ -22,7 +25,7 @@ pub(super) fn odd_frame(loaded: &LoadedStudy, predicted: &[Case]) -> Option<(Ver
     if !place.is_another(length.si) {
         return None;
     }
-    let verdict = if place.left < SURE && place.is_beyond(FAR, length.si) {
+    let verdict = if place.left < SURE && place.is_beyond(FAR_METRES, FAR_DEGREES, length.si) {
         Verdict::Impossible
     } else {
         Verdict::Doubtful

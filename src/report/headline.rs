@@ -1,7 +1,7 @@
 use super::number::{change, rounded};
 use admire_identify::{Fit, FitTest, FitVerdict, LoadedStudy, Status};
 
-/// Returns the result of an identification in a sentence or two for decision makers.
+/// Returns the result of an identification for decision makers, in one or two sentences.
 pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     let length = loaded.model.units.length.word;
     let all = fit.parameters.len();
@@ -67,7 +67,7 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     text
 }
 
-/// Describes the tolerances and noise levels that exceed their priors; `None` without any.
+/// Describes the tolerances and noise levels that exceed their priors. Returns `None` if there are none.
 pub(super) fn strained(fit: &Fit) -> Option<String> {
     let mut strained: Vec<_> = fit
         .tolerances
@@ -93,7 +93,7 @@ pub(super) fn strained(fit: &Fit) -> Option<String> {
     })
 }
 
-/// Formats a number with two digits.
+/// Formats a number with three significant digits.
 fn digits(value: f64) -> String {
     super::number(value, Some(value.abs() * 0.1))
 }
@@ -108,7 +108,7 @@ mod tests {
     use crate::lead;
     use admire_identify::{Fit, ToleranceFound};
 
-    /// A fit whose noise grew to twenty times its usual size does not explain the readings.
+    /// A fit with a tolerance at twenty times its usual size does not count as an explanation of the readings.
     #[test]
     fn sizes_beyond_their_priors_come_first() {
         let mut fit = Fit {

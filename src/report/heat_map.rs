@@ -2,16 +2,16 @@ use std::fmt::Write as _;
 
 use super::escape;
 
-/// Map of values over two lists of names as coloured cells: blue below zero, red above.
+/// Heat map: values over two lists of names, as coloured cells. Negative values are blue, positive values red.
 #[derive(Clone, Debug)]
 pub(crate) struct HeatMap {
-    /// Title.
+    /// Title of the map.
     pub title: String,
     /// Names of the rows.
     pub rows: Vec<String>,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Values, one list for each row; `None` where there is no value.
+    /// Values, one list per row; `None` for a cell without a value.
     pub values: Vec<Vec<Option<f64>>>,
     /// Value at which a cell has full colour.
     pub limit: f64,
@@ -74,7 +74,7 @@ impl HeatMap {
         out
     }
 
-    /// Returns the data of the map as CSV, one line for each row.
+    /// Returns the data of the map as CSV, one line per row.
     pub(crate) fn csv(&self) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut out = quoted(&self.what);
@@ -93,7 +93,7 @@ impl HeatMap {
         out
     }
 
-    /// Returns the colour of a value, and its opacity: transparent for zero, on light and dark pages alike.
+    /// Returns the colour of a value, and its opacity. Zero is transparent, which suits light and dark pages alike.
     fn colour(&self, value: f64) -> (&'static str, f64) {
         let share = (value / self.limit.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0);
         let full = if share < 0.0 {

@@ -1,4 +1,4 @@
-//! Page of an identification.
+//! Page that reports an identification.
 
 use super::convergence::convergence;
 use super::headline::strained;
@@ -13,27 +13,27 @@ use admire_identify::{Fit, FitVerdict, LoadedStudy, ParameterFit, Status};
 use admire_results::Timestamp;
 use admire_syntax::text::Decimals;
 
-/// Colour index of reference values, which no model uses.
+/// Colour index of reference values; no model has this colour.
 const REFERENCE: usize = 4;
 
-/// Report of an identification.
+/// Report of an identification as an HTML page.
 #[derive(Clone, Debug)]
 pub struct IdentificationReport<'a> {
-    /// Study.
+    /// Study that was identified.
     pub loaded: &'a LoadedStudy,
     /// Result of the fit.
     pub fit: &'a Fit,
-    /// Edits of the identified deck, as a diff.
+    /// Changes from the deck to the identified deck, as a diff.
     pub diff: &'a str,
-    /// Poses of the model with its initial and its identified numbers, where equilibria were found.
+    /// Poses of the model with its initial and with its identified parameters, where equilibria were found.
     pub positions: &'a [Positions],
 }
 
 impl IdentificationReport<'_> {
-    /// Creates the page.
+    /// Returns the page as HTML text.
     ///
     /// # Errors
-    /// When a picture cannot be drawn.
+    /// [`DrawingError`] if a picture cannot be drawn.
     pub fn html(&self) -> Result<String, DrawingError> {
         let title = self.loaded.dataset.title();
         let figures = StudyFigures {
@@ -177,7 +177,7 @@ impl IdentificationReport<'_> {
                 );
             }
             cells.push(match parameter.status {
-                // The JSON word is too wide for a column.
+                // The word used in the JSON file is too wide for a column.
                 Status::Unidentifiable => unbroken("not determined"),
                 other => unbroken(status(other)),
             });
@@ -204,7 +204,7 @@ impl IdentificationReport<'_> {
         table
     }
 
-    /// Returns the name of a parameter: `A (BUSHING/1.K.1) = A (BUSHING/1.K.2)` where the deck names its bushings.
+    /// Returns the name of a parameter, with view names where the deck has them: `A (BUSHING/1.K.1) = A (BUSHING/1.K.2)`.
     fn named(&self, parameter: &ParameterFit) -> String {
         std::iter::once(&parameter.address)
             .chain(&parameter.tied)
@@ -223,7 +223,7 @@ impl IdentificationReport<'_> {
         }
     }
 
-    /// Splits an address into element and number: `BUSHING/1.K.1` into `A (BUSHING/1)` and `K.1`.
+    /// Splits an address into the element and the parameter in it: `BUSHING/1.K.1` into `A (BUSHING/1)` and `K.1`.
     fn element_and_number(&self, address: &str) -> (String, String) {
         let (element, number) = address.split_once('.').unwrap_or((address, ""));
         let name = self.loaded.model.bushings.iter().find(|bushing| {
@@ -274,7 +274,7 @@ impl IdentificationReport<'_> {
         ]
     }
 
-    /// Draws force over deflection of every bushing with an identified number.
+    /// Draws force over deflection of every bushing with an identified parameter.
     fn laws(&self, page: &mut Page, figures: &StudyFigures<'_>) -> Result<(), DrawingError> {
         let problem = self.loaded.problem();
         let (initial, values) = (problem.initial(), self.fit.values());
@@ -377,7 +377,7 @@ impl IdentificationReport<'_> {
 }
 
 impl IdentificationReport<'_> {
-    /// Adds the tolerances included in the intervals.
+    /// Adds a table of the tolerances that the intervals include.
     fn tolerances(&self, page: &mut Page) {
         if self.fit.tolerances.is_empty() {
             return;
@@ -400,7 +400,7 @@ impl IdentificationReport<'_> {
         );
     }
 
-    /// Adds the residuals, and the tests of whether they look like noise.
+    /// Adds a table of the residuals, and the tests of whether they look like noise.
     fn tests(&self, page: &mut Page) {
         let Some(test) = &self.fit.fit_test else {
             return;
@@ -443,7 +443,7 @@ impl IdentificationReport<'_> {
     }
 }
 
-/// Returns the result in a few sentences, objections first.
+/// Returns the result in a few sentences, with objections first.
 pub fn lead(fit: &Fit) -> String {
     let of = |status: Status| {
         fit.parameters
@@ -502,7 +502,7 @@ pub fn lead(fit: &Fit) -> String {
     sentences.join(" ")
 }
 
-/// Describes the result of the goodness-of-fit test.
+/// Describes the result of the goodness-of-fit test in words.
 fn explained(fit: &Fit) -> String {
     let Some(test) = &fit.fit_test else {
         let rms = fit.marks.and_then(|marks| marks.rms);
@@ -529,7 +529,7 @@ fn explained(fit: &Fit) -> String {
     }
 }
 
-/// Formats a p-value for readers.
+/// Formats a p-value for the report.
 fn probability(p: f64) -> String {
     if p < 1e-300 {
         "0".to_string()
@@ -553,7 +553,7 @@ fn interval(parameter: &ParameterFit) -> String {
     format!("{} … {}", digits(low), digits(high))
 }
 
-/// Returns the status in words; empty for identified numbers.
+/// Returns the status of a parameter in words; empty for an identified parameter.
 pub fn status(status: Status) -> &'static str {
     match status {
         Status::Identified => "",

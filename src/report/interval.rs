@@ -1,20 +1,20 @@
 use std::fmt::Write as _;
 
-/// Width and height of an interval's picture, in pixels.
+/// Width and height of the picture of an interval, in pixels.
 const SIZE: (f64, f64) = (170.0, 20.0);
 
-/// Shared logarithmic scale for intervals relative to their estimates. It makes parameters of very different size comparable.
+/// Logarithmic scale on which intervals are drawn relative to their estimates. It makes parameters of very different size comparable.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IntervalScale {
-    /// Upper end of the scale; the lower end is its reciprocal.
+    /// Upper end of the scale, as a ratio to the estimate. The lower end is its reciprocal.
     reach: f64,
-    /// Colour class of the intervals.
+    /// Colour class in which the intervals are drawn.
     colour: &'static str,
 }
 
 impl IntervalScale {
-    /// Creates a scale for the ends of 95 percent intervals relative to their estimates. Intervals wider than a factor of ten end in
-    /// arrows.
+    /// Creates a scale from the ends of 95 percent intervals, divided by their estimates. The scale covers at most a factor of ten; wider
+    /// intervals end in arrows.
     pub(crate) fn over(ratios: impl Iterator<Item = f64>) -> Self {
         let widest = ratios
             .filter(|ratio| *ratio > 0.0 && ratio.is_finite())
@@ -32,14 +32,15 @@ impl IntervalScale {
         Self { colour, ..self }
     }
 
-    /// Returns the ends of the scale as text, for the heading of its column.
+    /// Returns the two ends of the scale as text, for the heading of the column.
     pub(crate) fn ends(&self) -> String {
         let reach = shown(self.reach);
         format!("÷{reach} … ×{reach}")
     }
 
-    /// Draws an interval as a bar, the estimate as a dot in the middle, and the reference value as a diamond in a colour of the style
-    /// sheet. A side that is unbounded or beyond the scale ends in an arrow.
+    /// Draws an interval as a bar, with a dot for the estimate in the middle. `low`, `high` and the reference value are ratios to the
+    /// estimate. The reference value is drawn as a diamond, in the colour with the given index in the style sheet. A side that is unbounded
+    /// or beyond the scale ends in an arrow.
     pub(crate) fn svg(
         &self,
         low: Option<f64>,

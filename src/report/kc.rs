@@ -6,37 +6,37 @@ use admire_kc::{
 };
 use admire_syntax::units::Units;
 
-/// Measured curve in the units of the deck and radians.
+/// Measured curve of a K&C (kinematics and compliance) test, in the units of the deck and radians.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MeasuredCurve {
-    /// Name of the test.
+    /// Name of the K&C test.
     pub test: String,
     /// Path of the characteristic, such as `toe_angle.left`.
     pub path: String,
-    /// Values of the test's variable and of the characteristic, in the order driven.
+    /// Pairs of the test's driven variable and the characteristic, in the order driven.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Report of K&C tests.
+/// Report of K&C (kinematics and compliance) tests as an HTML page.
 #[derive(Debug)]
 pub struct KcReport<'a> {
     /// Name of the deck.
     pub deck: &'a str,
-    /// Run of the deck.
+    /// Results of the tests on the deck.
     pub run: &'a KcRun,
-    /// Runs of other decks under the same tests, with their names.
+    /// Results of the same tests on other decks, with the names of these decks.
     pub others: &'a [(String, KcRun)],
-    /// Measured curves.
+    /// Measured curves, drawn beside the results.
     pub measured: &'a [MeasuredCurve],
     /// Units of the deck.
     pub units: &'a Units,
-    /// Axes in which results are given.
+    /// Axis convention in which results are given.
     pub convention: Convention,
-    /// Inputs and choices, by name.
+    /// Inputs and settings listed at the top of the page, by name.
     pub facts: &'a [(&'a str, String)],
 }
 
-/// Curves of each test: request, left and right component, and title.
+/// Curves drawn for each test: name of the request, its left and right components, and title of the chart.
 const CURVES: [(&str, [&str; 2], &str); 7] = [
     ("toe_angle", ["left", "right"], "Toe"),
     ("camber_angle", ["left", "right"], "Camber"),
@@ -63,7 +63,7 @@ const CURVES: [(&str, [&str; 2], &str); 7] = [
     ),
 ];
 
-/// Readings of the axle shown over the tests that drive heights: request, component, and title.
+/// Characteristics of the axle drawn for tests that drive heights: name of the request, component, and title of the chart.
 const MIGRATION: [(&str, &str, &str); 2] = [
     ("roll_center_location", "vertical", "Roll centre height"),
     (
@@ -73,7 +73,7 @@ const MIGRATION: [(&str, &str, &str); 2] = [
     ),
 ];
 
-/// Requests shown in the table of ride height.
+/// Requests listed in the ride height table.
 const AT_RIDE_HEIGHT: [&str; 22] = [
     "toe_angle",
     "camber_angle",
@@ -99,7 +99,7 @@ const AT_RIDE_HEIGHT: [&str; 22] = [
     "anti_squat_acceleration",
 ];
 
-/// Number of digits in a sentence.
+/// Number of significant digits in sentences.
 const LEAD: i32 = 3;
 
 /// Returns a readable name for a request.
@@ -121,12 +121,12 @@ fn called(entity: &str) -> String {
     }
 }
 
-/// Formats a number with five digits; empty if not finite.
+/// Formats a number with five significant digits; empty if the number is not finite.
 fn digits(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    // Smaller values are round-off of angles and lengths.
+    // Values below this limit are rounding errors of angles and lengths.
     let value = if value.abs() < 1e-11 { 0.0 } else { value };
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e6).contains(&size) {
@@ -140,7 +140,7 @@ fn digits(value: f64) -> String {
     format!("{value:.*}", places as usize)
 }
 
-/// Formats a share in percent; empty for a single wheel.
+/// Formats a fraction in percent. Returns an empty text if the fraction is not finite, as for a single wheel.
 fn percent(share: f64) -> String {
     if share.is_finite() {
         format!("{:.1} %", 100.0 * share + 0.0)
@@ -154,7 +154,7 @@ fn reading<'s>(sample: &'s Sample, entity: &str, component: &str) -> Option<&'s 
     all.find(|reading| reading.entity == entity && reading.component == component)
 }
 
-/// Returns true if the two branches coincide, to a thousandth of the plotted range.
+/// Returns true if the curves of the two branches coincide, to a thousandth of the plotted range.
 fn one_curve(up: &[(f64, f64)], down: &[(f64, f64)]) -> bool {
     let values = || up.iter().map(|point| point.1);
     let (least, most) = (
@@ -170,10 +170,10 @@ fn one_curve(up: &[(f64, f64)], down: &[(f64, f64)]) -> bool {
 }
 
 impl KcReport<'_> {
-    /// Creates the page. `footer` names the program that made it.
+    /// Returns the page as HTML text. `footer` names the program that made it.
     ///
     /// # Errors
-    /// When a picture cannot be drawn.
+    /// [`DrawingError`] if a picture cannot be drawn.
     pub fn page(&self, footer: &str) -> Result<String, DrawingError> {
         let mut page = Page::new(
             &format!("Kinematics and compliance of {}", self.deck),
@@ -310,7 +310,7 @@ impl KcReport<'_> {
         ));
         let mut figures = Vec::new();
         for (entity, components, title) in CURVES {
-            // Where heights are held, wheel travel is the input.
+            // In tests that hold heights, wheel travel is the input.
             if entity == "wheel_travel" && settings.hold == admire_kc::Hold::Height {
                 continue;
             }
@@ -331,7 +331,7 @@ impl KcReport<'_> {
         Ok(())
     }
 
-    /// Draws one chart; `None` if all its curves are constant, because they carry no information.
+    /// Draws one chart. Returns `None` if all its curves are constant, because such a chart carries no information.
     fn curve(
         &self,
         test: &TestRun,
@@ -502,7 +502,7 @@ impl KcReport<'_> {
     }
 }
 
-/// Merges the curves of both wheels where they coincide, as on a symmetric axle with the wheels in phase.
+/// Merges the curves of the left and the right wheel where they coincide, as on a symmetric axle with the wheels in phase.
 fn merge_sides(series: &mut Vec<Series>) {
     let mut at = 0;
     while at < series.len() {

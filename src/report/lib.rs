@@ -1,10 +1,10 @@
 //! Self-contained HTML pages with tables and SVG pictures.
 //!
-//! [`Page`] is assembled from [`Table`]s and [`Figure`]s. [`IdentificationReport`], [`DiagnosisReport`] and [`KcReport`] are complete
-//! pages, and [`scene`] is the three-dimensional view of a model. This crate displays results; it neither solves nor writes files. Every
-//! text from a study is escaped.
+//! [`Page`] is assembled from [`Table`]s and [`Figure`]s. [`IdentificationReport`], [`DiagnosisReport`] and [`KcReport`] are complete pages.
+//! [`scene`] is the three-dimensional view of a model. This crate only displays results: it does not solve models, and it writes no files.
+//! All text from a study is escaped.
 #![warn(unreachable_pub)]
-// Private modules link to their private items.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -15,6 +15,8 @@ mod chart;
 mod check;
 mod convergence;
 mod diagnosis;
+mod diagnosis_phrases;
+mod diagnosis_tables;
 mod diagnosis_text;
 mod diagnosis_view;
 mod escape;
@@ -75,7 +77,7 @@ pub use topology_graph::TopologyGraph;
 
 pub use admire_syntax::units::short_unit;
 
-/// Version of this program, with the commit it was built from.
+/// Version of this program, and the commit from which it was built.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("ADMIRE_COMMIT"), ")");
 
 /// Reason why a picture could not be drawn.

@@ -1,14 +1,14 @@
-//! Detection limits as tables.
+//! Tables of detection limits.
 
 use super::ranking::unit;
 use super::{Align, Scene, Table, number, short_unit};
 use admire_diagnosis::{Cause, CauseLimit, Diagnosis};
 use admire_identify::LoadedStudy;
 
-/// Higher-order terms of laws. They are omitted, because the limit of the first term is more informative.
+/// Parameters of higher-order terms of force laws. Their limits are omitted, because the limit of the first term is more informative.
 const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];
 
-/// Tabulates the smallest detectable displacement of each point.
+/// Tabulates the detection limits of the hardpoints.
 pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("point", Align::Left),
@@ -25,7 +25,7 @@ pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     table
 }
 
-/// Tabulates the smallest detectable size of all other causes, one line for each kind of number.
+/// Tabulates the detection limits of all other causes, one line for each kind of parameter.
 pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
@@ -38,7 +38,8 @@ pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Sce
         ("not seen", Align::Right),
     ]);
     let all = &diagnosis.cause_limits;
-    // Each line has a single unit. Moments of a bushing are separate from forces, and rates from lengths.
+    // All limits in a line have the same unit. Torques of a bushing are therefore separate from its forces, and spring rates from spring
+    // lengths.
     let of = |limit: &CauseLimit| {
         let own = limit.number.as_str();
         let argument = limit.address.split('.').nth(1).unwrap_or_default();
@@ -70,7 +71,7 @@ pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Sce
         let at = |(_, address): &(f64, &str)| scene.named(address);
         let one = places()
             .next()
-            .map(|l| unit((l.cause, &l.address), &l.number, loaded));
+            .map(|l| unit(l.cause, &l.address, &l.number, loaded));
         table.row([
             cause.as_str().to_string(),
             name,

@@ -1,4 +1,5 @@
-//! Check of whether the marks follow the table of loads. It reveals exchanged cases, and columns of wrong sign or unit, before any fit.
+//! Check of whether the marks (measured points on parts) move as the table of loads requires. Before any fit, it reveals exchanged cases,
+//! and load columns with a wrong sign or unit.
 
 use std::collections::BTreeMap;
 
@@ -8,20 +9,20 @@ use super::check::Verdict;
 use admire_identify::LoadedStudy;
 use admire_study::Case;
 
-/// Cosine between measured and predicted motion under a load. Below it, the marks move against the model; above its negative, they move
-/// with the model.
+/// Limit of the cosine between the measured and the predicted motion of the marks under a load. Below this limit, the marks move against the
+/// model. Above its negative, they move with the model.
 const AGAINST: f64 = -0.5;
-/// Range of the ratio of motions that suggests confused units, such as newtons and kilonewtons.
+/// Range of the ratio between measured and predicted motions that suggests confused units, such as newtons and kilonewtons.
 const THOUSAND: (f64, f64) = (300.0, 3000.0);
-/// Largest share of the unexplained motion that may remain after swapping two cases, for them to count as exchanged.
+/// Fraction of the unexplained motion that may remain after two cases are swapped. Up to this fraction, the two cases count as exchanged.
 const EXCHANGED: f64 = 0.25;
-/// Number of cases required beyond the number of functions of the loads.
+/// Number of cases required in excess of the number of functions of the loads.
 const SPARE: usize = 4;
-/// Relative singular value below which a direction of the functions of the loads counts as zero.
+/// Singular value, relative to the largest, below which a combination of functions of the loads counts as zero.
 const RANK_TOLERANCE: f64 = 1e-6;
 
-/// Returns the suspicious findings about loads and marks. The comparison with the prediction at the start values is included where it is
-/// meaningful.
+/// Returns suspicious findings about loads and marks. If `predicted` gives the prediction at the start values, the measured motions are also
+/// compared with it.
 pub(super) fn odd_loads(
     loaded: &LoadedStudy,
     predicted: Option<&[Case]>,
@@ -32,7 +33,7 @@ pub(super) fn odd_loads(
     out
 }
 
-/// Finds the loads under which the marks move against the model, or about a thousand times as far or as little.
+/// Finds the loads under which the marks move against the model, or about a thousand times more or less than the model.
 fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, String)>> {
     let to = &loaded.measurement;
     let cases: Vec<usize> = to.fitted_cases().collect();
@@ -72,7 +73,7 @@ fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, Str
     Some(out)
 }
 
-/// Finds two cases whose marks fit each other's loads.
+/// Finds two cases in which the marks fit the loads of the other case.
 fn exchanged(loaded: &LoadedStudy) -> Option<String> {
     let to = &loaded.measurement.cases;
     let cases: Vec<usize> = (0..to.len()).collect();
@@ -84,14 +85,14 @@ fn exchanged(loaded: &LoadedStudy) -> Option<String> {
         (cases.len() >= rank + SPARE).then(|| turn.u.map(|u| u.columns(0, rank).into_owned()))?
     };
     let U = enough(true).or_else(|| enough(false))?;
-    // M Y is the part of the motion that no function of the loads explains, with M = I - U U'.
+    // `left` is M Y with M = I - U U': the part of the motion that no function of the loads explains.
     let left = &Y - &U * (U.transpose() * &Y);
     let before = left.norm_squared();
     let mut best: Option<(f64, usize, usize)> = None;
     for a in 0..cases.len() {
         for b in a + 1..cases.len() {
-            // With d the difference of the two rows and u the difference of their unit vectors, the new sum of squares is that of M (Y + u
-            // d').
+            // Let d be the difference of rows b and a of Y, and u the difference of the corresponding unit vectors. Swapping the two rows
+            // gives the sum of squares of M (Y + u d').
             let d = Y.row(b) - Y.row(a);
             let along = d.dot(&(left.row(a) - left.row(b)));
             let own = (U.row(a) - U.row(b)).norm_squared();
@@ -108,7 +109,7 @@ fn exchanged(loaded: &LoadedStudy) -> Option<String> {
     })
 }
 
-/// Returns the indices of the loads that differ between cases.
+/// Returns the indices of the loads that differ between the given cases.
 fn varying(all: &[Case], cases: &[usize]) -> Vec<usize> {
     let count = all.first().map_or(0, |case| case.loads.len());
     let is_constant = |load: &usize| {
@@ -119,7 +120,8 @@ fn varying(all: &[Case], cases: &[usize]) -> Vec<usize> {
     (0..count).filter(|load| !is_constant(load)).collect()
 }
 
-/// Builds one row for each case: 1, the loads relative to their largest values, and optionally their products.
+/// Returns one row per case: 1, the loads relative to their largest magnitudes and, if `products` is set, the products of these relative
+/// loads.
 fn functions(all: &[Case], cases: &[usize], loads: &[usize], products: bool) -> DMatrix<f64> {
     let largest = |load: usize| {
         let values = cases.iter().map(|k| all[*k].loads[load].abs());
@@ -142,7 +144,7 @@ fn functions(all: &[Case], cases: &[usize], loads: &[usize], products: bool) -> 
     DMatrix::from_rows(&rows)
 }
 
-/// Builds one row for each case: the coordinates of the marks that were read in all cases; `None` if there are none.
+/// Returns one row per case: the coordinates of all marks that were read in every case. Returns `None` if there are no such marks.
 fn coordinates(all: &[Case], cases: &[usize]) -> Option<DMatrix<f64>> {
     let mut columns: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
     for case in cases {

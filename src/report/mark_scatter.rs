@@ -1,10 +1,11 @@
-//! Precision of the marks before any fit, estimated from the rigid parts that carry them and from repeated loads.
+//! Noise of the marks (measured points on parts), estimated before any fit: from the rigidity of the parts, and from repeated loads.
 
 use admire_identify::global::{Observed, SeenMark};
 use admire_identify::{LoadedStudy, meet_marks};
 use admire_solver::mechanics::{Pose, Vec3};
 
-/// Returns the standard deviation of a mark coordinate, from fits of rigid parts to their marks. Outlying fits are left out.
+/// Returns the standard deviation of one mark coordinate, from fits of rigid parts to their marks. Outlying fits are left out. Returns
+/// `None` if there are too few marks.
 pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
     let to = &loaded.measurement;
     let mut spreads: Vec<(f64, usize)> = Vec::new();
@@ -28,8 +29,8 @@ pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
     (dof >= 6).then(|| (squares / dof as f64).sqrt())
 }
 
-/// Returns the standard deviation of a mark coordinate, from cases with the same loads, and the number of such pairs of cases.
-/// Zero-stiffness motions between the cases are removed.
+/// Returns the standard deviation of one mark coordinate, from pairs of cases with the same loads, and the number of these pairs.
+/// Zero-stiffness motions between the two cases of a pair are removed. Returns `None` if no mark was read in both cases of a pair.
 pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
     let cases = &loaded.measurement.cases;
     let (mut squares, mut count, mut pairs) = (0.0, 0_usize, 0);
@@ -53,12 +54,12 @@ pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
             }
         }
     }
-    // A difference of two readings has twice the variance of one reading.
+    // The difference of two readings has twice the variance of one reading.
     (count > 0).then(|| ((squares / (2 * count) as f64).sqrt(), pairs))
 }
 
-/// Returns the free motion of each marked part between two cases with the same loads. `None` for a part with a free motion but too few
-/// marks to determine it.
+/// Returns the zero-stiffness motion of each marked part between two cases with the same loads. A part without such a motion has the
+/// identity. `None` for a part that has such a motion, but too few marks to determine it.
 fn moved(loaded: &LoadedStudy, [first, second]: [usize; 2]) -> Vec<Option<Pose>> {
     let (to, free) = (&loaded.measurement, &loaded.free);
     let before: Vec<Option<Pose>> = (0..to.parts.len())

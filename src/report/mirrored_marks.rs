@@ -1,16 +1,16 @@
-//! Check of whether the measured marks are a mirror image: one coordinate with the wrong sign, or two coordinates exchanged.
+//! Check of whether the measured marks are a mirror image of the parts: one coordinate has the wrong sign, or two coordinates are exchanged.
 
 use super::mark_scatter::rigidity;
 use admire_identify::LoadedStudy;
 use admire_solver::mechanics::Vec3;
 
-/// Largest scatter of the corrected marks on their parts, relative to the uncorrected scatter, that proves a mirror image. A mirror image
-/// does not fit a rigid part.
+/// Largest scatter of the corrected marks on their parts, relative to the uncorrected scatter, that proves a mirror image. Mirrored marks do
+/// not fit a rigid part.
 const RIGID: f64 = 0.2;
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
-/// Returns the correction if the marks are a mirror image. Every reflection makes the parts rigid again; the chosen correction brings the
-/// marks nearest to their positions in the deck.
+/// Returns a sentence with the correction if the marks are a mirror image, otherwise `None`. Every reflection makes the parts rigid again.
+/// The correction that brings the marks nearest to their positions in the deck is chosen.
 pub(super) fn mirrored(loaded: &LoadedStudy) -> Option<String> {
     let before = rigidity(loaded)?;
     let mends = |change: &dyn Fn(&Vec3) -> Vec3| {
@@ -58,7 +58,7 @@ pub(super) fn mirrored(loaded: &LoadedStudy) -> Option<String> {
     ))
 }
 
-/// Returns the rms distance of the marks from their positions in the deck.
+/// Returns the rms distance of the marks from their positions in the deck's design position.
 fn from_deck(loaded: &LoadedStudy) -> f64 {
     let to = &loaded.measurement;
     let (mut squares, mut count) = (0.0, 0_usize);

@@ -1,9 +1,9 @@
-/// Makes a short text unbreakable.
+/// Makes a short text unbreakable: blanks become non-breaking spaces.
 pub(super) fn unbroken(text: &str) -> String {
     text.replace(' ', "\u{a0}")
 }
 
-/// Formats a value to the precision of its standard error: two digits of the error. Without an error, six digits.
+/// Formats a value down to the second digit of its standard error. Without an error, the value has six digits.
 pub fn number(value: f64, std_error: Option<f64>) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -17,7 +17,8 @@ pub fn number(value: f64, std_error: Option<f64>) -> String {
     rounded(value, digits as i32)
 }
 
-/// Describes the change of an error, with three digits each: `falls from 0.48 to 0.05`, or `stays at 0.05` for a negligible change.
+/// Describes the change of an error in words, with three digits per value: `falls from 0.48 to 0.05`, or `stays at 0.05` for a negligible
+/// change.
 pub(super) fn change(before: f64, after: f64) -> String {
     let digits = |value: f64| number(value, Some(value.abs() * 0.1));
     let (from, to) = (digits(before), digits(after));

@@ -9,14 +9,14 @@ use super::{Figure, Scene, Table};
 pub struct Page {
     title: String,
     body: String,
-    /// True if the page needs the script of the three-dimensional view.
+    /// True if the page contains a three-dimensional view, and therefore its script.
     scenes: bool,
 }
 
 const STYLE: &str = include_str!("page.css");
 
 impl Page {
-    /// Creates a page with a title and, below it, the result in a sentence or two.
+    /// Creates a page with a title. Below the title follows `lead`, the result in one or two sentences.
     pub fn new(title: &str, lead: &str) -> Self {
         let mut page = Self {
             title: title.to_string(),
@@ -37,7 +37,7 @@ impl Page {
             .expect("writing into a String cannot fail");
     }
 
-    /// Adds a heading.
+    /// Adds a section heading.
     pub fn heading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h2>{}</h2>\n", escape(text)));
         self
@@ -55,7 +55,7 @@ impl Page {
         self
     }
 
-    /// Adds a list of sentences.
+    /// Adds a bulleted list of sentences.
     pub(crate) fn list(&mut self, items: &[String]) -> &mut Self {
         self.body.push_str("<ul>\n");
         for item in items {
@@ -65,7 +65,7 @@ impl Page {
         self
     }
 
-    /// Adds preformatted text, for example a diff.
+    /// Adds preformatted text, such as a diff.
     pub(crate) fn verbatim(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<pre>{}</pre>\n", escape(text)));
         self
@@ -77,7 +77,7 @@ impl Page {
         self
     }
 
-    /// Adds names with values, for example the origin of the page.
+    /// Adds a list of names with values, such as the origin of the page.
     pub fn facts(&mut self, facts: &[(&str, String)]) -> &mut Self {
         self.body.push_str("<dl class=\"facts\">\n");
         for (name, value) in facts {
@@ -91,20 +91,20 @@ impl Page {
         self
     }
 
-    /// Adds a heading within a section.
+    /// Adds a subheading within a section.
     pub fn subheading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h3>{}</h3>\n", escape(text)));
         self
     }
 
-    /// Adds one picture over the full width.
+    /// Adds one picture over the full width of the page.
     pub(crate) fn add(&mut self, figure: &Figure) -> &mut Self {
         self.body
             .push_str(&format!("<div class=\"wide\">{}</div>\n", figure.html()));
         self
     }
 
-    /// Adds pictures, side by side where there is room.
+    /// Adds pictures, side by side if the window is wide enough.
     pub fn figures(&mut self, figures: &[Figure]) -> &mut Self {
         self.body.push_str("<div class=\"figures\">\n");
         for figure in figures {
@@ -121,12 +121,12 @@ impl Page {
         self
     }
 
-    /// Returns the page as one file. `footer` names the program and its inputs.
+    /// Returns the complete page as HTML text. `footer` names the program and its inputs.
     pub fn finish(self, footer: &str) -> String {
         self.written("", footer)
     }
 
-    /// Creates a page with a single three-dimensional view that fills the window.
+    /// Returns a complete page with a single three-dimensional view that fills the window, as HTML text.
     pub fn of_scene(scene: &Scene, lead: &str, footer: &str) -> String {
         let mut page = Self::new(&scene.title, lead);
         page.scenes = true;

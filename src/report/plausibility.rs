@@ -1,4 +1,4 @@
-//! Overview of a study before any fit: its contents, their units, and whether they are plausible.
+//! Overview of a study before any fit: its contents, its units, and whether they are plausible.
 
 use nalgebra::DMatrix;
 
@@ -17,17 +17,18 @@ use admire_solver::model::lint::implausible_units;
 use admire_study::settings::BackendChoice;
 use admire_syntax::diagnostic::Severity;
 
-/// Plausibility table.
+/// Plausibility table of a study.
 #[derive(Clone, Default, PartialEq, Debug)]
 pub struct Plausibility {
     /// Lines of the table.
     pub checks: Vec<Check>,
 }
 
-/// Ratio of observed to stated mark noise beyond which the study is certainly wrong: it states another unit, or the noise of another
-/// sensor.
+/// Ratio of observed to declared noise of the marks above which the study is certainly wrong. It then declares the noise in another unit, or
+/// the noise of another sensor.
 const NOISE_IMPOSSIBLE: f64 = 20.0;
-/// Ratio of observed to stated mark noise beyond which the noise is doubtful; its reciprocal applies to overstated noise.
+/// Ratio of observed to declared noise of the marks above which the declared noise is doubtful. Declared noise is also doubtful below the
+/// reciprocal of this ratio.
 const NOISE_DOUBTFUL: f64 = 2.0;
 /// Plausible size of a mechanism on a test rig, in metres.
 const SIZE: (f64, f64) = (0.02, 50.0);
@@ -35,11 +36,12 @@ const SIZE: (f64, f64) = (0.02, 50.0);
 const MASS: (f64, f64) = (1e-3, 1e5);
 /// Plausible stiffness of rubber, joints and links, in newtons per metre.
 const STIFFNESS: (f64, f64) = (1.0, 1e11);
-/// Smallest motion of a mark, in units of its noise, that carries information.
+/// Smallest motion of a mark, in units of its noise, that carries information about the model.
 const MOVED: f64 = 3.0;
 
 impl Plausibility {
-    /// Checks a study. The forecast solves all load cases once at the start values; slips are found by short fits.
+    /// Checks a study. The forecast solves all load cases once at the start values. The search for slips (single mistaken numbers) runs
+    /// short fits.
     pub fn of(loaded: &LoadedStudy) -> Self {
         let mut table = Self::default();
         table.loads(loaded);
@@ -58,7 +60,7 @@ impl Plausibility {
         table
     }
 
-    /// Returns the reason why this study is refused unless a fit is forced; `None` if it is acceptable.
+    /// Returns the reason why this study is refused unless a fit is forced. Returns `None` if the study is acceptable.
     pub fn refusal(&self) -> Option<String> {
         let wrong = self.checks.iter();
         let wrong = wrong.filter(|check| check.verdict == Verdict::Impossible);
@@ -73,7 +75,7 @@ impl Plausibility {
             .all(|check| check.verdict != Verdict::Impossible)
     }
 
-    /// Adds a line. The reason is dropped if the verdict is plausible.
+    /// Adds a line to the table. The reason `why` is dropped if the verdict is plausible.
     pub(super) fn add(
         &mut self,
         what: &'static str,
@@ -167,7 +169,7 @@ impl Plausibility {
         }
     }
 
-    /// Checks gradients and loop widths; each is one reading derived from several cases.
+    /// Checks summary channels (gradients and loop widths). Each of them has a single reading, derived from several cases.
     fn summaries(&mut self, loaded: &LoadedStudy) {
         let to = &loaded.measurement;
         let (mut told, mut missing) = (Vec::new(), 0);
@@ -197,7 +199,7 @@ impl Plausibility {
         );
     }
 
-    /// Adds a line with the number of readings, out of the full number.
+    /// Adds a line with the number of readings, compared with the number of possible readings.
     fn counted(&mut self, what: &'static str, of: String, read: usize, full: usize) {
         let verdict = if 2 * read < full {
             Verdict::Doubtful
@@ -403,9 +405,9 @@ impl Plausibility {
         }
     }
 
-    /// Forecasts how well each unknown will be determined if the start values are true, and reports discrepancies between them and the
-    /// readings. If `is_settled`, because of a slip or because a fit explains the readings, the start values are not used as evidence
-    /// against the readings.
+    /// Forecasts how well each unknown will be determined if the start values are true, and reports discrepancies between the start values
+    /// and the readings. If `is_settled` is set, a slip was found, or a fit explains the readings. The start values are then not used as
+    /// evidence against the readings.
     fn forecast(&mut self, loaded: &LoadedStudy, is_settled: bool) {
         let count = loaded.unknowns.len();
         if loaded.study.solver.backend != BackendChoice::Native {
@@ -483,19 +485,19 @@ impl Plausibility {
     }
 }
 
-/// Results at the start values.
+/// Results of the forecast at the start values.
 struct Forecast {
     /// Posterior standard deviation of ln K of each unknown, linearised at the start values.
     sd: Vec<f64>,
-    /// Number of channels that follow the model, and findings about the others.
+    /// Number of channels that follow the model, and sentences about the suspicious channels. `None` without channels.
     channels: Option<(usize, Vec<String>)>,
-    /// Finding about the common position of all marks.
+    /// Finding that all marks are offset by a common rigid motion.
     odd_frame: Option<(Verdict, String)>,
-    /// Findings about the loads, from the motion of the marks.
+    /// Findings about the loads, derived from the motions of the marks.
     odd_loads: Vec<(Verdict, String)>,
 }
 
-/// Computes the forecast; `None` if some load case has no equilibrium at the start values.
+/// Computes the forecast. Returns `None` if a load case has no equilibrium at the start values.
 fn forecast(loaded: &LoadedStudy, is_settled: bool) -> Option<Forecast> {
     let problem = loaded.problem();
     let prepared = Prepared::new(&problem).ok()?;
@@ -548,7 +550,7 @@ fn forecast(loaded: &LoadedStudy, is_settled: bool) -> Option<Forecast> {
     })
 }
 
-/// Returns the diagonal of the bounding box of these points.
+/// Returns the length of the diagonal of the points' bounding box.
 fn diagonal(points: &[Vec3]) -> f64 {
     let Some(first) = points.first() else {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Ranking of causes, each with its probability as a bar and its rivals below.
+//! Table of causes, each with its probability as a bar and its rivals below.
 
 use super::scene::Scene;
 use super::{Align, Table, escape, number, short_unit};
@@ -6,10 +6,10 @@ use admire_diagnosis::{Cause, Diagnosis, Finding};
 use admire_identify::LoadedStudy;
 use admire_syntax::Address;
 
-/// Width and height of a bar, in pixels.
+/// Width and height of a probability bar, in pixels.
 const SIZE: (f64, f64) = (150.0, 14.0);
 
-/// Tabulates the causes, the most important first, each followed by its indistinguishable rivals.
+/// Tabulates the causes, the most important first. The indistinguishable rivals of a cause follow below it.
 pub(super) fn ranking(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
@@ -64,7 +64,7 @@ fn line(table: &mut Table, cause: String, place: String, probability: f64, sizes
     table.picture(2, bar(probability, &text));
 }
 
-/// Returns the name of a cause in words.
+/// Returns the name of a cause in words, without hyphens.
 pub(super) fn words(cause: Cause) -> String {
     cause.to_string().replace('-', " ")
 }
@@ -91,12 +91,12 @@ fn bar(probability: f64, text: &str) -> String {
     )
 }
 
-/// Lists the numbers of a finding with units and standard errors; angles are in degrees. A corrected number of the deck is listed with its
-/// old value, its new value, and the change in percent.
+/// Lists the parameters of a finding with units and standard errors; angles are in degrees. A corrected parameter of the deck is followed by
+/// its old value, its new value and the change in percent.
 pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let texts = finding.parameters.iter().map(|(name, value)| {
-        let unit = unit((finding.cause, &finding.address), name, loaded);
+        let unit = unit(finding.cause, &finding.address, name, loaded);
         let (factor, unit) = match unit.as_str() {
             "rad" => (1f64.to_degrees(), "deg".to_string()),
             _ => (1.0, short_unit(&unit)),
@@ -125,7 +125,7 @@ pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
                 text += &format!(" ({:+.1} %)", 100.0 * value / old.value.abs());
             }
         }
-        // Engineers think in stiffness, so the reciprocal is added.
+        // A compliance is followed by its reciprocal, because engineers think in stiffness.
         if name == "compliance" && *value > 0.0 {
             let relative = error.map(|error| error / (value * value));
             text += &format!(
@@ -140,7 +140,8 @@ pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
     texts.collect::<Vec<_>>().join("; ")
 }
 
-/// Returns the unit of a coupling coefficient of a bushing's energy, from the components it multiplies, as in `x-rzrzrz`.
+/// Returns the unit of a coupling coefficient in a bushing's energy. The name lists the components that the coefficient multiplies, as in
+/// `x-rzrzrz`.
 fn of_coupling(name: &str, force: &str, length: &str) -> String {
     let turns = name.matches('r').count();
     let shifts = name.matches(['x', 'y', 'z']).count() - turns;
@@ -156,7 +157,7 @@ fn of_coupling(name: &str, force: &str, length: &str) -> String {
 }
 
 /// Returns the unit of a number of a cause; empty if it is dimensionless or only the deck defines it.
-pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedStudy) -> String {
+pub(super) fn unit(cause: Cause, address: &str, name: &str, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let (force, length) = (units.force.word, units.length.word);
     let turns = address.contains(".KT");
@@ -174,7 +175,7 @@ pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedS
             .and_then(|channel| channel.unit.clone())
             .unwrap_or_default();
     }
-    // Numbers of further parts of a law carry an index.
+    // The names of parameters of further terms of a law end in an index.
     let name = name.trim_end_matches(|c: char| c == '_' || c.is_ascii_digit());
     match name {
         _ if cause == Cause::BushingCoupling => of_coupling(name, force, length),
@@ -186,7 +187,7 @@ pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedS
         "force" | "asymmetry" | "law_misfit" => force.to_string(),
         "stiffness" if turns => format!("{force}-{length}/rad"),
         "stiffness" | "contact" => format!("{force}/{length}"),
-        // The unit of a number in the deck follows from its argument.
+        // The unit of a deck parameter follows from its argument.
         "change" => match address.split('.').nth(1) {
             Some("K") => format!("{force}/{length}"),
             Some("KT") => format!("{force}-{length}/rad"),

@@ -2,8 +2,8 @@ use super::number::number;
 use super::{Align, Page, Table};
 use admire_identify::{Fit, ParameterFit};
 
-/// Adds a table that compares the intervals of each parameter: profile likelihood, bootstrap fits of resampled readings, and posterior
-/// draws.
+/// Adds a table that compares three kinds of interval of each parameter: by profile likelihood, by bootstrap (fits of resampled readings),
+/// and by posterior draws.
 pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) -> String) {
     let (bootstrap, posterior) = (fit.bootstrap, fit.posterior);
     if bootstrap.is_none() && posterior.is_none() {

@@ -1,59 +1,59 @@
-//! Page of the paper's validations, repeated with this program.
+//! Page that repeats the validations of the published method (the paper) with this program.
 
 use super::{Align, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table};
 use admire_results::Timestamp;
 use serde::Serialize;
 
-/// A table of texts: a head, and rows of the same length.
+/// Table of texts: column headings, and rows of the same length.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Comparison {
-    /// Title.
+    /// Title of the table.
     pub title: String,
-    /// Column heads.
+    /// Column headings.
     pub head: Vec<String>,
-    /// Rows.
+    /// Rows, each with one text per column.
     pub rows: Vec<Vec<String>>,
 }
 
-/// Curves over one load.
+/// Chart of wheel angles over one load.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct ReproducedCurves {
-    /// Title.
+    /// Title of the chart.
     pub title: String,
-    /// Load with its unit, the abscissa.
+    /// Load with its unit, on the x axis.
     pub x: String,
-    /// Angle with its unit, the ordinate.
+    /// Angle with its unit, on the y axis.
     pub y: String,
-    /// Curves.
+    /// Curves of the chart.
     pub curves: Vec<Curve>,
 }
 
-/// One of the paper's validations.
+/// Repetition of one of the paper's validations.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct ReproducedSection {
-    /// Title, such as `4.2 pseudo McPherson, no noise`.
+    /// Title of the section, such as `4.2 pseudo McPherson, no noise`.
     pub title: String,
-    /// Tables.
+    /// Tables of the section.
     pub tables: Vec<Comparison>,
-    /// Curves.
+    /// Charts of the section.
     pub figures: Vec<ReproducedCurves>,
     /// Findings from the tables, one sentence each.
     pub findings: Vec<String>,
-    /// Limits of the comparison, with reasons.
+    /// Limits of the comparison with the paper, and their reasons.
     pub limits: Vec<String>,
 }
 
-/// An angle over a load.
+/// Curve of an angle over a load.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Curve {
-    /// Whose.
+    /// Name of the curve in the legend.
     pub name: String,
-    /// (load, angle in degrees), in the order of application.
+    /// Pairs of load and angle in degrees, in the order of application.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Curve {
-    /// The same as a change from where `load` is zero, or from its first point.
+    /// Returns the curve as changes of the angle. The reference is the point at zero load, or the first point if no load is zero.
     #[must_use]
     pub fn since_zero(mut self) -> Self {
         let zero = self.points.iter().find(|(load, _)| *load == 0.0);
@@ -66,7 +66,7 @@ impl Curve {
         self
     }
 
-    /// Rms difference of two curves over the same loads.
+    /// Returns the rms difference of two curves over the same loads.
     pub fn distance(&self, other: &Self) -> f64 {
         let squares: f64 = self
             .points
@@ -78,18 +78,18 @@ impl Curve {
     }
 }
 
-/// Report of the repeated validations.
+/// Report of the repeated validations as an HTML page.
 #[derive(Clone, Debug)]
 pub struct ReproductionReport<'a> {
-    /// The validations.
+    /// Sections of the page, one per validation.
     pub sections: &'a [ReproducedSection],
 }
 
 impl ReproductionReport<'_> {
-    /// Creates the page.
+    /// Returns the page as HTML text.
     ///
     /// # Errors
-    /// When a picture cannot be drawn.
+    /// [`DrawingError`] if a picture cannot be drawn.
     pub fn html(&self) -> Result<String, DrawingError> {
         let mut page = Page::new(
             "The paper's validations, run again",

@@ -1,4 +1,4 @@
-//! Possible slips in a study, as lines of the plausibility table.
+//! Checks for slips (single mistaken numbers) in a study, as lines of the plausibility table.
 
 use super::check::Verdict;
 use super::mirrored_marks::mirrored;
@@ -8,7 +8,8 @@ use admire_identify::slips::{displaced, search};
 use admire_study::settings::BackendChoice;
 
 impl Plausibility {
-    /// Checks for bushings and joints whose two sides lie apart at the design position. Returns true if one change brings them together.
+    /// Checks for bushings and joints whose two sides are apart at the design position. Returns true if one change of the deck brings them
+    /// together.
     pub(super) fn assembly(&mut self, loaded: &LoadedStudy) -> bool {
         let found = displaced(loaded);
         let Some(mended) = found.iter().map(|gap| gap.is_mended).max() else {
@@ -20,7 +21,7 @@ impl Plausibility {
         mended
     }
 
-    /// Checks for marks that are a mirror image. Returns true if they are; their noise is then meaningless.
+    /// Checks whether the marks are a mirror image of the parts. Returns true if they are; the noise of the marks is then meaningless.
     pub(super) fn mirror(&mut self, loaded: &LoadedStudy) -> bool {
         let Some(why) = mirrored(loaded) else {
             return false;
@@ -30,8 +31,8 @@ impl Plausibility {
         true
     }
 
-    /// Searches for one mistaken number, unless another check already forbids a fit. Returns true if the slip is certain, or if the
-    /// readings are explained without any.
+    /// Searches for one mistaken number, unless another check already forbids a fit. Returns true if a slip is certain, or if a fit explains
+    /// the readings without a slip.
     pub(super) fn slip(&mut self, loaded: &LoadedStudy) -> bool {
         if !self.allows_a_fit() || loaded.study.solver.backend != BackendChoice::Native {
             return false;

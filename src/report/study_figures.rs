@@ -8,12 +8,12 @@ use admire_solver::system::Scratch;
 use admire_study::deflection::{DeflectionForm, deflection};
 use admire_study::wheel::WheelReading;
 
-/// Largest number of cases for which a map is readable.
+/// Maximum number of cases for which a heat map is readable.
 const MAPPED: usize = 60;
-/// Axes of a bushing.
+/// Names of the six components of a bushing.
 const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 
-/// Returns the axis label of a load. Forces get their unit unless the load's name already contains one.
+/// Returns the axis label of a load. The unit of a force is added, unless the name of the load already contains a unit.
 pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
     let load = loaded.programme.loads.iter().find(|load| load.name == name);
     let argument = load.and_then(|load| load.target.argument.as_deref());
@@ -35,7 +35,8 @@ pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
     format!("{name}, {}", short_unit(loaded.model.units.force.word))
 }
 
-/// Pictures of a study that need the poses of its models. `positions` are in the order of comparison, the best model last.
+/// Pictures of a study that are drawn from the poses of its models. `positions` lists the models in the order of comparison, the best model
+/// last.
 pub(super) struct StudyFigures<'a> {
     pub loaded: &'a LoadedStudy,
     pub positions: &'a [Positions],
@@ -50,13 +51,13 @@ impl StudyFigures<'_> {
         }
     }
 
-    /// Returns the roles of a chart's curves: measurement, then each model.
+    /// Returns the roles of the curves in a chart: the measurement, then each model.
     fn roles(&self) -> Vec<Role> {
         let models = self.positions.iter().map(|positions| positions.role);
         std::iter::once(Role::Measured).chain(models).collect()
     }
 
-    /// Draws the rms residual of each case, and marks the cases that no fit used.
+    /// Draws the rms residual of the marks in each case. Points show the cases that no fit used.
     pub(crate) fn by_case(&self) -> Result<Option<Figure>, DrawingError> {
         let measurement = &self.loaded.measurement;
         if measurement.cases.iter().all(|case| case.marks.is_empty()) || self.positions.is_empty() {
@@ -120,7 +121,8 @@ impl StudyFigures<'_> {
         self.loaded.model.units.length.word
     }
 
-    /// Returns prediction minus reading of every mark read in a case: part and mark index, and vector in ground.
+    /// Returns prediction minus reading of every mark read in a case. Each entry holds the part index, the mark index and the vector in
+    /// ground axes.
     fn misfits(
         &self,
         set: usize,
@@ -137,7 +139,7 @@ impl StudyFigures<'_> {
         })
     }
 
-    /// Draws the residuals as maps of cases and marks, one for each model.
+    /// Draws heat maps of the residuals by case and mark, one map per model.
     pub(crate) fn maps(&self) -> Vec<Figure> {
         let measurement = &self.loaded.measurement;
         let mut first = Vec::new();
@@ -198,7 +200,8 @@ impl StudyFigures<'_> {
         (0..self.positions.len()).map(map).collect()
     }
 
-    /// Draws force over deflection of one bushing in each direction that moves: the laws as lines, the measurement as points.
+    /// Draws force over deflection of one bushing, one chart for each component that moves. Lines show the force laws, points the
+    /// measurement. `stiffness` holds the initial and the identified stiffnesses.
     pub(crate) fn bushing(
         &self,
         bushing: usize,
@@ -235,7 +238,7 @@ impl StudyFigures<'_> {
         for axis in 0..6 {
             let turning = axis >= 3;
             let scale = if turning { 1f64.to_degrees() } else { 1.0 };
-            // The force acts on J, so it grows with the deflection.
+            // The plotted force acts on marker J, so it increases with the deflection.
             let load = |stiffness: f64, d: f64| stiffness * d - preload[axis];
             let [initial, identified] = [stiffness[0][axis], stiffness[1][axis]];
             let read: Vec<(f64, f64)> = found
@@ -296,8 +299,8 @@ impl StudyFigures<'_> {
         Ok(out)
     }
 
-    /// Returns, for each load, the cases in which all other loads equal those of the first case. Loads with fewer than three such levels
-    /// are omitted.
+    /// Returns, for each load, the cases in which all other loads have their values of the first case. Loads with fewer than three different
+    /// values in these cases are omitted.
     fn runs(&self) -> Vec<(usize, Vec<usize>)> {
         let programme = &self.loaded.programme;
         let Some(rest) = programme.cases.first().map(|case| &case.values) else {
@@ -458,10 +461,10 @@ impl StudyFigures<'_> {
     }
 }
 
-/// Largest difference, relative to the whole change, at which two values of a curve coincide.
+/// Largest difference at which two values of a curve count as equal, relative to the range of the curve.
 const ONE: f64 = 2e-3;
 
-/// Reduces a curve that returns along itself to a single pass, because overlapping dashes would hide each other's gaps. A hysteresis loop
+/// Reduces a curve that returns along itself to a single pass; otherwise overlapping dashes would hide each other's gaps. A hysteresis loop
 /// is kept in the order driven.
 fn once(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let mut sorted = points.clone();

@@ -4,19 +4,19 @@ use admire_identify::LoadedStudy;
 use admire_session::backend::Sweep;
 use admire_solver::mechanics::{Pose, Vec3};
 
-/// Poses of a model in every load case of a study.
+/// Poses of a model's parts in every load case of a study.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Positions {
-    /// Name in the legend.
+    /// Name of this set of positions in the legend.
     pub name: String,
-    /// Origin of the positions.
+    /// Role of this set of positions, which determines its colour.
     pub role: Role,
-    /// Pose of each part of the model for each case; `None` without an equilibrium.
+    /// Poses of all parts of the model, by case. `None` for a case without an equilibrium.
     pub cases: Vec<Option<Vec<Pose>>>,
 }
 
 impl Positions {
-    /// Takes the poses from a sweep over the cases of a study.
+    /// Creates a set of positions from a sweep, which solves all load cases of a study.
     pub fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
         let cases = 0..sweep.cases.len();
         Self {
@@ -29,8 +29,8 @@ impl Positions {
     }
 }
 
-/// Creates the scene of a study, with one frame for each case: the measured poses, and the poses of these models. Loads are drawn as
-/// arrows.
+/// Creates the scene of a study, with one frame per load case. Each frame shows the measured poses, the poses of the models in `positions`,
+/// and the loads as arrows.
 pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scene {
     let model = &loaded.model;
     let measurement = &loaded.measurement;
@@ -121,8 +121,8 @@ fn loads(loaded: &LoadedStudy, case: usize) -> String {
     texts.join(", ")
 }
 
-/// Returns the forces among the loads of a case, in ground axes. An SFORCE acts along its line or the z axis of J; GFORCE and VFORCE act by
-/// component.
+/// Returns the forces among the loads of a case as arrows, in ground axes. An SFORCE acts along the line between its markers, or along the z
+/// axis of J if it acts on I alone. GFORCE and VFORCE are given by component.
 fn arrows(
     loaded: &LoadedStudy,
     scene: &Scene,

@@ -2,14 +2,14 @@ use std::fmt::Write as _;
 
 use super::escape;
 
-/// Alignment of a column.
+/// Alignment of a table column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Align {
-    /// Left, for words.
+    /// Left-aligned, for words.
     Left,
-    /// Right, for numbers.
+    /// Right-aligned, for numbers.
     Right,
-    /// Left with line breaks, for long texts.
+    /// Left-aligned with line breaks, for long texts.
     Wrap,
 }
 
@@ -17,14 +17,14 @@ pub enum Align {
 struct Cell {
     text: String,
     class: Option<&'static str>,
-    /// SVG drawing shown instead of the text; the text remains its description.
+    /// SVG drawing shown in place of the text. The text then describes the drawing.
     picture: Option<String>,
 }
 
-/// Number of columns from which a table does not fit on a phone.
+/// Number of columns from which on a table is too wide for a phone.
 const CARDS: usize = 5;
 
-/// Table of texts.
+/// Table of texts, with a heading for each column.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     columns: Vec<(String, Align)>,
@@ -44,7 +44,7 @@ impl Table {
         }
     }
 
-    /// Adds a row of plain cells; missing cells stay empty.
+    /// Adds a row of plain cells. Missing cells remain empty.
     pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) -> &mut Self {
         self.rows.push(
             cells
@@ -67,7 +67,7 @@ impl Table {
         self
     }
 
-    /// Replaces a cell of the last row by an SVG drawing; the cell's text remains its description.
+    /// Shows an SVG drawing in place of a cell's text in the last row. The text then describes the drawing.
     pub(super) fn picture(&mut self, column: usize, svg: String) -> &mut Self {
         if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
             cell.picture = Some(svg);

@@ -1,4 +1,4 @@
-//! The sentences of a diagnosis on tolerances and marks.
+//! Sentences of a diagnosis about tolerances and marks.
 
 use super::diagnosis_text::Text;
 use admire_identify::ToleranceFound;
@@ -6,14 +6,14 @@ use admire_identify::priors::HARDPOINT_MEDIAN_MM;
 use admire_identify::tolerance::{EffectGroup, Misplaced};
 use admire_solver::mechanics::Vec3;
 
-/// Least change of the logarithm of a size that gets a sentence.
+/// Smallest change of a standard deviation from its usual value for which a sentence is written, as the absolute logarithm of their ratio.
 const SEEN_LN: f64 = 0.05;
 
 impl Text<'_> {
-    /// Returns sentences on the tolerances that the readings determine.
+    /// Returns sentences about the tolerances that the readings determine.
     pub(super) fn tolerances_in_words(&self) -> Vec<String> {
         let mut out = Vec::new();
-        // Where the readings are insensitive to hardpoints, their tolerance keeps its median.
+        // If the readings are insensitive to hardpoints, the tolerance of the hardpoints stays at its median.
         let usual = HARDPOINT_MEDIAN_MM;
         let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN_LN;
         if let Some(points) = self
@@ -102,7 +102,7 @@ impl Text<'_> {
         out
     }
 
-    /// Returns sentences on marks that are misplaced or loose on their parts.
+    /// Returns sentences about marks that are misplaced or loose on their parts.
     pub(super) fn misplaced_in_words(&self) -> Vec<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let decimals = self.decimals().finer();

@@ -13,32 +13,32 @@ pub struct TopologyGraph {
     pub title: String,
     /// Bodies in the order of the dataset.
     pub bodies: Vec<GraphBody>,
-    /// Links between two bodies, in the order of the dataset. An element on more bodies has a link from its first body to each of the
-    /// others.
+    /// Links between two bodies, in the order of the dataset. An element on more than two bodies has a link from its first body to each
+    /// other body.
     pub links: Vec<Link>,
 }
 
-/// Body of the graph.
+/// Body of the graph: a part, a point mass or ground.
 #[derive(Clone, PartialEq, Debug)]
 pub struct GraphBody {
-    /// Kind and id.
+    /// Kind and id of the body's statement, such as `PART/4`.
     pub address: String,
-    /// View name, or the address without one.
+    /// View name of the body. A body without a view name has its address as name.
     pub name: String,
-    /// True for ground.
+    /// True for the ground body.
     pub ground: bool,
 }
 
-/// Element between two bodies.
+/// Link of the graph: an element between two bodies.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Link {
-    /// Indices of the two bodies.
+    /// Indices of the two bodies in [`TopologyGraph::bodies`].
     pub ends: [usize; 2],
-    /// Kind and id.
+    /// Kind and id of the element's statement, such as `JOINT/3`.
     pub address: String,
-    /// View name or address, with the type where it has one: `front_ball (SPHERICAL)`.
+    /// View name or address of the element, followed by its type if it has one: `front_ball (SPHERICAL)`.
     pub name: String,
-    /// True for constraints, false for forces.
+    /// True for a constraint, false for a force.
     pub constraint: bool,
 }
 
@@ -139,7 +139,7 @@ impl TopologyGraph {
         out
     }
 
-    /// Draws the graph as SVG: ground at the bottom, every other body in a row given by its number of links from ground.
+    /// Draws the graph as SVG. Ground is at the bottom; every other body is in a row given by its number of links from ground.
     pub fn svg(&self) -> String {
         let places = self.places();
         let wide = |text: &str| 7.2 * text.chars().count() as f64;
@@ -157,7 +157,7 @@ impl TopologyGraph {
             let mut pair = link.ends;
             pair.sort_unstable();
             let count = seen.entry(pair).or_default();
-            // Links between the same pair are bent alternately to both sides.
+            // Links between the same two bodies are bent alternately to both sides.
             let bend =
                 if count.is_multiple_of(2) { 1.0 } else { -1.0 } * 34.0 * count.div_ceil(2) as f64;
             *count += 1;
@@ -183,7 +183,7 @@ impl TopologyGraph {
                 out,
                 "<path d=\"M{x0:.1},{y0:.1} Q{cx:.1},{cy:.1} {x1:.1},{y1:.1}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"{dash}>{tip}</path>"
             );
-            // Middle of the curve.
+            // The label is at the middle of the curve.
             let (mx, my) = (0.25 * (x0 + 2.0 * cx + x1), 0.25 * (y0 + 2.0 * cy + y1));
             // The white outline is drawn separately, because not every viewer draws it below the letters.
             for edge in [" stroke=\"white\" stroke-width=\"3\"", ""] {
@@ -217,7 +217,8 @@ impl TopologyGraph {
         out
     }
 
-    /// Returns the positions of the bodies. The row is the number of links from ground; within a row, bodies are near their neighbours.
+    /// Returns the positions of the bodies. The row of a body is its number of links from ground; within a row, a body is placed near its
+    /// neighbours.
     fn places(&self) -> Vec<(f64, f64)> {
         let count = self.bodies.len();
         let mut near = vec![Vec::new(); count];
@@ -292,7 +293,7 @@ impl TopologyGraph {
     }
 }
 
-/// Words that state the type of an element.
+/// Keywords that state the type of an element.
 const TYPES: [&str; 20] = [
     "SPHERICAL",
     "REVOLUTE",

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::StepKind;
 
-/// The Data blocks of an XRF file. A step starts a new block if its kind differs from the kind of the step before.
+/// Sequence of the Data blocks in an XRF file. An output step starts a new block if its kind differs from the kind of the step before it.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(super) struct Blocks {
     kind: Option<StepKind>,
@@ -12,7 +12,7 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Assigns a step to its block; returns true if the step starts a new block.
+    /// Assigns the next output step to a block; returns true if the step starts a new block.
     pub(super) fn take(&mut self, kind: StepKind) -> bool {
         if self.kind == Some(kind) {
             return false;

@@ -1,35 +1,35 @@
-/// One column of results.
+/// One column of results: a single quantity of one object.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Component {
-    /// Name inside its entity, for example `FX`.
+    /// Name of the column inside its entity, for example `FX`.
     pub name: String,
-    /// Unit as the file spells it, for example `newton-mm`; `None` for variables.
+    /// Unit as spelled in the file, for example `newton-mm`; `None` for columns without a unit, such as variables.
     pub units: Option<String>,
-    /// Label for the axis of a plot; only some requests have one.
+    /// Label for the axis of a plot; only the columns of some requests have one.
     pub plot_label: Option<String>,
-    /// 1-based position of the value in every step.
+    /// Id of the column: the 1-based position of its value in every output step.
     pub id: usize,
 }
 
-/// The results of one object of the model: one entity of the file.
+/// Result columns of one object of the model; an Entity element of an XRF file.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Entity {
     /// Name of the result set, for example `arm_XFORM`.
     pub name: String,
-    /// Name of the object without the model name, for example `testrig.arm`.
+    /// Name of the object without the name of the model, for example `testrig.arm`.
     pub entity: Option<String>,
     /// Kind of the object, for example `Part`.
     pub ent_type: Option<String>,
-    /// Id of the dataset statement of the object.
+    /// Id of the statement that defines the object in the dataset.
     pub object_id: Option<i64>,
-    /// Comment of a request.
+    /// Comment of a request; `None` for other objects.
     pub comment: Option<String>,
-    /// Columns.
+    /// Columns of the object.
     pub components: Vec<Component>,
 }
 
 impl Entity {
-    /// Returns the component with this name; case is ignored.
+    /// Returns the column with this name inside the entity; case is ignored.
     pub fn component(&self, name: &str) -> Option<&Component> {
         self.components
             .iter()
@@ -37,21 +37,21 @@ impl Entity {
     }
 }
 
-/// The names of all result columns: the StepMap of an XRF file.
+/// Names of all result columns; the StepMap element of an XRF file.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Catalogue {
-    /// Name of the map.
+    /// Name of the StepMap.
     pub name: String,
     /// Entities in the order of the file.
     pub entities: Vec<Entity>,
 }
 
-/// A component and the entity to which it belongs.
+/// A column of results, together with the entity to which it belongs.
 #[derive(Clone, Copy, Debug)]
 pub struct Column<'a> {
-    /// Entity of the component.
+    /// Entity to which the column belongs.
     pub entity: &'a Entity,
-    /// Component of the entity.
+    /// The column itself, with its name inside the entity.
     pub component: &'a Component,
 }
 
@@ -64,17 +64,17 @@ impl Catalogue {
         }
     }
 
-    /// Returns the number of values in a step: the largest component id.
+    /// Returns the number of values in an output step, which is the largest column id.
     pub fn len(&self) -> usize {
         self.columns().map(|c| c.component.id).max().unwrap_or(0)
     }
 
-    /// Returns true if there are no components.
+    /// Returns true if the catalogue has no columns.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Iterates over all columns in the order of the file.
+    /// Iterates over all columns, in the order of the file.
     pub fn columns(&self) -> impl Iterator<Item = Column<'_>> {
         self.entities.iter().flat_map(|entity| {
             entity
@@ -84,7 +84,7 @@ impl Catalogue {
         })
     }
 
-    /// Returns the columns by position: element i has id i + 1, and a position without a column is `None`.
+    /// Returns the columns by position: the element at index i has the id i + 1. A position that no column uses is `None`.
     pub fn by_position(&self) -> Vec<Option<Column<'_>>> {
         let mut columns = vec![None; self.len()];
         for column in self.columns() {
@@ -95,7 +95,7 @@ impl Catalogue {
         columns
     }
 
-    /// Iterates over the entities whose result set or object has this name; case is ignored.
+    /// Iterates over the entities whose result set or whose object has this name; case is ignored.
     pub fn entities_called<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Entity> {
         self.entities.iter().filter(move |entity| {
             entity.name.eq_ignore_ascii_case(name)
@@ -106,7 +106,7 @@ impl Catalogue {
         })
     }
 
-    /// Returns the entity of a statement, by kind (such as `Part`) and id.
+    /// Returns the entity of an object, given the object's kind in results files (such as `Part`) and the id of its statement.
     pub fn entity_of(&self, ent_type: &str, object_id: i64) -> Option<&Entity> {
         self.entities.iter().find(|entity| {
             entity.object_id == Some(object_id) && entity.ent_type.as_deref() == Some(ent_type)
@@ -115,9 +115,9 @@ impl Catalogue {
 }
 
 impl Column<'_> {
-    /// Returns `ENTITY.COMPONENT`, preceded by the owner of the object: `testrig.arm_XFORM.X`.
+    /// Returns the full name of the column: `ENTITY.COMPONENT`, preceded by the owner of the object, as in `testrig.arm_XFORM.X`.
     ///
-    /// Result sets of nested objects can share their short names; the owner makes the names unique.
+    /// Result sets of nested objects may have the same short name; the owner makes the full name unique.
     pub fn path(&self) -> String {
         let name = &self.entity.name;
         let component = &self.component.name;
@@ -131,7 +131,7 @@ impl Column<'_> {
     }
 }
 
-/// Returns true if the name begins with its owner's name and a dot.
+/// Returns true if `name` begins with the name of the owner and a dot.
 fn is_in(name: &str, owner: &str) -> bool {
     let rest = name.strip_prefix(owner);
     rest.is_some_and(|rest| rest.starts_with('.'))

@@ -2,36 +2,36 @@ use std::collections::BTreeMap;
 
 use super::{ResultsError, ResultsReader, SelectedColumn, Selection, StepKind};
 
-/// Condition for two values to count as equal: |a - b| <= absolute + relative max(|a|, |b|).
+/// Tolerance for comparing values: a and b count as equal if |a - b| <= absolute + relative max(|a|, |b|).
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
 pub struct Tolerance {
     /// Absolute tolerance, in the unit of each column.
     pub absolute: f64,
-    /// Relative tolerance.
+    /// Relative tolerance, as a fraction of the larger of the two magnitudes.
     pub relative: f64,
 }
 
-/// Result of comparing two results files, A and B.
+/// Result of the comparison of two results files, A and B.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct Comparison {
-    /// Tolerance of the comparison.
+    /// Tolerance with which values were compared.
     pub tolerance: Tolerance,
-    /// Number of steps compared.
+    /// Number of compared output steps.
     pub steps: usize,
-    /// Number of steps of A without a counterpart in B.
+    /// Number of output steps in A that have no counterpart in B.
     pub steps_only_in_a: usize,
-    /// Number of steps of B without a counterpart in A.
+    /// Number of output steps in B that have no counterpart in A.
     pub steps_only_in_b: usize,
-    /// Compared steps, numbered from 1, whose kinds differ. All kinds of equilibrium count as one kind, and an unlisted kind matches any
-    /// kind.
+    /// Numbers (from 1) of the compared output steps whose kinds differ. All kinds of static equilibrium count as the same kind, and
+    /// [`StepKind::Unlisted`] counts as equal to any kind.
     pub kinds_differ: Vec<usize>,
-    /// Columns in both files, in the order of A.
+    /// Columns that both files contain, in the order of A.
     pub columns: Vec<ColumnDifference>,
-    /// Full names of the columns only in A.
+    /// Full names of the columns that only A contains.
     pub only_in_a: Vec<String>,
-    /// Full names of the columns only in B.
+    /// Full names of the columns that only B contains.
     pub only_in_b: Vec<String>,
-    /// Columns in both files whose units differ; their values are not compared.
+    /// Columns that both files contain in different units; their values are not compared.
     pub units_differ: Vec<UnitsDiffer>,
 }
 
@@ -40,35 +40,36 @@ pub struct Comparison {
 pub struct UnitsDiffer {
     /// Full name of the column.
     pub path: String,
-    /// Unit in A.
+    /// Unit of the column in A; `None` if A gives no unit.
     pub a: Option<String>,
-    /// Unit in B.
+    /// Unit of the column in B; `None` if B gives no unit.
     pub b: Option<String>,
 }
 
-/// Differences of the values of one column over all compared steps.
+/// Differences between the values of one column, over all compared output steps.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct ColumnDifference {
     /// Full name of the column.
     pub path: String,
     /// Unit of the column in A.
     pub units: Option<String>,
-    /// Largest |a - b|.
+    /// Largest absolute difference |a - b|.
     pub largest: f64,
-    /// Largest |a - b| / max(|a|, |b|).
+    /// Largest relative difference |a - b| / max(|a|, |b|).
     pub largest_relative: f64,
-    /// Number of steps whose difference exceeds the tolerance.
+    /// Number of output steps in which the difference exceeds the tolerance.
     pub beyond: usize,
-    /// Step where |a - b| exceeds its tolerance most, or comes closest to it if no step exceeds it; `None` if all values are equal.
+    /// Output step in which the difference exceeds the tolerance most, or comes closest to it if no difference exceeds it. `None` if all
+    /// values are equal.
     pub worst: Option<Worst>,
 }
 
-/// Two differing values of a column in the same step.
+/// Two different values of a column in the same output step.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
 pub struct Worst {
-    /// Number of the step, from 1 among the compared steps.
+    /// Number of the output step among all compared steps, from 1.
     pub step: usize,
-    /// Time of the step in A.
+    /// Time of the output step in A.
     pub time: f64,
     /// Value in A.
     pub a: f64,
@@ -79,9 +80,9 @@ pub struct Worst {
 }
 
 impl Comparison {
-    /// Returns true if both files have the same steps and columns and all differences are within the tolerance.
+    /// Returns true if both files have the same columns, units, steps and kinds of steps, and all differences are within the tolerance.
     ///
-    /// This result decides the exit code of `admire compare`.
+    /// The exit code of `admire compare` depends on this result.
     pub fn agrees(&self) -> bool {
         self.columns.iter().all(|column| column.beyond == 0)
             && self.steps_only_in_a == 0
@@ -93,10 +94,11 @@ impl Comparison {
     }
 }
 
-/// Compares the remaining steps of two files: columns are paired by name, steps by order. Only one step of each file is held in memory.
+/// Compares the remaining output steps of two files. Columns are paired by name and steps by order. Memory is needed for only one step of
+/// each file.
 ///
-/// Steps of kind `input` are skipped because they hold no solution. PSI, THETA and PHI are compared modulo one turn. Two NaN values count
-/// as equal; NaN and a number differ.
+/// Steps of kind `input` are skipped because they contain no solution. PSI, THETA and PHI are compared modulo one turn. Two NaN values
+/// count as equal; NaN and a number count as different.
 ///
 /// # Errors
 /// Returns an error if one of the files cannot be read further.
@@ -200,7 +202,7 @@ impl ColumnDifference {
         };
         self.largest_relative = self.largest_relative.max(relative);
         let allowed = tolerance.absolute + tolerance.relative * scale;
-        // An infinite difference exceeds every tolerance, even a relative one whose bound is infinite.
+        // An infinite difference exceeds every tolerance, even if the relative tolerance times an infinite value gives an infinite bound.
         let beyond = difference.is_infinite() || difference > allowed;
         self.beyond += usize::from(beyond);
         let excess = if difference.is_infinite() {
@@ -236,12 +238,12 @@ fn next_answer(
 fn same_unit(a: &SelectedColumn, b: &SelectedColumn) -> bool {
     match (&a.units, &b.units) {
         (Some(a), Some(b)) => a.eq_ignore_ascii_case(b),
-        // A missing unit is assumed to equal the unit of the other file.
+        // If one file gives no unit, it is assumed to be the unit in the other file.
         _ => true,
     }
 }
 
-/// Returns one turn in the unit of an orientation angle (PSI, THETA, PHI), or `None` for any other column.
+/// Returns the size of one turn in the unit of the column if the column is PSI, THETA or PHI; `None` for any other column.
 fn turn(column: &SelectedColumn) -> Option<f64> {
     let (_, component) = column.path.rsplit_once('.')?;
     if !["PSI", "THETA", "PHI"].contains(&component) {

@@ -1,9 +1,10 @@
-/// The kinds of objects that have results, in the order in which their values are stored in a step.
+/// The kinds of objects that have results, in the order in which their values are stored in an output step.
 ///
 /// The order follows the maps of the formatted file (guide/formats.md 6.2); the real XRF files of section 12 have the same order. The names
-/// are class names of ADAMS/View. Real files contain Part, Joint, Primitive_Joint, Motion, Single_Component_Force, Bushing, Field,
-/// Request, ADAMS_Variable, Plant_Input, Plant_Output, Differential_Equation, General_Force, Floating_Marker, Friction and Contact. The
-/// other names follow the same rule.
+/// are class names of ADAMS/View.
+///
+/// Real files contain Part, Joint, Primitive_Joint, Motion, Single_Component_Force, Bushing, Field, Request, ADAMS_Variable, Plant_Input,
+/// Plant_Output, Differential_Equation, General_Force, Floating_Marker, Friction and Contact. The other names follow the same pattern.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[allow(missing_docs)] // Each variant is the class it is called after.
 pub enum EntityKind {
@@ -23,7 +24,7 @@ pub enum EntityKind {
     Bushing,
     Beam,
     Field,
-    /// A force of a law for which no real results file was found; holds the name of its type.
+    /// A force between two markers whose law occurs in no known real results file; the text is the type name of the law.
     PairForce(&'static str),
     Request,
     Variable,
@@ -43,33 +44,33 @@ pub enum EntityKind {
     Contact,
 }
 
-/// Set of columns of the objects of a kind.
+/// The set of result columns that objects of one kind have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Shape {
     /// X Y Z PSI THETA PHI, then their velocities, then their accelerations.
     Pose,
     /// X Y Z, then their velocities, then their accelerations.
     Position,
-    /// X Y Z PSI THETA PHI only.
+    /// X Y Z PSI THETA PHI, without velocities and accelerations.
     Place,
     /// FX FY FZ TX TY TZ.
     Force,
     /// FX FY FZ TX TY TZ ANGX ANGY ANGZ.
     ForceAndAngles,
-    /// One value Q.
+    /// Q, a single value.
     Value,
-    /// Q and its derivative DQ.
+    /// Q, and its time derivative DQ.
     ValueAndDerivative,
-    /// IN1, IN2, ...
+    /// IN1, IN2, ..., one column for each input variable.
     Inputs,
-    /// OUT1, OUT2, ...
+    /// OUT1, OUT2, ..., one column for each output variable.
     Outputs,
-    /// Columns named by the statement itself.
+    /// Columns whose names the statement gives.
     Named,
 }
 
 impl EntityKind {
-    /// Returns the kind of a force from the type name of its force law.
+    /// Returns the kind of a force from the name that its law uses for the type of its objects.
     pub fn of_law(entity: &'static str) -> Self {
         [
             Self::TranslationalSpringDamper,
@@ -88,7 +89,7 @@ impl EntityKind {
         matches!(self.shape(), Shape::ForceAndAngles)
     }
 
-    /// Returns the `entType` attribute of this kind.
+    /// Returns the `entType` attribute that objects of this kind have in XRF files.
     pub const fn ent_type(self) -> &'static str {
         match self {
             Self::Part => "Part",
@@ -127,7 +128,7 @@ impl EntityKind {
         }
     }
 
-    /// Returns the statement keyword for an `entType` attribute, for example `SFORCE` for `Single_Component_Force`.
+    /// Returns the statement keyword that belongs to an `entType` attribute, for example `SFORCE` for `Single_Component_Force`.
     pub fn keyword(ent_type: &str) -> String {
         let keyword = match ent_type {
             "Single_Component_Force" => "SFORCE",
@@ -149,7 +150,7 @@ impl EntityKind {
         keyword.to_string()
     }
 
-    /// Returns the default name of an object that has no name in the dataset, for example `PART_2`.
+    /// Returns the name for an object that has no ADAMS/View name in the dataset, for example `PART_2`.
     pub(crate) fn default_name(self, id: i64) -> String {
         let stem = match self {
             Self::SingleComponentForce => "SFORCE",
@@ -187,7 +188,7 @@ impl EntityKind {
         }
     }
 
-    /// Returns true for bodies, whose displacements, velocities and accelerations come first in a step.
+    /// Returns true for bodies. The displacements, velocities and accelerations of bodies come first in an output step.
     pub(crate) const fn is_body(self) -> bool {
         matches!(self, Self::Part | Self::PointMass | Self::FlexibleBody)
     }

@@ -1,7 +1,7 @@
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Span;
 
-/// Reason why results cannot be read, or read further.
+/// Reason why a results file cannot be read, or cannot be read to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum ResultsError {
     /// The file could not be read or written.
@@ -13,7 +13,7 @@ pub enum ResultsError {
 }
 
 impl ResultsError {
-    /// Creates an error for the bytes `from..to` of a file.
+    /// Creates an error that refers to the bytes `from..to` of a file.
     pub(super) fn refused(
         code: Code,
         file: &str,

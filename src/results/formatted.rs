@@ -3,40 +3,40 @@ use std::collections::BTreeMap;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// Displacements of the parts in a formatted (ASCII) results file.
+/// Displacements of the parts, read from a formatted (ASCII) results file.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct FormattedResults {
-    /// The 12-letter code of the units.
+    /// The 12-letter code for the units of the model, such as `MMKGS_N_RACA`.
     pub unit_code: String,
     /// Title of the dataset.
     pub title: String,
     /// Parts in the order of the file.
     pub parts: Vec<FormattedPart>,
-    /// Output steps in the order of the file.
+    /// Output steps, in the order of the file.
     pub steps: Vec<FormattedStep>,
 }
 
-/// A part in a formatted results file.
+/// A part listed in a formatted results file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FormattedPart {
     /// Id of the PART statement.
     pub id: i64,
-    /// Full name; `None` if the file has no names.
+    /// Full name of the part; `None` if the file contains no names.
     pub name: Option<String>,
 }
 
 /// One output step of a formatted results file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FormattedStep {
-    /// Kind of analysis, as spelled in the file.
+    /// Kind of analysis, as spelled in the file, in which the step was computed.
     pub kind: String,
-    /// Time of the step.
+    /// Time of the output step.
     pub time: f64,
-    /// X, Y, Z and PSI, THETA, PHI (radians) of each part; the angles are converted from the Euler parameters of the file.
+    /// X, Y, Z and PSI, THETA, PHI (radians) of each part. The angles are converted from the Euler parameters in the file.
     pub displacements: Vec<[f64; 6]>,
 }
 
-/// A block of the file: a label and the lines up to a line that contains only `!`.
+/// A block of the file: a label and the lines that follow it, up to a line that contains only `!`.
 struct Block<'a> {
     label: String,
     span: Span,
@@ -48,8 +48,8 @@ type LocatedFault = (Code, String, Span);
 impl FormattedResults {
     /// Reads the displacements of the parts (guide/formats.md 6.2).
     ///
-    /// Blocks of other objects have an unknown layout; each is skipped with a warning that names it. If the file ends inside a step, the
-    /// complete steps before it are returned with a warning.
+    /// The layout of the blocks for other objects is unknown. Each of these blocks is skipped with a warning that names it. If the file
+    /// ends inside an output step, the steps before it are returned with a warning.
     pub fn parse(source: &Source) -> Checked<Self> {
         let mut results = Checked::clean(Self::default());
         let mut rest = lines(source.bytes());
@@ -217,9 +217,9 @@ impl FormattedResults {
     }
 }
 
-/// Converts Euler parameters of any length to PSI, THETA, PHI (guide/formats.md 4.1); returns `None` if their length is at most 1e-6.
+/// Converts Euler parameters, normalised or not, to PSI, THETA, PHI (guide/formats.md 4.1). Returns `None` if their norm is at most 1e-6.
 ///
-/// THETA is in [0, pi], and the other angles are in (-pi, pi]. At THETA = 0 or pi, PSI is the whole rotation about z and PHI is 0.
+/// THETA is in [0, pi]; PSI and PHI are in (-pi, pi]. At THETA = 0 or pi, PSI is the whole rotation about z and PHI is 0.
 fn psi_theta_phi(e: [f64; 4]) -> Option<[f64; 3]> {
     let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
     if !(length > 1e-6) {
@@ -251,9 +251,9 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (Span, &[u8])> {
         })
 }
 
-/// Reads the next block and checks its announced number of lines.
+/// Reads the next block and checks that it has as many lines as its label announces.
 ///
-/// Memory grows with the lines actually read, so a false large number costs nothing.
+/// Memory grows only with the lines actually read, so a wrong large number in a label does no harm.
 fn next_block<'a>(
     rest: &mut impl Iterator<Item = (Span, &'a [u8])>,
 ) -> Result<Option<Block<'a>>, LocatedFault> {
@@ -291,7 +291,7 @@ fn next_block<'a>(
     Ok(Some(block))
 }
 
-/// Returns the text of a line, or an empty text if the line is not ASCII; ASCII text can be cut at any column.
+/// Returns the text of a line, or an empty text if the line contains other than ASCII characters. ASCII text can be split at any column.
 fn ascii(line: &[u8]) -> &str {
     std::str::from_utf8(line)
         .ok()
@@ -363,7 +363,7 @@ mod tests {
         assert_eq!(read.value.parts[0].name.as_deref(), Some(".m.arm"));
         let step = &read.value.steps[0];
         assert_eq!((step.kind.as_str(), step.time), ("STATIC", 0.0));
-        // A quarter turn about z means PSI + PHI = 90 degrees and THETA = 0.
+        // At THETA = 0, a rotation by a quarter turn about z means PSI + PHI = 90 degrees.
         let [x, y, z, psi, theta, phi] = step.displacements[0];
         assert_eq!([x, y, z], [1.0, 2.0, 3.0]);
         assert!(theta.abs() < 1e-12);

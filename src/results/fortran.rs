@@ -1,8 +1,8 @@
-//! Numbers and headings of the older text files, in the columns of their FORTRAN formats.
+//! Formatting of numbers and headings for the older text files, in the columns of their FORTRAN formats.
 
 use admire_syntax::units::{Unit, Units};
 
-/// Formats a number as FORTRAN `1PEw.d`: one digit before the point, an exponent of at least two digits, right-justified.
+/// Formats a number as FORTRAN `1PEw.d`: right-justified, with one digit before the point and an exponent of at least two digits.
 pub(super) fn exponential(value: f64, width: usize, decimals: usize) -> String {
     let value = if value == 0.0 { 0.0 } else { value };
     let text = format!("{value:.decimals$e}");
@@ -20,9 +20,10 @@ pub(super) fn exponential(value: f64, width: usize, decimals: usize) -> String {
     format!("{spelled:>width$}")
 }
 
-/// Formats up to six values as one line `1X,6E13.5` of a request or graphics file.
+/// Formats up to six values as one line of a request or graphics file, in the FORTRAN format `1X,6E13.5`.
 ///
-/// A negative number with a three-digit exponent fills its field; a blank is inserted before it so that adjacent numbers stay separate.
+/// A negative number with a three-digit exponent fills its field completely. A blank is then inserted before the number, to separate it
+/// from the preceding one.
 pub(super) fn line_of(values: &[f64]) -> String {
     let mut line = String::from(" ");
     for &value in values {
@@ -36,9 +37,10 @@ pub(super) fn line_of(values: &[f64]) -> String {
     line
 }
 
-/// Returns the 12-letter code of the units: two letters each for length, mass, time, force, angle and coordinates, such as `MMKGS_N_RACA`.
+/// Returns the 12-letter code of the units, such as `MMKGS_N_RACA`: two letters each for length, mass, time, force, angle and coordinates.
 ///
-/// The letters for mm, metre, inch, kg, pound, second, newton and pound-force come from real files; the others follow the same pattern.
+/// The letters for mm, metre, inch, kg, pound, second, newton and pound-force come from real files. The letters for other units are formed
+/// in the same way.
 pub(super) fn unit_code(units: &Units) -> String {
     let force = match units.force.keyword {
         "POUND_FORCE" => "PF".to_string(),
@@ -74,7 +76,7 @@ fn one_letter(unit: Unit) -> String {
     format!("{}_", &unit.keyword[..1])
 }
 
-/// Formats the title as an A80 field: cut or padded to 80 characters, with blanks in place of control characters.
+/// Formats a title as a FORTRAN A80 field: it is cut or padded to 80 characters, and control characters become blanks.
 pub(super) fn title_line(title: &str) -> String {
     let title: String = title
         .chars()

@@ -5,10 +5,10 @@ use admire_syntax::units::Units;
 use super::fortran::{exponential, line_of, title_line, unit_code};
 use super::{StepKind, Timestamp};
 
-/// Label of the first frame, directly after the head, which shows the model as it was read.
+/// Label of the first frame of a graphics file, which shows the model as it was read. It is written in place of a time.
 pub(super) const INPUT: f64 = -9.999_99e5;
 
-/// Label of the frame of a static solution, in place of a time.
+/// Label of a frame that shows a static solution; it is written in place of a time.
 pub(super) const STATIC: f64 = -5.555_55e5;
 
 /// A marker in a graphics file.
@@ -18,9 +18,9 @@ pub struct GraphicsMarker {
     pub id: i64,
     /// Id of the part that carries the marker.
     pub part: i64,
-    /// Position relative to the part.
+    /// Position of the marker relative to the frame of the part, in units of the model.
     pub position: [f64; 3],
-    /// PSI, THETA, PHI relative to the part, in radians.
+    /// Angles PSI, THETA, PHI of the marker relative to the frame of the part, in radians.
     pub angles: [f64; 3],
 }
 
@@ -29,29 +29,30 @@ pub struct GraphicsMarker {
 pub struct GraphicsJoint {
     /// Id of the joint.
     pub id: i64,
-    /// Ids of its I and J markers.
+    /// Ids of the joint's I and J markers.
     pub markers: [i64; 2],
 }
 
-/// A drawn shape that changes during the run. Shapes fixed to their parts (CYLINDER, ELLIPSOID, ...) are in the dataset only.
+/// A drawn shape that changes during the run. Shapes that are fixed to their parts (CYLINDER, ELLIPSOID, ...) are not in the file but in
+/// the dataset.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum GraphicsShape {
-    /// The arrow of a force; every frame holds the force and torque.
+    /// The arrow of a force. Each frame contains the force and torque.
     Force {
         /// Id of the GRAPHICS statement.
         id: i64,
-        /// Id of the marker at the foot of the arrow.
+        /// Id of the marker at which the arrow begins.
         marker: i64,
     },
-    /// A spring-damper.
+    /// A spring-damper between two markers.
     Spring {
         /// Id of the GRAPHICS statement.
         id: i64,
-        /// Ids of its I and J markers.
+        /// Ids of the I and J markers of the spring-damper.
         markers: [i64; 2],
-        /// Values of SEG and COILS.
+        /// Values of the arguments SEG and COILS of the GRAPHICS statement.
         counts: [i64; 2],
-        /// Values of DA, DB, DC, LA, LB, LC and LD.
+        /// Values of the arguments DA, DB, DC, LA, LB, LC and LD of the GRAPHICS statement.
         sizes: [f64; 7],
     },
 }
@@ -71,21 +72,21 @@ pub struct GraphicsHead {
     pub units: Units,
     /// Id of the ground part.
     pub ground: i64,
-    /// Ids of the parts without ground, in the order of the frames.
+    /// Ids of the parts except ground, in the order in which frames list their poses.
     pub parts: Vec<i64>,
-    /// Markers in the order of the dataset.
+    /// Markers, in the order of the dataset.
     pub markers: Vec<GraphicsMarker>,
-    /// Joints of the model; a joint with a marker missing from `markers` is not written.
+    /// Joints of the model. A joint is not written if one of its markers is missing from `markers`.
     pub joints: Vec<GraphicsJoint>,
-    /// Forces in the order of the frames, and springs.
+    /// Drawn shapes: force arrows, in the order in which frames list the forces, and springs.
     pub shapes: Vec<GraphicsShape>,
-    /// X, Y, Z, PSI, THETA, PHI (radians) of each part in the model as it was read.
+    /// X, Y, Z, PSI, THETA, PHI (radians) of each part, in the model as it was read.
     pub input: Vec<[f64; 6]>,
 }
 
-/// Writer of a `.gra` file (format A.G8, guide/formats.md 6.4).
+/// Writer of a graphics file `.gra` (format A.G8, guide/formats.md 6.4).
 ///
-/// Each frame holds the part positions and the forces, and is flushed at once.
+/// Each frame contains the poses of the parts and the forces. A frame is flushed as soon as it is written.
 #[derive(Debug)]
 pub struct GraphicsWriter<W: Write> {
     output: W,
@@ -94,10 +95,10 @@ pub struct GraphicsWriter<W: Write> {
 }
 
 impl<W: Write> GraphicsWriter<W> {
-    /// Writes the head and the first frame, which shows the model as it was read.
+    /// Writes the head of the file and the first frame, which shows the model as it was read.
     ///
     /// # Errors
-    /// Returns an error if the output cannot be written, or if the number of input poses differs from the number of parts.
+    /// Returns an error if the output cannot be written, or if `head` does not contain exactly one input pose for each part.
     pub fn create(output: W, when: Timestamp, head: &GraphicsHead) -> io::Result<Self> {
         let mut text = Vec::new();
         head.write(when, &mut text)?;
@@ -113,10 +114,11 @@ impl<W: Write> GraphicsWriter<W> {
 
     /// Writes one frame: X, Y, Z, PSI, THETA, PHI (radians) of each part, then force and torque of each force in ground axes.
     ///
-    /// The order is the order of the head. A step of kind `Static` has a fixed label in place of its time.
+    /// Parts and forces have the same order as in the head. A step of kind `Static` is written with a fixed label in place of its time.
     ///
     /// # Errors
-    /// Returns `InvalidInput` if the number of poses or forces differs from the head; otherwise an error if the output cannot be written.
+    /// Returns `InvalidInput` if the number of poses or forces differs from the head. Returns another error if the output cannot be
+    /// written.
     pub fn frame(
         &mut self,
         kind: StepKind,
@@ -157,19 +159,20 @@ impl<W: Write> GraphicsWriter<W> {
         self.output.flush()
     }
 
-    /// Returns the output.
+    /// Returns the output, which is complete after each frame.
     pub fn finish(self) -> W {
         self.output
     }
 }
 
-/// Codes of the drawn shapes: positions in the list ARC, BOX, CIRCLE, CYLINDER, FORCE, FRUSTUM, OUTLINE, SPDP.
+/// Code of a force arrow. Codes are positions (from 1) in the list ARC, BOX, CIRCLE, CYLINDER, FORCE, FRUSTUM, OUTLINE, SPDP.
 const FORCE: i64 = 5;
 const SPRING: i64 = 8;
 
 impl GraphicsHead {
     fn write(&self, when: Timestamp, text: &mut Vec<u8>) -> io::Result<()> {
-        // Markers refer to their part, and joints and shapes to their markers, by position in the list, from 1.
+        // References are 1-based positions: markers refer to positions in the list of parts, joints and shapes to positions in the list of
+        // markers.
         let part = |id: i64| {
             let mut all = std::iter::once(&self.ground).chain(&self.parts);
             all.position(|other| *other == id).map(|at| at + 1)
@@ -209,7 +212,7 @@ impl GraphicsHead {
         ];
         text.push(b' ');
         for count in counts {
-            // A count fills at least five columns; a blank keeps longer counts separate.
+            // A count is written in at least five columns; a blank separates longer counts.
             let gap = if count > 9999 { " " } else { "" };
             write!(text, "{gap}{count:>5}")?;
         }
@@ -233,7 +236,7 @@ impl GraphicsHead {
             writeln!(text, "{:>8}", 0)?;
             text.extend_from_slice(line_of(&marker.angles).as_bytes());
         }
-        // Forces come first because shapes are ordered by their codes.
+        // Shapes are written in the order of their codes, so force arrows precede springs.
         let (forces, others): (Vec<_>, Vec<_>) = self.shapes.iter().partition(|s| s.is_force());
         for shape in forces.into_iter().chain(others) {
             match shape {

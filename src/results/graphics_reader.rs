@@ -4,33 +4,34 @@ use admire_syntax::text::{Source, Span};
 use super::StepKind;
 use super::graphics_file::{INPUT, STATIC};
 
-/// Content of a `.gra` file (format A.G8): positions of the parts and the forces, frame by frame. Shapes fixed to the parts are in the
-/// dataset.
+/// Content of a graphics file `.gra` (format A.G8): poses of the parts and the forces, frame by frame. Shapes that are fixed to parts are
+/// not in the file but in the dataset.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct GraphicsFile {
     /// Date and time of the run.
     pub date: String,
     /// Title of the model.
     pub title: String,
-    /// Ids of the moving parts, in the order of the frames.
+    /// Ids of the moving parts, in the order in which frames list their poses.
     pub parts: Vec<i64>,
-    /// Ids of the GRAPHICS statements of the forces, in the order of the frames; 1, 2, ... if the head does not list them.
+    /// Ids of the GRAPHICS statements that draw the forces, in the order of the frames. If the head does not list them, the ids are 1, 2,
+    /// ...
     pub forces: Vec<i64>,
-    /// Time of each frame. A static solution has no time in the file and gets the time of the frame before it.
+    /// Time of each frame. The file gives no time for a static solution; such a frame gets the time of the frame before it.
     pub times: Vec<f64>,
-    /// Kind of each frame, `Static` or `Unlisted`; the file distinguishes no other kinds.
+    /// Kind of each frame: `Static` or `Unlisted`. The file does not distinguish other kinds.
     pub kinds: Vec<StepKind>,
-    /// X, Y, Z, PSI, THETA, PHI (radians) of each part, for each frame.
+    /// X, Y, Z, PSI, THETA, PHI (radians) of each part in each frame; the outer index is the frame.
     pub poses: Vec<Vec<[f64; 6]>>,
-    /// FX, FY, FZ, TX, TY, TZ of each force in ground axes, for each frame.
+    /// FX, FY, FZ, TX, TY, TZ of each force in each frame, in ground axes; the outer index is the frame.
     pub loads: Vec<Vec<[f64; 6]>>,
 }
 
 impl GraphicsFile {
-    /// Reads a file. An incomplete last frame is dropped with a warning.
+    /// Reads a graphics file. An incomplete last frame is dropped with a warning.
     ///
-    /// A frame has one line per part and one line per force. The number of lines is counted in the first frame, between its label and the
-    /// next label. Unknown counts in the head therefore do no harm.
+    /// A frame has one line for each part and one for each force. The number of lines is counted in the first frame, between its label and
+    /// the next label, so that the reader does not depend on the counts in the head.
     pub fn parse(source: &Source) -> Checked<Self> {
         let text = source.text(Span::new(0, source.bytes().len()));
         let mut lines = text.lines();
@@ -72,10 +73,10 @@ impl GraphicsFile {
         }
     }
 
-    /// Reads everything after the list of parts.
+    /// Reads the frames, after the list of parts was read.
     ///
     /// # Errors
-    /// Returns the reason if the frames cannot be read to the end of the file.
+    /// Returns the reason as text if the file is cut off or contains a line that is not part of a frame.
     fn frames(&mut self, lines: &mut std::str::Lines<'_>) -> Result<(), &'static str> {
         const NONE: &str = "the file ends before its first frame";
         let mut forces = Vec::new();
@@ -87,7 +88,7 @@ impl GraphicsFile {
             }
             let whole: Option<Vec<i64>> = line.split_whitespace().map(|n| n.parse().ok()).collect();
             let whole = whole.unwrap_or_default();
-            // The record of a force holds its id, the code 5 and the count 2; the next line then holds two numbers.
+            // A force has two lines in the head: its id, the code 5 and the count 2, and then two integers.
             if let ([id, 5, 2], 2) = (before.as_slice(), whole.len()) {
                 forces.push(*id);
             }
@@ -137,12 +138,12 @@ impl GraphicsFile {
     }
 }
 
-/// Returns the numbers of a line, or `None` if the line contains anything else.
+/// Returns all numbers in a line, or `None` if the line contains anything else.
 fn values(line: &str) -> Option<Vec<f64>> {
     numbers(line).collect()
 }
 
-/// Iterates over the numbers of a line in 13-column fields, where a minus sign may follow the number before it without a blank.
+/// Iterates over the numbers in a line with fields of 13 columns. A minus sign may directly follow the preceding number.
 fn numbers(line: &str) -> impl Iterator<Item = Option<f64>> + '_ {
     let mut rest = line.trim_end();
     std::iter::from_fn(move || {
@@ -201,7 +202,7 @@ mod tests {
         assert_eq!(file.loads[2], loads);
         let cut = GraphicsFile::parse(&Source::new("a.gra", &bytes[..bytes.len() - 40]));
         assert_eq!((cut.value.times.len(), cut.diagnostics.len()), (2, 1));
-        // Until the first frame is complete, its number of lines is unknown.
+        // While the first frame is incomplete, the number of lines in a frame is unknown.
         let text = String::from_utf8(bytes).unwrap();
         let short = text.find("-9.99999E+05").unwrap() + 100;
         let none = GraphicsFile::parse(&Source::new("a.gra", &text.as_bytes()[..short]));

@@ -1,13 +1,16 @@
 use super::{Catalogue, NumberStyle, StepKind, write_number};
 
-/// Maximum length of a line of values, in characters.
+/// Maximum length, in characters, of a line of values in an XRF file.
 const WIDTH: usize = 120;
 
-/// Line breaks between the values of a step in an XRF file.
+/// Positions of the line breaks between the values of an output step in an XRF file.
 ///
-/// The rules were measured on all real files. TIME has its own line. Every entity starts a new line; a body starts one each for its
-/// displacements, velocities and accelerations. A line that would exceed 120 characters is wrapped before the number that does not fit. In
-/// the step `input`, values after the bodies are not grouped by entity: their first line has six values, each later line seven.
+/// The rules were derived from all available real files. TIME has its own line. Every entity starts a new line; in a body, displacements,
+/// velocities and accelerations start a new line each. A line that would exceed 120 characters is wrapped before the number that does not
+/// fit.
+///
+/// In the step of kind `input`, the values after the bodies are not grouped by entity: their first line has six values, each later line
+/// seven.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Groups {
     breaks: Vec<bool>,
@@ -15,7 +18,7 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Determines the line breaks for a catalogue.
+    /// Determines the positions of the line breaks from a catalogue.
     pub(crate) fn new(catalogue: &Catalogue) -> Self {
         let mut breaks = Vec::with_capacity(catalogue.len());
         let mut bodies_end = 1;
@@ -46,7 +49,7 @@ impl Groups {
         self.breaks.len()
     }
 
-    /// Appends the lines of one step to `out`, each ended by `line_end`. `values` has one element per column.
+    /// Appends the lines of one output step to `out`. Each line ends with `line_end`, and `values` contains one value for each column.
     pub(crate) fn write(
         &self,
         out: &mut Vec<u8>,

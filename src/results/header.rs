@@ -2,30 +2,30 @@ use admire_syntax::units::Units;
 
 use super::Timestamp;
 
-/// Header of an XRF file. It holds every attribute seen in real files, so that a header that was read is written back byte for byte.
+/// Header of an XRF file. It contains every attribute that occurs in real files, so that a header is written back exactly as it was read.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Header {
-    /// Location where the file was written, `file://...`.
+    /// Address (`file://...`) at which the file was written.
     pub uri: String,
-    /// Name of the schema, `xrf`.
+    /// Name of the file's schema, `xrf`.
     pub schema: String,
     /// Version of the schema.
     pub version: String,
-    /// Date and time at which writing of the file started.
+    /// Date and time at which the program started to write the file.
     pub publication_date: String,
-    /// Maker of the program.
+    /// Company that made the program.
     pub corporation: String,
-    /// Web address of the maker.
+    /// Web address of the company that made the program.
     pub corporation_uri: String,
     /// Login name of the user.
     pub user: String,
     /// Full name of the user.
     pub user_name: String,
-    /// Revision of the file.
+    /// Revision number of the file.
     pub revision: String,
-    /// Source from which the revision was derived.
+    /// File from which this revision was derived.
     pub derived_from: String,
-    /// Lines of the revision's comment (RESULTS/COMMENT), each with its line end; usually empty.
+    /// Comment on the revision (RESULTS/COMMENT), with the line end of each line; usually empty.
     pub comment: String,
     /// Name of the analysis.
     pub analysis: String,
@@ -33,15 +33,15 @@ pub struct Header {
     pub execution_date: String,
     /// Name and version of the solver.
     pub solver: String,
-    /// Script that ran the analysis.
+    /// Name of the script that ran the analysis.
     pub script: String,
-    /// Operating system.
+    /// Operating system of the host computer.
     pub operating_system: String,
     /// Name of the host computer.
     pub hostname: String,
     /// Program that created the model.
     pub application: String,
-    /// Version of the program that created the model.
+    /// Version of the program in `application`.
     pub application_version: String,
     /// Title of the model: the first line of the dataset.
     pub title: String,
@@ -49,16 +49,16 @@ pub struct Header {
     pub creation_date: String,
     /// Checksum of the model.
     pub checksum: String,
-    /// Lines of the model's comment, each with its line end; `None` if the file has no such element.
+    /// Comment on the model, with the line end of each line; `None` if the file has no such element.
     pub model_comment: Option<String>,
-    /// Units of the results.
+    /// Units of the result columns.
     pub units: ResultUnits,
 }
 
-/// Units of the results, as spelled in the file.
+/// Units in which an XRF file gives its results, as spelled in the file.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct ResultUnits {
-    /// Unit of angles, `rad` or `deg`.
+    /// Unit of angle, `rad` or `deg`.
     pub angle: String,
     /// Unit of length, for example `mm`.
     pub length: String,
@@ -80,9 +80,10 @@ impl From<&Units> for ResultUnits {
 }
 
 impl Header {
-    /// Creates the header of a run of `admire`.
+    /// Creates the header for a run of `admire`.
     ///
-    /// `path` is the path of the file with the system's own slashes, `title` is the title of the model, and `when` is the time of writing.
+    /// `path` is the path of the file with the path separators of the operating system, `title` is the title of the model, and `when` is
+    /// the time of writing.
     pub fn new(path: &str, title: &str, units: &Units, when: Timestamp) -> Self {
         let unknown = || "-unknown-".to_string();
         let version = env!("CARGO_PKG_VERSION");

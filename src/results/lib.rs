@@ -1,11 +1,14 @@
 //! Readers and writers of results files: XRF (`.res`), formatted results, requests (`.req`), graphics (`.gra`) and tabular output (`.out`).
 //!
-//! [`XrfReader`] reads a results file of any size step by step, and [`XrfWriter`] writes one. [`open_any`] opens a file of any kind by its
-//! content. A [`Catalogue`] names the columns, and a [`Selection`] picks columns by patterns such as `*/front_arm.X`.
+//! [`XrfReader`] reads an XRF file of any size step by step, and [`XrfWriter`] writes an XRF file. [`open_any`] recognises the kind of a
+//! file from its content and opens it. A [`Catalogue`] contains the names of all columns. A [`Selection`] picks columns by patterns such as
+//! `*/front_arm.X`.
 //!
-//! The layouts are described in sections 6 and 12 of the guide's page `formats`; they were measured on files written by ADAMS. The crate
-//! contains neither models nor solvers: a writer takes names, units and values, and a reader returns them. The id of a component is the
-//! 1-based position of its value in every step.
+//! The layouts of the files are described in sections 6 and 12 of the guide's page `formats`; they were determined from files written by
+//! ADAMS.
+//!
+//! The crate contains neither models nor solvers: writers receive names, units and values, and readers return them. The id of a column is
+//! the 1-based position of its value in every output step.
 //!
 //! ```
 //! use admire_results::{

@@ -2,59 +2,59 @@ use serde::Serialize;
 
 use admire_syntax::text::{Source, Span};
 
-/// Content of a `.msg` file: the messages of a run of ADAMS or of this program.
+/// Content of a message file `.msg`, which contains the messages of a run of ADAMS or of this program.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct MessageFile {
-    /// Name and version of the solver from the banner, for example `Adams 2019.2, C++`; empty if the banner is missing.
+    /// Name and version of the solver, for example `Adams 2019.2, C++`, as given by the banner; empty if there is no banner.
     pub solver: String,
     /// Titles of the models, in the order in which they were read.
     pub titles: Vec<String>,
-    /// Number of `command:` lines.
+    /// Number of commands echoed as `command:` lines.
     pub commands: usize,
-    /// Simulations and static solutions, in order.
+    /// Simulations and static solutions, in the order of the run.
     pub analyses: Vec<Analysis>,
-    /// Framed errors and warnings, in order.
+    /// Framed error messages and warnings, in the order of the run.
     pub frames: Vec<Frame>,
-    /// Names of the redundant constraint equations, without duplicates.
+    /// Names of the redundant constraint equations; each name occurs once.
     pub redundant: Vec<String>,
     /// Elapsed time of the whole run, in seconds.
     pub elapsed: Option<f64>,
     /// Processor time of the whole run, in seconds.
     pub cpu: Option<f64>,
-    /// True if the run ended normally, with the line `Finished` for which polling scripts wait.
+    /// True if the run ended normally. The file then contains the line `Finished`; scripts that poll the file wait for this line.
     pub finished: bool,
 }
 
 /// One simulation or static solution.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Analysis {
-    /// `Static`, `Dynamic`, `Quasi-static`, `Displacement Initial Conditions`.
+    /// Kind of the analysis: `Static`, `Dynamic`, `Quasi-static` or `Displacement Initial Conditions`.
     pub kind: String,
-    /// Line where the analysis begins, from 1.
+    /// Number (from 1) of the line at which the analysis begins.
     pub line: usize,
-    /// Number of iterations of a lone static solution.
+    /// Number of iterations, for a static solution that is not part of a simulation.
     pub iterations: Option<usize>,
-    /// Times of the first and the last listed step.
+    /// Times of the first and of the last step in the listed table of steps.
     pub times: Option<(f64, f64)>,
-    /// Number of listed steps.
+    /// Number of steps in the listed table of steps.
     pub steps: usize,
-    /// True if the end of the analysis was reported.
+    /// True if the file reports the end of the analysis.
     pub ended: bool,
 }
 
-/// A message framed by `START` and `END` lines.
+/// A message framed by a `START` line and an `END` line.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Frame {
-    /// `ERROR` or `WARNING`.
+    /// Kind of the message: `ERROR` or `WARNING`.
     pub kind: String,
-    /// Line number of the first line of text, from 1.
+    /// Number (from 1) of the line at which the text of the message begins.
     pub line: usize,
     /// Text of the message.
     pub text: String,
 }
 
 impl MessageFile {
-    /// Returns true for a text that begins like a message file, with its banner or a command.
+    /// Returns true if the text begins as a message file does: with the banner or with a command.
     pub fn is_one(source: &Source) -> bool {
         let head = source.text(Span::new(0, source.bytes().len().min(4000)));
         let lines = || head.lines().map(str::trim_start);
@@ -63,7 +63,7 @@ impl MessageFile {
                 && lines().any(|line| line.starts_with('|'))
     }
 
-    /// Reads a message file; unrecognised text is ignored.
+    /// Reads a message file; lines that are not recognised are ignored.
     pub fn parse(source: &Source) -> Self {
         let text = source.text(Span::new(0, source.bytes().len()));
         let mut file = Self::default();
@@ -119,9 +119,9 @@ impl MessageFile {
         file
     }
 
-    /// Reads the solver version from the banner, and model titles from their frames.
+    /// Reads the version of the solver from a line of the banner, and the title of a model from the frame around it.
     ///
-    /// A title is the first line after "Model Title" that is neither empty nor a rule of `=`.
+    /// The title is the first line after "Model Title" that is neither empty nor a rule of `=`.
     fn banner(&mut self, line: &str, after_title: &mut usize) {
         let inner = line.trim_matches('|').trim();
         if inner.ends_with("Model Title") || inner == "Model Title" {
@@ -214,14 +214,14 @@ impl MessageFile {
     }
 }
 
-/// Returns the time at the start of a line in the table of steps.
+/// Returns the time at the start of a line, if the line belongs to a table of steps.
 ///
-/// Such a line has at least three numbers, and the first one has an exponent.
+/// Such a line has at least three numbers, of which the first has an exponent.
 fn step_time(line: &str) -> Option<f64> {
     let mut words = line.split_whitespace();
     let first = words.next().filter(|word| word.contains(['E', 'e']))?;
     let rest: Vec<&str> = words.collect();
-    // The last word is an elapsed time; from one minute on it is written as `1:05`.
+    // The last word is an elapsed time, which is written as `1:05` once it exceeds one minute.
     let digits = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
     let numbers = rest
         .iter()

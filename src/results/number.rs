@@ -3,11 +3,12 @@ use std::io::Write;
 /// Format of the numbers in an XRF file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub enum NumberStyle {
-    /// Format of versions since 2017: fixed point for magnitudes from 1e-3 up to below 1e5, otherwise an exponent of two digits.
+    /// Format of ADAMS since 2017, with the given number of decimals (RESULTS/DECIMALPLACES, default 17).
     ///
-    /// Both forms have this number of decimals (RESULTS/DECIMALPLACES, default 17), and trailing zeros are trimmed.
+    /// Numbers with a magnitude from 1e-3 to below 1e5 are written in fixed point, others with an exponent of two digits. Trailing zeros
+    /// are trimmed.
     Decimals(u8),
-    /// Format of versions before 2017: 17 significant digits, with an exponent of three digits below 1e-4 and from 1e17 on.
+    /// Format of ADAMS before 2017: 17 significant digits. An exponent of three digits is used below 1e-4 and from 1e17 on.
     SeventeenDigits,
 }
 
@@ -17,10 +18,10 @@ impl Default for NumberStyle {
     }
 }
 
-/// Appends a finite number; positive and negative zero are both written as `0`.
+/// Appends a finite number to `out`. Positive and negative zero are both written as `0`.
 ///
-/// The exact decimal expansion of the double is rounded half to even, like the output of C's printf (guide/formats.md 12: checked on
-/// 154,582 real values).
+/// The exact decimal value of the double is rounded half to even, as C's printf does (guide/formats.md 12: verified on 154,582 real
+/// values).
 pub(crate) fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
     if value == 0.0 {
         out.push(b'0');
@@ -43,9 +44,10 @@ pub(crate) fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
     }
 }
 
-/// Prints `%.17f` for 1e-3 <= |value| < 1e5 in integer arithmetic, and trims trailing zeros.
+/// Prints a number with 1e-3 <= |value| < 1e5 as `%.17f` and trims trailing zeros, in integer arithmetic.
 ///
-/// For value = m 2^-s with m < 2^53 and 36 <= s <= 62, fraction * 10^17 fits into 128 bits, so the rounding is exact.
+/// The value is m 2^-s with m < 2^53 and 36 <= s <= 62. Its fraction times 10^17 therefore fits into 128 bits, so that the rounding is
+/// exact.
 fn fixed_seventeen(out: &mut Vec<u8>, value: f64) {
     const TEN_17: u64 = 100_000_000_000_000_000;
     let bits = value.to_bits();
@@ -103,7 +105,7 @@ fn fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
     }
 }
 
-/// Trims trailing zeros after the decimal point, and the point itself if no digit follows it.
+/// Trims trailing zeros after the decimal point, and also the point if no digit follows it.
 fn trim_fraction(out: &mut Vec<u8>, start: usize) {
     if !out[start..].contains(&b'.') {
         return;
@@ -116,7 +118,7 @@ fn trim_fraction(out: &mut Vec<u8>, start: usize) {
     }
 }
 
-/// Prints `%.{decimals}E` and trims trailing zeros; the decimal point stays (`1.E+05`).
+/// Prints a number as `%.{decimals}E` and trims trailing zeros; the decimal point stays (`1.E+05`).
 fn exponential(out: &mut Vec<u8>, value: f64, decimals: usize) {
     let text = format!("{value:.decimals$e}");
     let (mantissa, exponent) = text.split_once('e').expect("`e` format has an exponent");
@@ -131,7 +133,8 @@ fn exponential(out: &mut Vec<u8>, value: f64, decimals: usize) {
     write!(out, "E{sign}{:02}", exponent.abs()).expect("writing to memory does not fail");
 }
 
-/// Prints `%.17G` with an exponent of at least three digits, like the Windows C libraries before 2015, and trims trailing zeros.
+/// Prints a number as `%.17G` and trims trailing zeros. As in the C libraries of Windows before 2015, an exponent has at least three
+/// digits.
 fn seventeen_digits(out: &mut Vec<u8>, value: f64) {
     let text = format!("{value:.16e}");
     let (mantissa, exponent) = text.split_once('e').expect("`e` format has an exponent");
@@ -161,7 +164,7 @@ mod tests {
 
     #[test]
     fn numbers_are_spelled_as_in_real_files() {
-        // Spellings from guide/formats.md 6.1 and 12.
+        // The expected spellings are from guide/formats.md 6.1 and 12.
         let since_2017 = |value| print(value, NumberStyle::default());
         assert_eq!(since_2017(0.0), "0");
         assert_eq!(since_2017(-0.0), "0");
@@ -183,7 +186,7 @@ mod tests {
 
     #[test]
     fn integer_arithmetic_prints_what_exact_formatting_prints() {
-        // Reference: the exact decimal expansion of the standard library.
+        // The reference is the exact decimal expansion that Rust's standard library prints.
         let mut state = 0x9e37_79b9_7f4a_7c15_u64;
         for _ in 0..200_000 {
             state = state

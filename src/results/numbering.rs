@@ -3,14 +3,14 @@ use admire_syntax::units::{Dimension, Units};
 use super::entity_kind::Shape;
 use super::{Catalogue, Component, Entity, EntityKind};
 
-/// Which parts of the motion of bodies are stored (RESULTS/NODISPLACEMENTS, NOVELOCITIES, NOACCELERATIONS).
+/// Kinematic quantities of bodies that are stored. RESULTS/NODISPLACEMENTS, NOVELOCITIES and NOACCELERATIONS switch them off.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Stored {
-    /// True if displacements are stored.
+    /// True if the displacements of bodies are stored.
     pub displacements: bool,
-    /// True if velocities are stored.
+    /// True if the velocities of bodies are stored.
     pub velocities: bool,
-    /// True if accelerations are stored.
+    /// True if the accelerations of bodies are stored.
     pub accelerations: bool,
 }
 
@@ -24,10 +24,12 @@ impl Default for Stored {
     }
 }
 
-/// Builder of the catalogue of a run; it names and numbers the columns as ADAMS does (guide/formats.md 6.1, 12).
+/// Builder of the catalogue for a run; it names and numbers the columns as ADAMS does (guide/formats.md 6.1, 12).
 ///
-/// TIME has id 1. The displacements of all bodies follow, then all velocities, then all accelerations. The other objects come next, by kind
-/// in the order of [`EntityKind`], and within a kind in the order of addition. The values of a step have the same order.
+/// TIME has id 1. The displacements of all bodies follow, then the velocities of all bodies, then their accelerations.
+///
+/// The other objects come next, sorted by kind in the order of [`EntityKind`]; objects of the same kind have the order in which they were
+/// added. The values in an output step have the same order as the columns.
 #[derive(Clone, Debug)]
 pub struct Numbering {
     units: Units,
@@ -47,7 +49,7 @@ const ANGULAR: [[&str; 3]; 3] = [
 ];
 
 impl Numbering {
-    /// Creates an empty numbering with the units of a dataset.
+    /// Creates a builder without objects, for a dataset with the given units.
     pub fn new(units: Units, stored: Stored) -> Self {
         Self {
             units,
@@ -56,10 +58,10 @@ impl Numbering {
         }
     }
 
-    /// Adds an object with the columns of its kind.
+    /// Adds an object with the columns that its kind has.
     ///
-    /// `view_name` is the full name (`.model.testrig.arm`); without it, the name is built from kind and id. `channels` is the number of
-    /// variables of a PINPUT or POUTPUT; other kinds ignore it.
+    /// `view_name` is the full ADAMS/View name (`.model.testrig.arm`); without it, the object is named by its kind and id. `channels` is
+    /// the number of variables in a PINPUT or POUTPUT and is ignored for other kinds.
     pub fn object(&mut self, kind: EntityKind, view_name: Option<&str>, id: i64, channels: usize) {
         let components = match kind.shape() {
             Shape::Pose | Shape::Position | Shape::Named => Vec::new(),
@@ -78,7 +80,7 @@ impl Numbering {
         self.add(kind, view_name, id, None, components);
     }
 
-    /// Adds a request, or another object whose statement names the columns, with an optional unit for each column.
+    /// Adds a request, or another object whose statement gives the names of the columns. Each column has an optional unit.
     pub fn named(
         &mut self,
         kind: EntityKind,
@@ -161,7 +163,7 @@ impl Numbering {
         Some(self.units.name(dimension)).filter(|name| !name.is_empty())
     }
 
-    /// Returns the columns of the displacements (order 0), velocities (1) or accelerations (2).
+    /// Returns the displacement columns (`order` 0), velocity columns (1) or acceleration columns (2) of a body.
     fn kinematic(&self, order: usize, angles: bool) -> Vec<Component> {
         let time = -(order as i8);
         let linear = Dimension {
@@ -205,8 +207,9 @@ fn component(name: impl Into<String>, units: Option<String>) -> Component {
     }
 }
 
-/// Removes the model name: `.model.testrig.arm` gives `testrig.arm`. A name without a leading dot contains no model name and is returned
-/// unchanged.
+/// Removes the model name from a full name: `.model.testrig.arm` becomes `testrig.arm`.
+///
+/// A name without a leading dot contains no model name and is returned unchanged.
 pub(super) fn without_model(view_name: &str) -> String {
     match view_name.strip_prefix('.') {
         Some(full) => full.split_once('.').map_or(full, |(_, object)| object),

@@ -10,19 +10,20 @@ use super::{
     RequestFile, ResultsError, ResultsReader, ResultsTable, StepKind, XrfReader,
 };
 
-/// Largest file, in bytes, that is read into memory as a whole; its parsed values take several times this size.
+/// Size in bytes of the largest file that is read into memory as a whole. Its parsed values need several times this memory.
 const LARGEST_WHOLE: u64 = 512 << 20;
 
-/// Reader of a results file of any supported kind.
+/// Reader of a results file, whatever its kind.
 pub type AnyResults = Box<dyn ResultsReader>;
 
-/// Opens a results file of the kind recognised from its content.
+/// Opens a results file; its kind is recognised from its content.
 ///
-/// XRF files are read from disk step by step. Request, graphics and formatted results files are small and are read as a whole into a table.
-/// The returned diagnostics concern files read as a whole; the reader collects its own.
+/// XRF files are read from disk step by step. Request, graphics and formatted results files are small, so each is read as a whole into a
+/// table. The returned diagnostics concern only files that are read as a whole; the reader of an XRF file collects its own diagnostics.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, is of none of these kinds, or is to be read as a whole and exceeds 512 MiB.
+/// Returns an error if the file cannot be read or is of none of these kinds. Returns an error if a file that must be read as a whole
+/// exceeds 512 MiB.
 pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     let name = path.display().to_string();
     let mut file = open_to_read(path)?;
@@ -56,7 +57,7 @@ pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     })
 }
 
-/// Appends an entity with columns numbered after the existing ones. The columns get no units because these files do not name them.
+/// Appends an entity whose columns are numbered after the existing columns. They get no units, because these files do not name any.
 fn add(
     catalogue: &mut Catalogue,
     class: &str,
@@ -82,7 +83,7 @@ fn add(
     });
 }
 
-/// Replaces control characters by blanks; results files contain none.
+/// Replaces control characters by blanks, because results files contain no control characters.
 fn plain(text: &str) -> String {
     text.replace(char::is_control, " ")
 }
@@ -109,7 +110,7 @@ fn request_table(file: &RequestFile) -> std::io::Result<ResultsTable> {
         } else {
             request.name.clone()
         };
-        // The file does not state which quantity a request measures; its columns 2, 3, 4, 6, 7, 8 are a vector and a rotation.
+        // The file does not say which quantity a request measures. Its columns 2, 3, 4 contain a vector and its columns 6, 7, 8 a rotation.
         let columns = ["X", "Y", "Z", "R1", "R2", "R3"];
         add(
             &mut catalogue,

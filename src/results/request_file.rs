@@ -7,21 +7,21 @@ use admire_syntax::units::Units;
 use super::Timestamp;
 use super::fortran::{exponential, line_of, title_line, unit_code};
 
-/// A request, as listed in the head of a `.req` file.
+/// A request listed in the head of a request file `.req`.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct RequestEntry {
     /// Id of the REQUEST statement.
     pub id: i64,
-    /// Comment or name of the request; at most 80 characters are written.
+    /// Comment or name of the request. A writer cuts it to 80 characters.
     pub name: String,
-    /// Numbers after the id in the file: the measured quantity and its markers.
+    /// Integers that follow the id in the file: codes of the measured quantity and ids of its markers.
     pub numbers: Vec<i64>,
 }
 
-/// Writer of a `.req` file (guide/formats.md 6.3). Each output time is flushed as soon as it is written.
+/// Writer of a request file `.req` (guide/formats.md 6.3). The values of each output time are flushed as soon as they are written.
 ///
-/// The three lines of the head and the output times have the layout of real files. The layout of the list of requests in real files is
-/// unknown. Here each request has a line with its name and a line of integers that starts with its id, as existing readers expect. A name
+/// The three lines of the head and the values have the layout of real files. How real files list the requests in the head is unknown. This
+/// writer writes the name of each request on one line, and its id and other integers on another line, as existing readers expect. A name
 /// that consists of integers gets the prefix `REQUEST`.
 #[derive(Debug)]
 pub struct RequestWriter<W: Write> {
@@ -58,7 +58,7 @@ impl<W: Write> RequestWriter<W> {
             exponential(1.0 / units.length.si, 21, 15)
         )?;
         for request in requests {
-            // The check uses the name as it will be written, with blanks in place of control characters and cut to its length.
+            // The name is checked in the form in which it will be written: shortened, and with blanks in place of control characters.
             let mut name = title_line(request.name.trim());
             if whole_numbers(name.as_bytes()).is_some() {
                 name = title_line(&format!("REQUEST {}", name.trim()));
@@ -66,7 +66,7 @@ impl<W: Write> RequestWriter<W> {
             text.extend_from_slice(name.as_bytes());
             write!(text, "{:>10}", request.id)?;
             for number in &request.numbers {
-                // A number fills at least ten columns; longer numbers stay separated by a blank.
+                // Each integer fills at least ten columns and begins with a blank, so that long integers stay separate.
                 write!(text, " {number:>9}")?;
             }
             text.push(b'\n');
@@ -79,11 +79,10 @@ impl<W: Write> RequestWriter<W> {
         })
     }
 
-    /// Writes one output time: columns 2, 3, 4, 6, 7 and 8 of each request, in the order of the head.
+    /// Writes the values at one output time: columns 2, 3, 4, 6, 7 and 8 of each request, in the order of the head.
     ///
     /// # Errors
-    /// Returns `InvalidInput` if the number of values differs from the number of requests; otherwise an error if the output cannot be
-    /// written.
+    /// Returns `InvalidInput` if `values` does not have one entry for each request. Returns another error if the output cannot be written.
     pub fn step(&mut self, time: f64, values: &[[f64; 6]]) -> io::Result<()> {
         if values.len() != self.requests {
             let message = format!("{} values for {} requests", values.len(), self.requests);
@@ -97,34 +96,34 @@ impl<W: Write> RequestWriter<W> {
         self.output.flush()
     }
 
-    /// Returns the output.
+    /// Returns the output, which is complete after each output time.
     pub fn finish(self) -> W {
         self.output
     }
 }
 
-/// Content of a `.req` file.
+/// Content of a request file `.req`.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct RequestFile {
     /// Date and time of the run.
     pub date: String,
     /// Title of the model.
     pub title: String,
-    /// The 12-letter code of the units.
+    /// The 12-letter code for the units of the model.
     pub unit_code: String,
-    /// Requests in the order of their values.
+    /// Requests, in the order in which their values are listed.
     pub requests: Vec<RequestEntry>,
-    /// Output times in the order of the file.
+    /// Output times, in the order of the file.
     pub times: Vec<f64>,
-    /// Columns 2, 3, 4, 6, 7 and 8 of each request, for each output time.
+    /// Columns 2, 3, 4, 6, 7 and 8 of each request at each output time; the outer index is the output time.
     pub values: Vec<Vec<[f64; 6]>>,
 }
 
 impl RequestFile {
-    /// Reads a `.req` file.
+    /// Reads a request file `.req`.
     ///
-    /// The name of a request may come before or after its line of numbers. Values may be broken into lines in any way. If the file ends
-    /// inside an output time, the complete ones before it are returned with a warning.
+    /// In the head, the name of a request may come before or after its line of integers. The values at an output time may be split into
+    /// lines in any way. If the file ends inside an output time, all output times before it are returned with a warning.
     pub fn parse(source: &Source) -> Checked<Self> {
         let mut file = Checked::clean(Self::default());
         let mut lines = Lines::new(source.bytes());
@@ -161,7 +160,7 @@ impl RequestFile {
             });
         }
         self.date = text(first.get(4..).unwrap_or_default().trim_ascii().get(..19));
-        // A model may have no title; its title line is then blank.
+        // If the model has no title, the title line is blank.
         let has_count = |line: &[u8]| {
             words(line)
                 .next()
@@ -193,7 +192,7 @@ impl RequestFile {
                 None => name = line.to_vec(),
             }
         }
-        // If the names come after their numbers, the last name is still unread.
+        // If each name follows its line of integers, the name of the last request has not been read yet.
         let behind = lines.peek().is_some_and(|line| numbers(line).is_none());
         if behind && count > 0 {
             let last = text(Some(lines.needed()?.1));
@@ -208,10 +207,11 @@ impl RequestFile {
     fn data(&mut self, lines: &mut Lines<'_>) -> Result<Option<RequestFault>, RequestFault> {
         let wanted = 1 + 6 * self.requests.len();
         let mut values: Vec<f64> = Vec::new();
-        // Lengths of the lines of this output time and of the one before.
+        // Lengths of the lines at this output time, and of the lines at the previous output time.
         let (mut lengths, mut before) = (Vec::new(), Vec::new());
         while let Some((span, line)) = lines.next() {
-            // A last line without a line end may also lack digits: `1.0`, cut from `1.00000E-02`, is still a number.
+            // If the last line has no line end, digits may be missing: `1.0`, cut off from `1.00000E-02`, is still a number. The length of
+            // the line is therefore compared with the length of the same line at the previous output time.
             if lines.open && before.get(lengths.len()) != Some(&line.len()) {
                 return Ok(Some(lines.cut_off(self.times.len())));
             }
@@ -253,7 +253,7 @@ fn malformed(message: &str, span: Span) -> RequestFault {
     }
 }
 
-/// Iterator over the lines that are not blank, with their spans.
+/// Iterator over the lines of a text and their spans; blank lines are skipped.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -286,7 +286,7 @@ impl<'a> Lines<'a> {
         line.is_some_and(|line| line.trim_ascii().is_empty())
     }
 
-    /// A line of the head, with its line end.
+    /// Returns the next line of the head. Returns an error if the file ends before the line end.
     fn needed(&mut self) -> Result<(Span, &'a [u8]), RequestFault> {
         match self.next() {
             Some(line) if !self.open => Ok(line),
@@ -400,7 +400,7 @@ mod tests {
                 assert_eq!(read.value.times, whole.times[..count], "cut at {cut}");
                 assert_eq!(read.value.values, whole.values[..count], "cut at {cut}");
                 assert!(count >= steps, "cut at {cut}");
-                // A cut inside a line must be reported as truncation.
+                // A file that is cut off inside a line must be reported as truncated.
                 let line = bytes[..cut].rsplit(|byte| *byte == b'\n').next().unwrap();
                 let inside = !line.trim_ascii().is_empty() && bytes[cut] != b'\n';
                 let seen = read

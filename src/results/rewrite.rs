@@ -5,10 +5,10 @@ use admire_syntax::diagnostic::Diagnostic;
 use super::step::tokens;
 use super::{Groups, NumberStyle, ResultsError, Step, XrfReader, write_number};
 
-/// A new value for one column of one step.
+/// A new value for one column in one output step.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Change {
-    /// Position of the step among all steps of the file, from 0.
+    /// Position of the output step in the file, from 0.
     pub step: usize,
     /// Id of the column, from 1.
     pub id: usize,
@@ -19,25 +19,25 @@ pub struct Change {
 /// Report of a rewrite.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Rewritten {
-    /// Number of steps whose text was reproduced exactly from their numbers.
+    /// Number of output steps whose text was reproduced exactly by printing their numbers again.
     pub reprinted: usize,
-    /// Number of steps with another spelling, whose original text was kept.
+    /// Number of output steps that are spelled in another way; their original text was kept.
     pub kept: usize,
-    /// Number of applied changes.
+    /// Number of changes that were applied.
     pub changed: usize,
-    /// Diagnostics of the reader.
+    /// Diagnostics of the reader of the input.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Copies an XRF file, printing every step again from its numbers and applying `changes`.
+/// Copies an XRF file; every output step is printed again from its numbers, and `changes` are applied.
 ///
-/// `verbatim` is a second reader of the same bytes; it supplies everything that is not a number. Without changes the output equals the
-/// input byte for byte. A change replaces only the spelling of its number, so a line may exceed its usual width. Memory is needed for one
-/// step only.
+/// `verbatim` is a second reader of the same bytes; everything except the numbers is copied from it. Without changes, the output equals the
+/// input byte for byte. A change replaces only the text of its number, so that a line may become longer than usual. Memory is needed for
+/// only one output step.
 ///
 /// # Errors
-/// Returns an error if a file cannot be read or written or the input is malformed; the output is then incomplete. Also returns an error for
-/// a change whose step or column does not exist or whose value is not finite.
+/// Returns an error if the input cannot be read or is malformed, or if the output cannot be written; the output is then incomplete. Returns
+/// an error for a change whose step or column does not exist, or whose value is not finite.
 pub fn rewrite<R: Read, V: Read, W: Write>(
     file: &str,
     input: R,
@@ -83,7 +83,7 @@ pub fn rewrite<R: Read, V: Read, W: Write>(
     Ok(report)
 }
 
-/// Prints a step in the style that reproduces its text, and moves that style to the front of the list.
+/// Prints an output step in the number style that reproduces its text exactly, and moves this style to the front of `styles`.
 ///
 /// Returns `None` if no style reproduces the text.
 fn reprint(
@@ -94,7 +94,7 @@ fn reprint(
     line_end: &[u8],
     text: &mut Vec<u8>,
 ) -> Option<NumberStyle> {
-    // Infinities and NaN of a diverged run have no spelling in these styles.
+    // The styles have no spelling for the infinities and NaN values of a diverged run.
     if values.iter().any(|value| !value.is_finite()) {
         return None;
     }
@@ -115,7 +115,8 @@ fn reprint(
     None
 }
 
-/// Returns the largest number of decimals in the text, at most 30. It equals RESULTS/DECIMALPLACES unless every number has fewer decimals.
+/// Returns the largest number of decimals of any number in the text, but at most 30. This is RESULTS/DECIMALPLACES, unless trailing zeros
+/// were trimmed from every number.
 fn most_decimals(text: &[u8]) -> u8 {
     tokens(text)
         .map(|token| {

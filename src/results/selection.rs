@@ -2,7 +2,7 @@ use std::io::Write;
 
 use super::{Catalogue, Column, EntityKind, ResultsError, ResultsReader, StepFilter, StepKind};
 
-/// Selected columns, in the order of their ids.
+/// Selected columns of a results file, in the order of their ids.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct Selection {
     /// The selected columns.
@@ -12,25 +12,27 @@ pub struct Selection {
 /// A selected column.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct SelectedColumn {
-    /// Full name, such as `testrig.arm_XFORM.X`; further columns with the same name get the suffix `#2`, `#3`, ...
+    /// Full name of the column, such as `testrig.arm_XFORM.X`. If several columns have the same name, the second and further ones get the
+    /// suffix `#2`, `#3`, ...
     pub path: String,
-    /// Unit; `None` if the file states none.
+    /// Unit of the column; `None` if the file gives none.
     pub units: Option<String>,
-    /// Position of the value in a step, from 1.
+    /// Id of the column: the 1-based position of its value in an output step.
     pub id: usize,
 }
 
 impl Selection {
-    /// Selects all columns that have a name.
+    /// Selects all columns that the catalogue names.
     pub fn all(catalogue: &Catalogue) -> Self {
         Self::new(catalogue, |_| true)
     }
 
-    /// Selects the columns that match any of the patterns; also returns the patterns that match no column.
+    /// Selects the columns that match any of the patterns. Also returns the patterns that match no column.
     ///
-    /// A pattern is `ENTITY.COMPONENT`; case is ignored, `*` matches any text and `?` matches one character. The entity is given by its
-    /// result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`), its object (`testrig.arm`, or just `arm`) or its statement
-    /// (`BUSHING/1`). A pattern for an entity alone selects all its components.
+    /// A pattern has the form `ENTITY.COMPONENT`. Case is ignored, `*` matches any text and `?` matches one character.
+    ///
+    /// The entity may be given by its result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`), its object (`testrig.arm`, or just
+    /// `arm`) or its statement (`BUSHING/1`). A pattern that gives only an entity selects all columns of the entity.
     pub fn matching<'p>(catalogue: &Catalogue, patterns: &[&'p str]) -> (Self, Vec<&'p str>) {
         let mut used = vec![false; patterns.len()];
         let selection = Self::new(catalogue, |column| {
@@ -69,15 +71,16 @@ impl Selection {
         Self { columns }
     }
 
-    /// Returns the column ids in increasing order.
+    /// Returns the ids of the selected columns in increasing order.
     pub fn ids(&self) -> Vec<usize> {
         self.columns.iter().map(|column| column.id).collect()
     }
 
-    /// Calls `row` for each step accepted by the filter, with kind, block and values of the selected columns; returns the number of steps.
+    /// Calls `row` with the kind, the block name and the selected values of each output step that the filter accepts. Returns the number of
+    /// these steps.
     ///
     /// # Errors
-    /// Returns an error if reading or `row` fails.
+    /// Returns an error if reading fails or `row` returns an error.
     pub fn rows(
         &self,
         reader: &mut dyn ResultsReader,
@@ -116,7 +119,7 @@ impl Selection {
         Ok(steps)
     }
 
-    /// Returns the values of the selected columns in the steps accepted by the filter, one row per step.
+    /// Returns the values of the selected columns in all output steps that the filter accepts; each row contains one step.
     ///
     /// # Errors
     /// Returns an error if reading fails.
@@ -133,13 +136,13 @@ impl Selection {
         Ok(rows)
     }
 
-    /// Writes the remaining steps of a reader as CSV and returns their number.
+    /// Writes the remaining output steps of a reader as CSV and returns their number.
     ///
-    /// The first line holds the names with units (`arm_XFORM.X [mm]`). One line per step follows, with its kind and its values in their
-    /// shortest spelling.
+    /// The first line contains the names with units (`arm_XFORM.X [mm]`). Each further line contains the kind of one step and its values,
+    /// in the shortest spelling that reads back exactly.
     ///
     /// # Errors
-    /// Returns an error if reading or writing fails; the steps before it have then been written.
+    /// Returns an error if reading or writing fails. All steps before the failure have then been written.
     pub fn write_csv(
         &self,
         reader: &mut dyn ResultsReader,
@@ -148,12 +151,13 @@ impl Selection {
         self.write_csv_of(reader, output, &StepFilter::default(), false)
     }
 
-    /// Writes the steps accepted by the filter as CSV and returns their number.
+    /// Writes the output steps that the filter accepts as CSV and returns their number.
     ///
-    /// With `plain`, names have no units and rows have no step kind, so that other programs read every field below the names as a number.
+    /// If `plain` is true, names have no units and lines contain no kind of step. Other programs can then read every field below the names
+    /// as a number.
     ///
     /// # Errors
-    /// Returns an error if reading or writing fails; the steps before it have then been written.
+    /// Returns an error if reading or writing fails. All steps before the failure have then been written.
     pub fn write_csv_of(
         &self,
         reader: &mut dyn ResultsReader,
@@ -187,9 +191,10 @@ impl Selection {
         Ok(steps)
     }
 
-    /// Writes the remaining steps of a reader as one JSON object and returns their number.
+    /// Writes the remaining output steps of a reader as one JSON object and returns their number.
     ///
-    /// `columns` lists path, units and id; `steps` lists kind, block and values. A value that is not finite is written as `null`.
+    /// `columns` contains path, units and id of each column; `steps` contains kind, block and values of each step. A value that is not
+    /// finite is written as `null`.
     ///
     /// # Errors
     /// Returns an error if reading or writing fails; the output is then incomplete.
@@ -201,7 +206,7 @@ impl Selection {
         self.write_json_of(reader, output, &StepFilter::default())
     }
 
-    /// Writes the steps accepted by the filter as one JSON object and returns their number.
+    /// Writes the output steps that the filter accepts as one JSON object and returns their number.
     ///
     /// # Errors
     /// Returns an error if reading or writing fails; the output is then incomplete.
@@ -245,7 +250,7 @@ fn matches_column(pattern: &str, column: Column<'_>) -> bool {
     let full_set = full.strip_suffix(component.as_str()).unwrap_or(&full);
     let full_set = full_set.strip_suffix('.').unwrap_or(full_set);
     let object = column.entity.entity.as_deref().unwrap_or(set);
-    // The name of the object without its enclosing models: `arm.X`.
+    // The name of the object without the models that contain it, for patterns such as `arm.X`.
     let plain = object.rsplit('.').next().unwrap_or(object);
     let statement = match (&column.entity.ent_type, column.entity.object_id) {
         (Some(class), Some(id)) => format!("{}/{id}", EntityKind::keyword(class)),
@@ -256,9 +261,9 @@ fn matches_column(pattern: &str, column: Column<'_>) -> bool {
         .any(|name| glob(pattern, name) || glob(pattern, &format!("{name}.{component}")))
 }
 
-/// Matches `*` with any text, `?` with one character, and letters regardless of case.
+/// Returns true if `text` matches `pattern`, where `*` matches any text and `?` one character; case is ignored.
 ///
-/// The algorithm does not recurse; its time per `*` is linear in the length of the text.
+/// The algorithm is not recursive, and its time for each `*` is linear in the length of the text.
 fn glob(pattern: &str, text: &str) -> bool {
     let fold = |text: &str| {
         text.chars()

@@ -4,38 +4,38 @@ use admire_syntax::diagnostic::Code;
 
 use super::{ResultsError, StepKind};
 
-/// One complete step of a results file, with one value per column of the file.
+/// One complete output step of a results file; it has one value for each column of the file.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     pub(super) file: &'a str,
-    /// Position among all steps of the file, from 0.
+    /// Position of the output step in the file, from 0.
     pub index: usize,
-    /// Kind of analysis.
+    /// Kind of analysis in which the step was computed.
     pub kind: StepKind,
     /// Name of the Data block that contains the step, for example `quasiStatic_001`.
     pub block: &'a str,
     pub(super) values: Values<'a>,
 }
 
-/// The values of a step.
+/// The values of an output step, as text or as numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Values<'a> {
-    /// Values as text of an XRF file.
+    /// Text of an XRF file, not yet parsed.
     Text {
         /// Offset of the text in the file, in bytes.
         offset: u64,
-        /// Text between the tags of the step.
+        /// Text between the opening and the closing tag of the step.
         text: &'a [u8],
     },
-    /// Values in memory: element i has id i + 1.
+    /// Numbers in memory; the value at index i belongs to the column with id i + 1.
     Numbers(&'a [f64]),
 }
 
 impl<'a> Step<'a> {
-    /// Replaces the content of `values` by all values of the step: element i has id i + 1.
+    /// Replaces the content of `values` by all values of the output step; the value at index i belongs to the column with id i + 1.
     ///
     /// # Errors
-    /// Returns an error with the position if a token is not a number.
+    /// Returns an error with its position in the file if a token is not a number.
     pub fn values(&self, values: &mut Vec<f64>) -> Result<(), ResultsError> {
         values.clear();
         match self.values {
@@ -49,10 +49,11 @@ impl<'a> Step<'a> {
         Ok(())
     }
 
-    /// Appends the values of `ids`, which must increase, to `values`. Reading stops at the last of them.
+    /// Appends the values of the columns `ids`, which must be in increasing order, to `values`. The text is read only up to the last of
+    /// these values.
     ///
     /// # Errors
-    /// Returns an error with the position if a token is not a number or an id does not exist.
+    /// Returns an error with its position in the file if a token is not a number or an id does not exist.
     pub fn pick(&self, ids: &[usize], values: &mut Vec<f64>) -> Result<(), ResultsError> {
         let missing = |id: usize| {
             let message = format!("there is no column {id}");
@@ -78,7 +79,7 @@ impl<'a> Step<'a> {
         Ok(())
     }
 
-    /// Returns the text between the tags, or an empty text if the values are in memory.
+    /// Returns the text between the tags of the step, or an empty text if the values are in memory.
     pub(super) fn text(&self) -> &'a [u8] {
         match self.values {
             Values::Text { text, .. } => text,
@@ -118,7 +119,7 @@ const fn is_blank(byte: u8) -> bool {
     byte <= b' '
 }
 
-/// Iterates over the byte ranges of the numbers in the text of a step.
+/// Iterates over the byte ranges of the numbers in a text. Blanks and line ends separate the numbers.
 pub(super) fn tokens(text: &[u8]) -> impl Iterator<Item = Range<usize>> {
     let mut at = 0;
     std::iter::from_fn(move || {
@@ -136,12 +137,12 @@ pub(super) fn tokens(text: &[u8]) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// Counts the numbers of a text: the positions where a non-blank follows a blank or starts the text.
+/// Returns the number of values in a text: the number of positions at which a non-blank byte follows a blank or begins the text.
 pub(super) fn count_tokens(text: &[u8]) -> usize {
     let Some((&first, rest)) = text.split_first() else {
         return 0;
     };
-    // Summing bytes in short runs lets the compiler use wide registers.
+    // Counts are summed as bytes over short runs, so that the compiler can use wide registers.
     let mut count = usize::from(!is_blank(first));
     for (before, after) in text.chunks(255).zip(rest.chunks(255)) {
         let starts: u8 = before
@@ -154,13 +155,13 @@ pub(super) fn count_tokens(text: &[u8]) -> usize {
     count
 }
 
-/// Parses a number as printed by C libraries, including the infinities and NaN of a diverged run.
+/// Parses a number as printed by C libraries. Infinities and NaN values, which a diverged run may contain, are accepted.
 pub(super) fn parse_number(token: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(token).ok()?;
     match text.parse() {
         Ok(value) => Some(value),
         Err(_) if text.contains('#') => {
-            // Spellings of Windows before 2015: 1.#INF, -1.#IND, 1.#QNAN.
+            // The C libraries of Windows before 2015 print 1.#INF, -1.#IND and 1.#QNAN.
             let negative = text.starts_with('-');
             let rest = text.trim_start_matches(['-', '+']);
             match rest.get(..5) {

@@ -1,17 +1,17 @@
 use super::StepKind;
 
-/// Criteria that select steps of a file.
+/// Criteria that select output steps of a results file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StepFilter {
-    /// Positions from 1, as first and last of each range; an empty list accepts all positions.
+    /// Ranges of accepted positions, as pairs (first, last) counted from 1. An empty list accepts all positions.
     pub ranges: Vec<(usize, usize)>,
     /// Earliest accepted time.
     pub from: f64,
     /// Latest accepted time.
     pub to: f64,
-    /// Accepted kinds; an empty list accepts all kinds.
+    /// Accepted kinds of steps; an empty list accepts all kinds.
     pub kinds: Vec<StepKind>,
-    /// True if only the last accepted step is taken.
+    /// True if only the last of the accepted steps is selected.
     pub last: bool,
 }
 
@@ -31,7 +31,7 @@ impl StepFilter {
     /// Parses positions such as `3`, `2-5`, `7-` or `last`, separated by commas, and adds them to the filter.
     ///
     /// # Errors
-    /// Returns the first word that is not a position.
+    /// Returns the first word that is not a position or a range.
     pub fn positions(&mut self, text: &str) -> Result<(), String> {
         for word in text
             .split(',')
@@ -57,7 +57,8 @@ impl StepFilter {
         Ok(())
     }
 
-    /// Returns true if the filter accepts a step, given its position (from 0), kind and time. A step without a time passes the time limits.
+    /// Returns true if the filter accepts an output step, given its position (from 0), kind and time. A step without a time is accepted
+    /// whatever the time limits are.
     pub fn takes(&self, position: usize, kind: StepKind, time: Option<f64>) -> bool {
         let place = position + 1;
         let within = |(first, last): &(usize, usize)| (*first..=*last).contains(&place);

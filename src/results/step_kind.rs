@@ -1,4 +1,4 @@
-/// Kind of analysis that produced a step of results.
+/// Kind of analysis in which an output step was computed.
 #[derive(
     Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, serde::Serialize, serde::Deserialize,
 )]
@@ -6,19 +6,19 @@
 pub enum StepKind {
     /// The model as it was read, before any analysis.
     Input,
-    /// The state at the start of a dynamic run.
+    /// The state at the start of a dynamic simulation, after its initial conditions were computed.
     InitialConditions,
     /// A single static equilibrium.
     Static,
-    /// One of a sequence of static equilibria over time.
+    /// One of several static equilibria in a simulation over time.
     QuasiStatic,
-    /// A static equilibrium, as some versions call it.
+    /// A static equilibrium, under the name that some versions of ADAMS use.
     Equilibrium,
-    /// A kinematic step.
+    /// A step of a kinematic simulation.
     Kinematic,
-    /// A step of time integration.
+    /// A step of a dynamic simulation, found by time integration.
     Dynamic,
-    /// A kind that is not in this list; the name of its Data block shows which.
+    /// A kind that this list does not contain; the name of the Data block shows which kind it is.
     Unlisted,
 }
 
@@ -34,7 +34,7 @@ impl StepKind {
         Self::Dynamic,
     ];
 
-    /// Returns the `type` attribute of a Step element.
+    /// Returns the `type` attribute that a Step element of this kind has in XRF files.
     pub const fn step_type(self) -> &'static str {
         match self {
             Self::Input => "input",
@@ -48,7 +48,7 @@ impl StepKind {
         }
     }
 
-    /// Returns the name of a Data block of this kind without its number.
+    /// Returns the name of a Data block of this kind, without the number at its end.
     pub(crate) const fn block_name(self) -> &'static str {
         match self {
             Self::Input => "modelInput",
@@ -56,7 +56,7 @@ impl StepKind {
         }
     }
 
-    /// Returns the kind for a `type` attribute; case is ignored.
+    /// Returns the kind that belongs to a `type` attribute; case is ignored.
     pub(crate) fn from_step_type(text: &str) -> Self {
         Self::NAMED
             .into_iter()
@@ -64,7 +64,7 @@ impl StepKind {
             .unwrap_or(Self::Unlisted)
     }
 
-    /// Returns true for the kinds that hold a static equilibrium; readers treat them alike (guide/formats.md 12).
+    /// Returns true for all kinds of static equilibria, which readers treat alike (guide/formats.md 12).
     pub const fn is_equilibrium(self) -> bool {
         matches!(self, Self::Static | Self::QuasiStatic | Self::Equilibrium)
     }

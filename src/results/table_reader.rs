@@ -5,7 +5,7 @@ use admire_syntax::diagnostic::Diagnostic;
 use super::blocks::Blocks;
 use super::{Catalogue, Header, ResultsError, ResultsReader, ResultsTable, Step, Values};
 
-/// Reader of a table in memory, step by step, with the block names of the equivalent XRF file.
+/// Step-by-step reader of a table in memory. The steps get the block names that they would have in an XRF file.
 #[derive(Debug)]
 pub(super) struct TableReader {
     file: Arc<str>,
@@ -15,7 +15,7 @@ pub(super) struct TableReader {
 }
 
 impl TableReader {
-    /// Creates a reader at the first step. `file` is the name shown in messages.
+    /// Creates a reader that begins at the first step. `file` is the name used in messages.
     pub(super) fn new(file: impl Into<Arc<str>>, table: ResultsTable) -> Self {
         Self {
             file: file.into(),

@@ -3,38 +3,37 @@ use std::io::{self, Write};
 use super::Timestamp;
 use super::fortran::exponential;
 
-/// A request, as shown on a page of tabular output.
+/// A request, as shown on the pages of tabular output.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TabularRequest {
     /// Id of the REQUEST statement.
     pub id: i64,
     /// Comment or name of the request.
     pub name: String,
-    /// Headings of the eight columns.
+    /// Headings of the eight columns of the request.
     pub headings: [String; 8],
 }
 
-/// Layout of the tables (OUTPUT/FIXED, TELETYPE).
+/// Layout of the tables, as set by OUTPUT/FIXED and OUTPUT/TELETYPE.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Tabular {
-    /// True if numbers are written in fixed point where they fit.
+    /// True if numbers are written in fixed point wherever they fit into their columns.
     pub fixed: bool,
-    /// True if lines have at most 72 columns, with TIME and four values on one line and the other four values below.
+    /// True if lines have at most 72 columns. TIME and four values are then on one line, and the other four values on the next line.
     pub narrow: bool,
 }
 
-/// Maximum number of output times on one page.
+/// Maximum number of output times on a page.
 const PAGE: usize = 50;
 
-/// Writes a `.out` file: for each request, pages of its eight columns over time.
+/// Writes a tabular output file `.out`: for each request, pages with its eight columns over time.
 ///
-/// The layout is specific to `admire`, because no file of ADAMS is known (guide/formats.md 6.4). A form feed starts every page but the
-/// first. A page has the title, the request, a line of headings, and then `TIME` and eight columns in the format 1PE13.5 (or F13.5). It
-/// holds at most 50 output times.
+/// The layout is specific to `admire`, because no such file of ADAMS is known (guide/formats.md 6.4). A form feed begins every page except
+/// the first. A page contains the title, the request, a line of headings, and at most 50 output times. Each output time is a line with
+/// `TIME` and eight columns in the format 1PE13.5 (or F13.5).
 ///
 /// # Errors
-/// Returns `InvalidInput` if the number of entries of a row differs from the number of requests; otherwise an error if the output cannot be
-/// written.
+/// Returns `InvalidInput` if a row does not have one entry for each request. Returns another error if the output cannot be written.
 pub fn write_tabular(
     mut output: impl Write,
     title: &str,
@@ -93,10 +92,10 @@ pub fn write_tabular(
 }
 
 impl Tabular {
-    /// Formats a number in 13 columns.
+    /// Formats a number in a field of 13 columns.
     fn number(self, value: f64) -> String {
         let fixed = format!("{value:>13.5}");
-        // Numbers that would touch their neighbour or lose their digits are written with an exponent.
+        // A number is written with an exponent if in fixed point it would touch its neighbour or lose digits.
         if self.fixed
             && fixed.starts_with(' ')
             && fixed.len() == 13

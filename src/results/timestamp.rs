@@ -1,16 +1,16 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// A moment in UTC, as spelled in results files.
+/// A moment in UTC, with the spellings that results files use.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Timestamp {
     seconds: i64,
 }
 
 impl Timestamp {
-    /// Returns the current time, or the time given by the environment variable `SOURCE_DATE_EPOCH` in seconds since 1970-01-01 00:00:00 UTC
-    /// (<https://reproducible-builds.org/specs/source-date-epoch/>).
+    /// Returns the current time. If the environment variable `SOURCE_DATE_EPOCH` is set, returns the time that it gives in seconds since
+    /// 1970-01-01 00:00:00 UTC (<https://reproducible-builds.org/specs/source-date-epoch/>).
     ///
-    /// With the variable set, two runs write the same bytes.
+    /// With this variable, two equal runs write exactly the same bytes.
     pub fn now() -> Self {
         if let Some(seconds) = std::env::var("SOURCE_DATE_EPOCH")
             .ok()
@@ -26,7 +26,7 @@ impl Timestamp {
         Self { seconds }
     }
 
-    /// Creates a moment from seconds since 1970-01-01 00:00:00 UTC.
+    /// Creates a moment from the number of seconds since 1970-01-01 00:00:00 UTC.
     pub const fn from_unix(seconds: i64) -> Self {
         Self { seconds }
     }
@@ -49,9 +49,9 @@ impl Timestamp {
     }
 }
 
-/// Converts days since 1970-01-01 to year, month and day of the Gregorian calendar.
+/// Converts a number of days since 1970-01-01 to year, month and day of the Gregorian calendar.
 ///
-/// The era arithmetic counts years from March.
+/// The algorithm counts in eras of 400 years, and its years begin in March.
 fn civil(days: i64) -> (i64, i64, i64) {
     let shifted = days + 719_468;
     let era = shifted.div_euclid(146_097);
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn dates_follow_the_calendar() {
-        // Known moments, from `date -u -d @N`.
+        // The expected texts were printed by `date -u -d @N`.
         assert_eq!(Timestamp::from_unix(0).date_time(), "1970-01-01 00:00:00");
         assert_eq!(
             Timestamp::from_unix(951_827_696).with_offset(),

@@ -2,16 +2,16 @@ use std::io;
 
 use super::{ResultsTable, StepKind};
 
-/// Destination for the steps of a run: a file or a table in memory.
+/// Destination for the output steps of a run: a file or a table in memory.
 pub trait ResultsWriter {
-    /// Adds a step with one value for each column.
+    /// Adds an output step with one value for each column.
     ///
     /// # Errors
-    /// Returns `InvalidInput` if the number of values differs from the number of columns or a value is not finite; otherwise an error if
-    /// the output cannot be written.
+    /// Returns `InvalidInput` if the number of values differs from the number of columns, or if a value is not finite. Returns another
+    /// error if the output cannot be written.
     fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()>;
 
-    /// Ends the results with the status of the run (such as `Successful`); returns the table if the results are kept in memory.
+    /// Ends the results with the status of the run (such as `Successful`). Returns the table if the results are kept in memory.
     ///
     /// # Errors
     /// Returns an error if the output cannot be written.

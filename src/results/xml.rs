@@ -1,7 +1,7 @@
-//! Parser of the XML subset used by results files, in constant memory.
+//! Parser for the subset of XML that results files use; it needs constant memory.
 //!
-//! It supports tags, attributes, comments and the five predefined entities. Document types, declared entities and CDATA are rejected: no
-//! results file contains them, and attacks on XML readers use them.
+//! The subset consists of tags, attributes, comments and the five predefined entities. Document types, declared entities and CDATA sections
+//! are rejected: results files do not contain them, but attacks on XML readers do.
 
 use std::io::{self, Read};
 use std::ops::Range;
@@ -10,7 +10,7 @@ use std::ops::Range;
 pub(super) const LIMIT: usize = 1 << 20;
 const CHUNK: usize = 1 << 16;
 
-/// Reason for rejecting XML input.
+/// Reason why XML input is rejected.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub(super) enum Refusal {
     #[error("a document type or entity declaration; no results file has one")]
@@ -25,7 +25,7 @@ pub(super) enum Refusal {
     Tag,
 }
 
-/// A tag of the stream; ranges refer to the window of the [`Scanner`].
+/// A tag of the stream. Byte ranges are indices in the window of the [`Scanner`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Tag {
     /// An opening tag: `<name attributes>` or `<name attributes />`.
@@ -38,14 +38,14 @@ pub(super) enum Tag {
     Close { name: Range<usize> },
 }
 
-/// Outcome of a search in the stream.
+/// Outcome of a search in the stream: found, end of the stream, or rejected input.
 pub(super) enum Found<T> {
     Yes(T),
     EndOfFile,
     Refused(Refusal),
 }
 
-/// A buffered window on a stream. Returned ranges stay valid until the next call that may read.
+/// A buffered window on a stream of bytes. Returned ranges stay valid until the next call that may read more bytes.
 #[derive(Debug)]
 pub(super) struct Scanner<R> {
     input: R,
@@ -70,17 +70,17 @@ impl<R: Read> Scanner<R> {
         &self.buffer[range]
     }
 
-    /// Returns the stream offset of an index of the window.
+    /// Converts an index in the window to an offset in the stream.
     pub(super) fn offset_of(&self, index: usize) -> u64 {
         self.base + index as u64
     }
 
-    /// Returns the stream offset of the next unread byte.
+    /// Returns the offset in the stream of the next unread byte.
     pub(super) fn offset(&self) -> u64 {
         self.offset_of(self.start)
     }
 
-    /// Returns the unread bytes of the window, after reading until there are at least `wanted` or the stream ends.
+    /// Returns the unread bytes of the window. Before that, reads until at least `wanted` bytes are available or the stream ends.
     pub(super) fn peek(&mut self, wanted: usize) -> io::Result<&[u8]> {
         while self.end - self.start < wanted && self.fill()? {}
         Ok(&self.buffer[self.start..self.end])
@@ -115,10 +115,10 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Returns the window index of the first byte that `search` finds, starting `from` bytes after the first unread byte.
+    /// Returns the index in the window of the first byte that `search` finds. The search starts `from` bytes after the first unread byte.
     ///
-    /// The result is a refusal if nothing is found in more than `limit` bytes. `overlap` is the number of bytes searched again after each
-    /// read.
+    /// The input is rejected if more than `limit` unread bytes contain no match. After each read, the last `overlap` bytes are searched
+    /// again.
     fn find(
         &mut self,
         from: usize,
@@ -144,7 +144,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Returns the text up to the next `<`, and moves to that `<`.
+    /// Returns the text up to the next `<` and moves to that `<`. The input is rejected if the text is longer than `limit` bytes.
     pub(super) fn text(&mut self, limit: usize) -> io::Result<Found<Range<usize>>> {
         Ok(
             match self.find(0, limit, |bytes| memchr::memchr(b'<', bytes), 0)? {
@@ -174,7 +174,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Reads the tag at the next `<`. Comments and processing instructions before the tag are skipped, with the text between them.
+    /// Reads the tag at the next `<`. Comments and processing instructions before the tag are skipped, and so is the text between them.
     pub(super) fn tag(&mut self) -> io::Result<Found<Tag>> {
         loop {
             let head = self.peek(9)?;
@@ -212,13 +212,14 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Consumes the closing tag `</name>` that must follow `text`, and returns the new range of `text`. Any other tag is refused.
+    /// Consumes the closing tag `</name>`, which must directly follow `text`, and returns the new range of `text` in the window. Any other
+    /// tag is rejected.
     pub(super) fn closing(
         &mut self,
         text: Range<usize>,
         name: &[u8],
     ) -> io::Result<Found<Range<usize>>> {
-        // Returning to the start of the text keeps it in the window while more bytes are read.
+        // The scanner returns to the start of the text, so that the text stays in the window while more bytes are read.
         let lead = text.len();
         self.start = text.start;
         let end = match self.find(lead, lead + LIMIT, |bytes| memchr::memchr(b'>', bytes), 0)? {
@@ -309,7 +310,7 @@ fn is_name(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b':' | b'.') || byte >= 0x80
 }
 
-/// Parses `name="value"` pairs and resolves character references. Bytes that are not UTF-8 are read as Latin-1.
+/// Parses attributes `name="value"` and resolves character references. Bytes that are not UTF-8 are decoded as Latin-1.
 pub(super) fn attributes(mut text: &[u8]) -> Result<Vec<(String, String)>, Refusal> {
     let mut all = Vec::new();
     loop {

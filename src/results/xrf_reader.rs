@@ -11,18 +11,19 @@ use super::{
     Values,
 };
 
-/// Maximum nesting depth of elements; real files have five levels.
+/// Maximum nesting depth of elements; real files have a depth of five.
 const DEEPEST: usize = 16;
-/// Maximum number of columns of a file.
+/// Maximum number of columns in a file.
 const MOST_COLUMNS: usize = 1 << 22;
-/// Maximum number of bytes per value, including the blank; real files need at most 27.
+/// Maximum number of bytes for a value and the blank after it; values in real files need at most 27 bytes.
 const BYTES_PER_VALUE: usize = 64;
 
-/// Reader of an XRF file, step by step. Its memory depends on the number of columns but not on the number of steps.
+/// Step-by-step reader of an XRF file. Its memory depends on the number of columns but not on the number of output steps.
 ///
-/// Every step is checked against the file's own map of columns. A step with more or fewer values is an error that ends the reading, so no
-/// value is ever assigned to the wrong column. If a killed run left an incomplete file, all complete steps are returned and a warning is
-/// issued.
+/// The number of values in each step is checked against the file's map of columns. A step with more or fewer values is an error that ends
+/// the reading, so that no value is ever assigned to the wrong column.
+///
+/// If a run was killed and its file is incomplete, all complete steps are returned, and the reader reports a warning.
 #[derive(Debug)]
 pub struct XrfReader<R> {
     scanner: Scanner<R>,
@@ -37,11 +38,11 @@ pub struct XrfReader<R> {
     status: Option<String>,
     done: bool,
     diagnostics: Vec<Diagnostic>,
-    /// The tag that ended the header and is still to be processed.
+    /// Tag that ended the header and that the next call must process.
     pending: Option<Event>,
 }
 
-/// A tag with its parsed attributes.
+/// A tag, with its attributes parsed.
 #[derive(Debug)]
 enum Event {
     Open {
@@ -54,7 +55,7 @@ enum Event {
 }
 
 impl<R: Read> XrfReader<R> {
-    /// Reads the header and the map of columns. `file` is the name shown in messages.
+    /// Reads the header and the map of columns. `file` is the name used in messages.
     ///
     /// # Errors
     /// Returns an error if the input cannot be read, is not an XRF file, or ends before the first step.
@@ -90,12 +91,12 @@ impl<R: Read> XrfReader<R> {
         &self.catalogue
     }
 
-    /// Returns the number of values in every step.
+    /// Returns the number of values in every output step.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Returns the line end of the first line of the file.
+    /// Returns the kind of line end that the first line of the file has.
     pub fn line_end(&self) -> LineEnd {
         self.line_end
     }
@@ -105,15 +106,15 @@ impl<R: Read> XrfReader<R> {
         self.status.as_deref()
     }
 
-    /// Returns the diagnostics collected so far.
+    /// Returns the diagnostics that the reader has collected so far.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
 
-    /// Returns the next complete step, or `None` at the end.
+    /// Returns the next complete output step, or `None` at the end of the file.
     ///
     /// # Errors
-    /// Returns an error if the input cannot be read, or if the file is malformed from here on; the steps read before remain valid.
+    /// Returns an error if the input cannot be read, or if the file is malformed at this step. The steps returned before are valid.
     pub fn next_step(&mut self) -> Result<Option<Step<'_>>, ResultsError> {
         while !self.done {
             let event = match self.pending.take() {
@@ -205,9 +206,10 @@ impl<R: Read> XrfReader<R> {
         kind
     }
 
-    /// Reads a step through its closing tag and returns the offset and range of its text, or `None` if the file ends first.
+    /// Reads an output step up to and including its closing tag. Returns the offset and the range of its text, or `None` if the file ends
+    /// first.
     fn step_text(&mut self) -> Result<Option<(u64, std::ops::Range<usize>)>, ResultsError> {
-        // The closing tag is read before the text is used, because reading may move the text in the window.
+        // The closing tag is read before the text is used, because reading may move the text inside the window.
         let limit = self.columns * BYTES_PER_VALUE + 4096;
         let text = match self.scanner.text(limit)? {
             Found::Yes(text) => text,
@@ -246,7 +248,7 @@ impl<R: Read> XrfReader<R> {
         }
     }
 
-    /// Ends the reading and returns an error at the current position.
+    /// Ends the reading and returns an error located at the current position in the file.
     fn refuse(&mut self, code: Code, message: impl Into<String>) -> ResultsError {
         self.done = true;
         let at = self.scanner.offset();
@@ -283,7 +285,7 @@ impl<R: Read> XrfReader<R> {
         Err(self.refuse(Code::UnsupportedResults, message))
     }
 
-    /// Skips text and returns the next tag.
+    /// Skips the text before the next tag and returns this tag.
     fn event(&mut self) -> Result<Event, ResultsError> {
         if matches!(self.scanner.skip_text()?, Found::EndOfFile) {
             return Ok(Event::EndOfFile);
@@ -431,7 +433,7 @@ impl<R: Read> XrfReader<R> {
         }
     }
 
-    /// Returns the lines of a comment, without the line end directly after its opening tag.
+    /// Returns the lines of a comment. The line end directly after the opening tag is left out.
     fn comment(&mut self) -> Result<String, ResultsError> {
         match self.scanner.text(LIMIT)? {
             Found::Yes(text) => {
@@ -481,7 +483,7 @@ impl<R: Read> XrfReader<R> {
         Ok(())
     }
 
-    /// Checks the ids of the components: two components with the same id are an error; a position without a component gives a warning.
+    /// Checks the ids of the columns. Two columns with the same id are an error; a position without a column gives a warning.
     fn check_columns(&mut self) -> Result<(), ResultsError> {
         self.columns = self.catalogue.len();
         let mut named = vec![false; self.columns];

@@ -3,13 +3,13 @@ use std::io::{self, Write};
 use super::blocks::Blocks;
 use super::{Catalogue, Groups, Header, NumberStyle, ResultsTable, ResultsWriter, StepKind};
 
-/// Line end of a text file.
+/// Line end of a text file: LF or CR LF.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum LineEnd {
     /// `\n`.
     #[default]
     Lf,
-    /// `\r\n`, as written by Windows versions before 2017.
+    /// `\r\n`, as written by versions of ADAMS for Windows before 2017.
     CrLf,
 }
 
@@ -23,21 +23,21 @@ impl LineEnd {
     }
 }
 
-/// Spelling of an XRF file.
+/// Details of how an XRF file is spelled.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Style {
-    /// Format of the numbers.
+    /// Format in which numbers are written.
     pub numbers: NumberStyle,
-    /// Line end.
+    /// Line end of all lines.
     pub line_end: LineEnd,
     /// True if the last line has no line end.
     pub open_end: bool,
 }
 
-/// Writer of an XRF file, step by step. Every step is flushed, so that a killed run leaves only complete steps.
+/// Step-by-step writer of an XRF file. Every output step is flushed, so that a killed run leaves only complete steps.
 ///
-/// Each tag has its own line, attributes have the order used by ADAMS, and an empty element ends with ` />`. Existing readers parse the
-/// file line by line (guide/formats.md 12).
+/// The layout is the one that existing readers expect, because they parse the file line by line (guide/formats.md 12): each tag has its own
+/// line, attributes have the order of ADAMS, and an empty element ends with ` />`.
 #[derive(Debug)]
 pub struct XrfWriter<W: Write> {
     output: W,
@@ -71,11 +71,11 @@ impl<W: Write> XrfWriter<W> {
         Ok(writer)
     }
 
-    /// Writes one step. A step of another kind than the step before starts a new Data block.
+    /// Writes one output step. If its kind differs from the kind of the step before it, a new Data block is started.
     ///
     /// # Errors
-    /// Returns `InvalidInput` if the number of values differs from the number of columns or a value is not finite; nothing is written in
-    /// this case. Returns another error if the output cannot be written.
+    /// Returns `InvalidInput` if the number of values differs from the number of columns, or if a value is not finite; nothing is written
+    /// in this case. Returns another error if the output cannot be written.
     pub fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
         if values.len() != self.groups.len() {
             let message = format!("{} values for {} columns", values.len(), self.groups.len());
@@ -102,7 +102,7 @@ impl<W: Write> XrfWriter<W> {
         self.flush()
     }
 
-    /// Ends the file with the status of the run (such as `Successful`) and returns the output.
+    /// Ends the file with the status of the run (such as `Successful`), and returns the output.
     ///
     /// # Errors
     /// Returns an error if the output cannot be written.
@@ -129,11 +129,11 @@ impl<W: Write> XrfWriter<W> {
         self.text.extend_from_slice(self.style.line_end.bytes());
     }
 
-    /// Writes a Comment element. `lines` holds the lines with their line ends.
+    /// Writes a Comment element with the given lines, which include their line ends.
     fn comment(&mut self, lines: &str) {
         self.line("<Comment>");
         for line in lines.lines() {
-            // Quotation marks need no escape outside of attributes and stay unchanged.
+            // Outside of attributes, quotation marks need no escape and are written unchanged.
             self.line(&escape(line).replace("&quot;", "\""));
         }
         self.line("</Comment>");
@@ -170,7 +170,7 @@ impl<W: Write> XrfWriter<W> {
         self.comment(&h.comment);
         self.line("</Revision>");
         self.line("</Bibliography>");
-        // Two blanks precede `script`, as in every real file.
+        // In every real file, two blanks precede `script`.
         self.line(&format!(
             "<Analysis name=\"{}\" executionDate=\"{}\" Solver=\"{}\"  script=\"{}\">",
             escape(&h.analysis),
@@ -272,7 +272,8 @@ impl<W: Write> ResultsWriter for XrfWriter<W> {
 }
 
 impl ResultsTable {
-    /// Writes the table as an XRF file with the given header. Apart from the header, the bytes equal the file of a run that writes files.
+    /// Writes the table as an XRF file with the given header. Apart from the header, the bytes are the same as in the file that a run would
+    /// write.
     ///
     /// # Errors
     /// Returns an error if the output cannot be written.
@@ -291,7 +292,7 @@ impl ResultsTable {
     }
 }
 
-/// Escapes text for XML: special characters become references, and control characters, which XML cannot hold, become blanks.
+/// Escapes text for XML. Special characters become character references; control characters, which XML does not allow, become blanks.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -16,9 +16,12 @@ const MAX_ATTEMPTS: usize = 6;
 /// Returns an equilibrium of a case displaced by a random amount along each of its free motions. Returns `state` itself if there are no free
 /// motions or no displaced equilibrium is found.
 pub(super) fn spun(
-    (system, parameters, metre): (&System, &Parameters, f64),
-    (sweeper, case): (&mut CaseSweeper, usize),
+    system: &System,
+    parameters: &Parameters,
+    sweeper: &mut CaseSweeper,
+    case: usize,
     state: &State,
+    metre: f64,
     noise: &mut Noise,
 ) -> State {
     if !sweeper.solver().has_free_motions() {

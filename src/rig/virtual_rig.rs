@@ -118,8 +118,12 @@ pub fn virtual_rig_watched(
     // Motions that are free in the unchanged deck stay free whatever is planted.
     let free = compile(&lowered.value).ok().and_then(|system| {
         let loads = Loads::of(&system, &reality.programme).ok()?;
-        let deck = (&reality.dataset, &lowered.value);
-        Some(FreeMotions::new(deck, &system, loads))
+        Some(FreeMotions::new(
+            &reality.dataset,
+            &lowered.value,
+            &system,
+            loads,
+        ))
     });
     let free = free.unwrap_or_default();
     // Tolerances and outliers are drawn for the unchanged deck, whatever else is planted.
@@ -210,9 +214,16 @@ fn at_rest(
             );
             vec![Diagnostic::error(Code::UnreachableCase, message)]
         })?;
-        let at = (&system, &parameters, metre);
         let equilibrium = state;
-        let state = spun(at, (&mut sweeper, number), &equilibrium, &mut spins);
+        let state = spun(
+            &system,
+            &parameters,
+            &mut sweeper,
+            number,
+            &equilibrium,
+            metre,
+            &mut spins,
+        );
         for (memory, _, held) in &mut memories {
             *held = memory
                 .law

@@ -7,14 +7,14 @@ use admire_solver::system::{ConstraintIx, ElementIx, System};
 use admire_syntax::hash::QuickMap;
 use admire_syntax::units::{Dimension, Units};
 
-/// Kind of an entity in the results, with the source of its values.
+/// One entity of the results after the bodies, with the source of its values.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Item {
-    /// Value and rate of a DIFF.
+    /// Value and time derivative of a DIFF.
     Diff {
         /// Id of the DIFF.
         id: u32,
-        /// Index in the model.
+        /// Index of the DIFF in the model; `None` if the current model lacks it.
         at: Option<usize>,
     },
     /// Reaction of a constraint.
@@ -23,97 +23,97 @@ pub(super) enum Item {
         kind: &'static str,
         /// Id of the statement.
         id: u32,
-        /// Index in the system.
+        /// Index of the constraint in the compiled system; `None` if the system lacks it.
         at: Option<ConstraintIx>,
     },
-    /// Force and torque of a force element, and for some elements the angles of I in J.
+    /// Force and torque of a force element; some elements also have the rotation angles of I relative to J.
     Element {
         /// Keyword of the statement.
         kind: &'static str,
         /// Id of the statement.
         id: u32,
-        /// True if the columns ANGX, ANGY, ANGZ follow.
+        /// True if the entity also has the columns ANGX, ANGY and ANGZ.
         angles: bool,
-        /// Index in the system.
+        /// Index of the element in the compiled system; `None` if the system lacks it.
         at: Option<ElementIx>,
     },
-    /// Components of one request, or of several requests that share a name.
+    /// Components of one request, or of several requests with the same RESULTS_NAME.
     Request(Vec<Component>),
     /// Value of a VARIABLE.
     Variable {
         /// Id of the VARIABLE.
         id: u32,
-        /// Index in the model.
+        /// Index of the VARIABLE in the model; `None` if the current model lacks it.
         at: Option<usize>,
     },
     /// Pose of the floating marker of a vector force.
     FloatingMarker {
         /// Id of the marker.
         id: u32,
-        /// I marker of its force, to which it is attached.
+        /// I marker of the vector force, to which the floating marker is attached; `None` if the current model lacks the force.
         on: Option<MarkerIx>,
     },
     /// Reaction of a GCON.
     Condition {
         /// Id of the GCON.
         id: u32,
-        /// Marker at which the reaction is reported.
+        /// Marker at which the reaction is reported; `None` if there is none.
         at: Option<MarkerIx>,
     },
-    /// Forces of an NFORCE: its id and its number of I markers.
+    /// Forces of an NFORCE; holds its id and the number of its I markers.
     Multi(u32, usize),
-    /// Values of the variables of a PINPUT or POUTPUT.
+    /// Values of all VARIABLEs in a PINPUT or POUTPUT.
     Variables {
-        /// Ids of the variables.
+        /// Ids of the VARIABLEs.
         ids: Vec<u32>,
-        /// Indices in the model.
+        /// Index of each VARIABLE in the model; `None` if the current model lacks it.
         at: Vec<Option<usize>>,
     },
-    /// States and outputs of linear state equations.
+    /// States and outputs of a system of linear state equations.
     LinearStates {
         /// Keyword of the statement.
         kind: &'static str,
         /// Id of the statement.
         id: u32,
-        /// Number of columns.
+        /// Number of columns of the entity.
         columns: usize,
-        /// Index in the model.
+        /// Index of the equations in the model; `None` if the current model lacks them.
         at: Option<usize>,
-        /// Index of the first of their states.
+        /// Index of their first state among all dynamic states.
         first: usize,
-        /// Indices of the VARIABLEs that are their inputs.
+        /// Index in the model of each VARIABLE that is an input of the equations; `None` if the current model lacks it.
         inputs: Vec<Option<usize>>,
     },
-    /// Values of a FRICTION with this id.
+    /// Values of the FRICTION with this id.
     Friction(u32),
 }
 
-/// A column of a request.
+/// One column of a request.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Component {
     /// Id of the request.
     pub id: u32,
-    /// Index in the model.
+    /// Index of the request in the model; `None` if the current model lacks it.
     pub at: Option<usize>,
-    /// Index of the component, 0 to 7.
+    /// Index of the component of the request, from 0 to 7.
     pub which: usize,
 }
 
-/// Columns of a run in the order of a step's values (guide/formats.md 6.1, 12).
+/// Result columns of a run, in the order in which their values are stored in an output step (guide/formats.md 6.1, 12).
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
-    /// Bodies with their kinds. A point mass has no angles.
+    /// Bodies with results and their kinds. A point mass has no angles.
     pub bodies: Vec<(PartIx, EntityKind)>,
-    /// Derivatives that follow the displacements. They are zero in a static state.
+    /// Kinematic quantities of bodies that are stored. Velocities and accelerations are zero in a static state.
     pub stored: Stored,
-    /// Entities after the bodies.
+    /// Entities that follow the bodies.
     pub items: Vec<Item>,
-    /// Names and numbers of all columns.
+    /// Names and ids of all columns.
     pub catalogue: Catalogue,
 }
 
 impl Columns {
-    /// Selects the columns that RESULTS requests for a model.
+    /// Selects the columns that the RESULTS statement of a model requests.
     pub(crate) fn of(model: &Model, system: &System) -> Self {
         let settings = &model.results;
         let stored = Stored {
@@ -136,7 +136,7 @@ impl Columns {
                 builder.number(kind, &part.header.name, part.header.id);
                 bodies.push((PartIx(index), kind));
             }
-            // The numbering sorts by kind and keeps the order within a kind.
+            // The catalogue sorts objects by kind; a stable sort keeps the order of objects of the same kind.
             bodies.sort_by_key(|(_, kind)| *kind);
         }
         builder.add(model, settings);
@@ -155,7 +155,7 @@ impl Columns {
         columns
     }
 
-    /// Resolves the entities of the columns in a newly compiled system.
+    /// Finds the source of each entity's values again, after the model was compiled anew.
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         let elements: QuickMap<_, _> = system
             .elements()
@@ -191,7 +191,8 @@ impl Columns {
                     let mut all = model.linear_states.iter();
                     *at = all.position(|s| s.kind == *kind && s.header.id == *id);
                     if let Some(at) = *at {
-                        // The states of DIFFs come first, then those of linear state equations in the order of the model.
+                        // In the vector of dynamic states, the states of DIFFs come first. The states of linear state equations follow, in
+                        // the order of the model.
                         let before = model.linear_states[..at].iter();
                         *first = model.diffs.len() + before.map(|s| s.a.len()).sum::<usize>();
                         *inputs = inputs_of(model, &model.linear_states[at]);
@@ -216,12 +217,12 @@ impl Columns {
     }
 }
 
-/// Returns the index of each id in its list.
+/// Returns a map from each id to its position in the sequence `ids`.
 pub(super) fn places(ids: impl Iterator<Item = u32>) -> QuickMap<u32, usize> {
     ids.enumerate().map(|(at, id)| (id, at)).collect()
 }
 
-/// Returns the indices of the VARIABLEs in the input array of linear state equations.
+/// Returns the index in the model of each VARIABLE in the input array of linear state equations.
 fn inputs_of(model: &Model, states: &LinearStates) -> Vec<Option<usize>> {
     let mut arrays = model.arrays.iter();
     let inputs = arrays.find(|array| array.header.id == states.u);
@@ -231,7 +232,7 @@ fn inputs_of(model: &Model, states: &LinearStates) -> Vec<Option<usize>> {
     }
 }
 
-/// Returns the indices of VARIABLEs in the model.
+/// Returns the index of each VARIABLE in the model, given the ids.
 fn variables(model: &Model, ids: &[u32]) -> Vec<Option<usize>> {
     let variable = |id: &u32| model.variables.iter().position(|v| v.header.id == *id);
     ids.iter().map(variable).collect()
@@ -327,7 +328,8 @@ impl Builder {
         }
     }
 
-    /// Adds states as X1, X2, ... and outputs as Y1, Y2, ...; ADAMS' own names are not documented.
+    /// Adds the states of linear state equations as X1, X2, ... and their outputs as Y1, Y2, ...; the names that ADAMS uses are not
+    /// documented.
     fn add_linear_states(&mut self, model: &Model) {
         for states in &model.linear_states {
             let kind = match states.kind {
@@ -354,7 +356,8 @@ impl Builder {
         }
     }
 
-    /// Adds FX to TZ at the first I marker, FX_2 to TZ_2 at the second and so on; ADAMS' own names are not documented.
+    /// Adds the forces of each NFORCE: FX to TZ at the first I marker, FX_2 to TZ_2 at the second, and so on. The names that ADAMS uses are
+    /// not documented.
     fn add_multi_point_forces(&mut self, model: &Model) {
         let units = [Dimension::FORCE, Dimension::TORQUE].map(|d| model.units.name(d));
         for force in &model.nforces {
@@ -380,7 +383,7 @@ impl Builder {
         }
     }
 
-    /// Adds forces in ground axes, and coefficients, surface velocities and creeps in the axes of I.
+    /// Adds the columns of each FRICTION: forces in ground axes, and coefficients, surface velocities and creeps in the axes of I.
     fn add_frictions(&mut self, model: &Model) {
         let unit = |dimension: Dimension| model.units.name(dimension);
         let (force, torque) = (unit(Dimension::FORCE), unit(Dimension::TORQUE));
@@ -454,7 +457,7 @@ impl Builder {
         self.add_frictions(model);
     }
 
-    /// Adds the requests. Requests with one RESULTS_NAME form one result set, whose object id is 0.
+    /// Adds the requests. All requests with the same RESULTS_NAME form one result set, whose object id is 0.
     fn add_requests(&mut self, model: &Model) {
         let mut done = vec![false; model.requests.len()];
         for first in 0..model.requests.len() {
@@ -502,10 +505,12 @@ impl Builder {
     }
 }
 
-/// Returns the written components of a request: index from 0 to 7, name and unit.
+/// Returns the components of a request that are written, each with its index from 0 to 7, its name and its unit.
 ///
-/// The names are those of CNAMES or TITLE; an empty name omits its component. A request of functions has only the components with a function.
-/// ADAMS' default names are not documented; the usual column headings are used.
+/// Names come from CNAMES or TITLE; a component with an empty name is not written. A request that consists of functions has only the
+/// components for which a function is given.
+///
+/// The default names of ADAMS are not documented, so its usual column headings are used as default names.
 pub(super) fn components(
     request: &Request,
     units: &Units,
@@ -550,7 +555,7 @@ pub(super) fn components(
     out
 }
 
-/// Returns the default names of the eight components of a request. With `ypr` the angles of displacements are YAW, PITCH, ROLL.
+/// Returns the default names of the eight components of a request. If `ypr` is true, the angles of displacements are YAW, PITCH and ROLL.
 pub(super) fn usual_names(kind: &RequestKind, ypr: bool) -> [&'static str; 8] {
     match kind {
         RequestKind::Displacement { .. } if ypr => {
@@ -568,7 +573,8 @@ pub(super) fn usual_names(kind: &RequestKind, ypr: bool) -> [&'static str; 8] {
     }
 }
 
-/// Returns the unit for a word of CUNITS: `"length"`, `"force"`, `"no_units"`, ... A word that is a unit itself is kept.
+/// Returns the unit for a word of CUNITS, such as `"length"`, `"force"` or `"no_units"`. A word that is itself a unit is returned
+/// unchanged.
 fn unit_of_word(word: &str, units: &Units) -> String {
     let dimension = match word.to_ascii_lowercase().as_str() {
         "no_units" | "none" => return "no_units".to_string(),

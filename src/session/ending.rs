@@ -1,36 +1,36 @@
 use std::path::PathBuf;
 
-/// Reason for the end of a run.
+/// Reason why a run ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub enum Stop {
-    /// STOP, or the end of the commands.
+    /// The run reached STOP or the end of the commands.
     Finished,
     /// A command file or dataset cannot be read, or an output file cannot be written.
     File,
     /// The dataset has errors.
     Model,
-    /// A simulation failed under PREFERENCES/SIMFAIL=STOPCF.
+    /// A simulation failed, and PREFERENCES/SIMFAIL=STOPCF requires the run to stop then.
     Simulation,
-    /// The watcher of the run stopped it.
+    /// The callback that watches the run stopped the run.
     Interrupted,
 }
 
 /// Outcome of a run.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Ending {
-    /// Reason for the end.
+    /// Reason why the run ended.
     pub stop: Stop,
     /// Number of commands with errors.
     pub misunderstood: usize,
-    /// Number of commands and simulations that ADAMS executes and this solver does not.
+    /// Number of commands and simulations that ADAMS executes but this solver does not.
     pub refused: usize,
-    /// Number of simulations without a solution.
+    /// Number of simulations that failed to give a solution.
     pub failed: usize,
-    /// Results file of the last model that has one.
+    /// Results file of the last model that has a results file.
     pub results: Option<PathBuf>,
 }
 
-/// Exit codes of `mdi` for `mdi --help`; the guide page `drop_in` has the same table.
+/// Table of the exit codes of `mdi`, printed by `mdi --help`; the guide page `drop_in` contains the same table.
 pub(crate) const EXIT_CODES: &str = "\
   what happened                                                            code  MDI_STRICT=1  runStatus in .res
   all commands executed, equilibrium found                                   0        0        Successful
@@ -44,11 +44,12 @@ pub(crate) const EXIT_CODES: &str = "\
 ";
 
 impl Ending {
-    /// Returns the exit code of the process.
+    /// Returns the exit code of the process; [`EXIT_CODES`] lists all codes.
     ///
-    /// As with ADAMS, 0 means that the end of the commands was reached, even if a static solution failed. Command files that try several
-    /// static solutions in turn rely on this. With `strict` a failed simulation gives 3. Commands that ADAMS executes and this solver does not
-    /// give 1, with and without `strict`. See `EXIT_CODES`.
+    /// As in ADAMS, 0 means that the run reached the end of the commands, even if a static solution failed. Command files that try several
+    /// static solutions in turn rely on this. If `strict` is true, a failed simulation gives 3.
+    ///
+    /// If there were commands that this solver does not understand or does not execute, the code is 1, whatever `strict` is.
     pub fn exit_code(&self, strict: bool) -> u8 {
         match self.stop {
             Stop::File => 2,

@@ -5,11 +5,12 @@ use admire_syntax::text::real_path;
 
 use super::paths::{ignoring_case, native_spelling, told_of_case};
 
-/// Returns the path of a file or folder named by a file in `folder`. It must lie in that folder or below it, with symbolic links resolved,
-/// whether it exists or not. A name that differs only in case is accepted with a warning. `what` names the owner of the folder in messages: a
-/// study, a sweep.
+/// Returns the path of a file or folder that is named in a file of `folder`, whether it exists or not.
 ///
-/// The diagnostics have no position.
+/// With symbolic links resolved, the path must lie in `folder` or below it. A name that differs only in case is accepted with a warning.
+/// `what` is the word for the owner of the folder in messages: study or sweep.
+///
+/// The returned diagnostics have no location.
 pub fn file_below(folder: &Path, written: &str, what: &str) -> Checked<Option<PathBuf>> {
     // A path written on Windows may contain backslashes.
     let relative = native_spelling(written);
@@ -40,7 +41,7 @@ pub fn file_below(folder: &Path, written: &str, what: &str) -> Checked<Option<Pa
     }
 }
 
-/// Returns true if no symbolic link in the path leads out of the folder, not even a link to a missing target.
+/// Returns true if no symbolic link on the path leads out of the folder. A link to a missing target is followed as well.
 fn is_below(folder: &Path, path: &Path) -> bool {
     let here = if folder.as_os_str().is_empty() {
         Path::new(".")

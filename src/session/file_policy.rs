@@ -5,21 +5,21 @@ use admire_syntax::text::real_path;
 
 use super::windows_names::check_name;
 
-/// Restrictions on the files that a command file may name. Datasets and command files are not trusted, so the files they name are restricted
-/// to the folders of the run.
+/// Rules for the files that datasets and command files may name. Their contents are not trusted, so the files they name must lie in the
+/// folders of the run.
 #[derive(Clone, Debug)]
 pub struct FilePolicy {
-    /// Real paths of folders in and below which files may be written.
+    /// Real paths of folders; files in these folders and in their subfolders may be written.
     folders: Vec<PathBuf>,
-    /// Real paths of folders in which files may be written, but not below them.
+    /// Real paths of folders; files in these folders may be written, but not in their subfolders.
     beside: Vec<PathBuf>,
-    /// True if files outside `folders` may not be read either.
+    /// True if files outside of `folders` must not be read either.
     confined: bool,
 }
 
 impl FilePolicy {
-    /// Allows writing in the working directory and in the folders listed in the environment variable `ADMIRE_ALLOW_PATH`. Any file may be
-    /// read.
+    /// Creates a policy that allows writing in the working directory, in the folders of the environment variable `ADMIRE_ALLOW_PATH`, and
+    /// in their subfolders. Any file may be read.
     pub fn new(directory: &Path) -> Self {
         let mut policy = Self {
             folders: Vec::new(),
@@ -37,12 +37,12 @@ impl FilePolicy {
         policy
     }
 
-    /// Restricts reading to the folders that may be written.
+    /// Restricts reading to the folders in which files may be written.
     pub const fn confine(&mut self) {
         self.confined = true;
     }
 
-    /// Allows a folder and everything below it, such as the folder of the command file on the command line.
+    /// Allows writing in a folder and its subfolders, for example in the folder of the command file that the command line names.
     pub fn allow(&mut self, folder: &Path) {
         if let Ok(real) = real_path(or_here(folder))
             && !self.folders.contains(&real)
@@ -51,8 +51,9 @@ impl FilePolicy {
         }
     }
 
-    /// Allows writing next to a model, but not in subfolders. The name comes from a command file, so only a name that ends in `.adm` opens its
-    /// folder.
+    /// Allows writing in the folder of a model, but not in its subfolders.
+    ///
+    /// The name of the model comes from a command file. Only a name that ends in `.adm` therefore has this effect.
     pub(crate) fn allow_beside(&mut self, model: &Path) {
         let is_adm = model
             .extension()
@@ -65,10 +66,11 @@ impl FilePolicy {
         }
     }
 
-    /// Checks that an existing file may be read.
+    /// Checks that a file may be read.
     ///
     /// # Errors
-    /// `read-outside`, or `cannot-read` for a name that is no file on Windows.
+    /// Returns `read-outside` if the file lies outside of the allowed folders, and `cannot-read` if Windows does not treat the name as a
+    /// file.
     pub fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
         check_name(&path.to_string_lossy())
             .map_err(|why| Diagnostic::error(Code::CannotRead, why))?;
@@ -83,11 +85,13 @@ impl FilePolicy {
         .help("what a file names is read below its own folder and the working directory; ADMIRE_ALLOW_PATH, and `--allow-path` of `admire solve`, add folders"))
     }
 
-    /// Checks that `path` may be written. Its real folder, with links resolved, must be allowed or lie below an allowed one, and an existing
-    /// file must be a plain file.
+    /// Checks that the file `path` may be written.
+    ///
+    /// With symbolic links resolved, the file must lie in an allowed folder. If the file exists, it must be a plain file.
     ///
     /// # Errors
-    /// `write-outside` or `cannot-write`.
+    /// Returns `write-outside` if the file lies outside of the allowed folders, and `cannot-write` if it cannot be written for another
+    /// reason.
     pub(crate) fn check(&self, path: &Path) -> Result<(), Diagnostic> {
         let cannot = |why: String| {
             Diagnostic::error(
@@ -122,7 +126,7 @@ impl FilePolicy {
     }
 }
 
-/// Returns the folder, or `.` for the empty path.
+/// Returns the folder, or `.` if the path is empty.
 fn or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() {
         Path::new(".")
@@ -149,7 +153,7 @@ mod tests {
         assert_eq!(outside.code, Code::WriteOutside);
         let climbing = policy.check(&run.join("../model/a.res")).unwrap_err();
         assert_eq!(climbing.code, Code::WriteOutside);
-        // Writing is allowed next to a model but not below, and only a name ending in `.adm` is a model.
+        // Writing is allowed in the folder of a model but not in its subfolders, and only a name that ends in `.adm` is a model.
         policy.allow_beside(&model.join("passwd"));
         assert!(policy.check(&model.join("a.res")).is_err());
         policy.allow_beside(&model.join("a.adm"));

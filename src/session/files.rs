@@ -11,14 +11,15 @@ use admire_syntax::text::{Source, read_at_most};
 use super::file_policy::FilePolicy;
 use super::paths::find_file;
 
-/// Size in bytes of the largest file that is read; a command file may name any file.
+/// Size in bytes of the largest file that is read. The limit is needed because a command file may name any file.
 pub(super) const LARGEST: u64 = 1 << 30;
 
-/// Size in bytes above which a file is not read as a property file.
+/// Size in bytes of the largest file that is read as a property file.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads the property files that a dataset names, from the folder of the dataset or by their own path as far as the policy allows. Each
-/// missing file is reported once: as a warning if the answer depends on it, as a note if only graphics or a subroutine would read it.
+/// Reads the property files that a dataset names by absolute paths or by paths relative to `folder`, if the policy allows it.
+///
+/// Each missing file is reported once: as a warning if results depend on it, as a note if only graphics or a subroutine would read it.
 pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
     let mut files = Files::default();
     let mut diagnostics: Vec<Diagnostic> = Vec::new();
@@ -44,7 +45,7 @@ pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Chec
             continue;
         };
         if let Err(mut outside) = policy.check_read(&path) {
-            // The effect on the answer is the same as for a missing file.
+            // A file that must not be read has the same effect on the results as a missing file.
             outside.severity = Severity::Warning;
             diagnostics.push(label(outside));
             continue;
@@ -64,7 +65,7 @@ pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Chec
     }
 }
 
-/// Returns the folder part of a source's name.
+/// Returns the folder of the file from which a source was read; empty if the name of the source has no folder.
 pub fn folder_of(source: &Source) -> PathBuf {
     Path::new(source.name())
         .parent()

@@ -1,4 +1,4 @@
-//! Grouping of the same diagnostic about many objects into one message.
+//! Grouping of diagnostics: if the same problem concerns many objects, they are named in one message.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +6,14 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
 use super::run_state::Session;
 
-/// Largest number of objects that get a message each; more share one.
+/// Maximum number of objects that get a separate message for the same problem.
 const APART: usize = 3;
-/// Largest number of further objects named in a shared message.
+/// Maximum number of further objects that are named in a common message.
 const NAMED: usize = 5;
 
 impl Session<'_> {
-    /// Reports diagnostics about objects of the model. Similar ones are grouped, and each is reported only once while the model is loaded.
+    /// Reports diagnostics about objects of the model. Diagnostics about the same problem are grouped. A diagnostic is reported only once
+    /// while the model is loaded.
     pub(super) fn report_once(&mut self, mut found: Vec<Diagnostic>) {
         if let Some(loaded) = &mut self.loaded {
             found.retain(|told| loaded.told.insert((told.severity, told.message.clone())));
@@ -27,7 +28,7 @@ impl Session<'_> {
     }
 }
 
-/// Groups diagnostics that differ only in their object, such as `CONTACT/1 'a' is not solved`, if there are many.
+/// Groups diagnostics that differ only in their object, such as `CONTACT/1 'a' is not solved`, if there are many of them.
 fn grouped_diagnostics(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     type Key = (Code, Severity, &'static str, String, Option<String>);
     let mut groups: Vec<Vec<Diagnostic>> = Vec::new();
@@ -54,7 +55,7 @@ fn grouped_diagnostics(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     groups.into_iter().flat_map(as_one).collect()
 }
 
-/// Merges a large group into one message.
+/// Merges the diagnostics of a group into one message, if there are more than [`APART`] of them.
 fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
     if group.len() <= APART {
         return group;

@@ -1,4 +1,4 @@
-//! Contents of a graphics file: parts, markers, joints, springs, and the arrows of forces.
+//! Content of a graphics file: parts, markers, joints, springs, and the arrows of forces.
 
 use std::collections::BTreeMap;
 
@@ -10,32 +10,32 @@ use admire_syntax::{Dataset, Statement};
 
 use super::measures::{Exerting, Measures};
 
-/// SEG of a spring graphic without one, as ADAMS writes it.
+/// Value of SEG that ADAMS writes for a spring whose GRAPHICS statement gives none.
 const SEGMENTS: i64 = 20;
 
-/// Size arguments of a spring graphic: diameters, then lengths.
+/// Arguments of a spring's GRAPHICS statement that give its sizes: diameters, then lengths.
 const SIZES: [&str; 7] = ["DA", "DB", "DC", "LA", "LB", "LC", "LD"];
 
-/// Contents of every frame, in their order.
+/// Moving parts and force arrows whose values every frame contains, in their order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drawn {
-    /// Indices of the moving parts.
+    /// Indices of the moving parts in the model.
     parts: Vec<usize>,
     forces: Vec<ForceGraphic>,
 }
 
-/// Arrow of a force.
+/// Arrow of a force, drawn by a GRAPHICS statement.
 #[derive(Clone, Debug)]
 struct ForceGraphic {
-    /// Statement (ETYPE) and id (EID) of the force.
+    /// Statement keyword (ETYPE) and id (EID) of the force.
     element: (String, u32),
-    /// Id of its marker (EMARKER).
+    /// Id of the marker (EMARKER) at which the force acts.
     marker: u32,
-    /// Force and marker in the current system, if they exist.
+    /// Source of the force and marker in the compiled system; `None` if the system lacks one of them.
     place: Option<(Exerting, MarkerIx)>,
 }
 
-/// Returns the head of a model's graphics file, and the contents of its frames.
+/// Returns the head of the graphics file for a model, and a description of the content of its frames.
 pub(super) fn drawn(model: &Model, dataset: &Dataset) -> (GraphicsHead, Drawn) {
     let id = |part: usize| i64::from(model.parts[part].header.id);
     let moving: Vec<usize> = (0..model.parts.len())
@@ -83,7 +83,7 @@ pub(super) fn drawn(model: &Model, dataset: &Dataset) -> (GraphicsHead, Drawn) {
     (head, drawn)
 }
 
-/// Returns the shape of a force or spring graphic, and for an arrow its force.
+/// Returns the shape that a GRAPHICS statement draws, if it is a force or a spring. For a force, also returns its arrow.
 fn shape(
     statement: &Statement,
     dataset: &Dataset,
@@ -115,7 +115,7 @@ fn shape(
 }
 
 impl Drawn {
-    /// Resolves the forces in a newly compiled system.
+    /// Finds the force of each arrow again, after the model was compiled anew.
     pub(super) fn locate(&mut self, model: &Model, system: &System) {
         let elements = system
             .elements()
@@ -131,7 +131,8 @@ impl Drawn {
         }
     }
 
-    /// Returns the poses of the parts and the loads of the forces. A force that is not solved or is switched off is zero.
+    /// Returns the poses of the parts and the loads of the forces at the current state. A force that is switched off or not in the system
+    /// is zero.
     pub(super) fn frame(&self, measures: &mut Measures<'_>) -> (Vec<[f64; 6]>, Vec<[f64; 6]>) {
         let state: &State = measures.state;
         let poses = self.parts.iter().map(|&part| six(&state.poses[part]));
@@ -145,7 +146,7 @@ impl Drawn {
     }
 }
 
-/// Returns X, Y, Z, PSI, THETA, PHI of a pose.
+/// Returns X, Y, Z, PSI, THETA and PHI of a pose.
 fn six(pose: &Pose) -> [f64; 6] {
     let [psi, theta, phi] = psi_theta_phi(&pose.R);
     [pose.p.x, pose.p.y, pose.p.z, psi, theta, phi]

@@ -2,39 +2,39 @@ use std::path::Path;
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// A parsed command line in ADAMS' style.
+/// A parsed command line in the style of the ADAMS launcher.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Launch {
-    /// Source of the commands.
+    /// Where the commands come from.
     pub input: LaunchInput,
-    /// Warnings about skipped words.
+    /// Warnings about words that were skipped.
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Source of the commands of a run.
+/// Where the commands of a run come from.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum LaunchInput {
-    /// A command file as written on the command line, without quotes; `.acf` may be missing.
+    /// From a command file. The name is as written on the command line, but without quotes; the extension `.acf` may be missing.
     CommandFile(String),
-    /// Commands from standard input.
+    /// From standard input.
     StandardInput,
-    /// `--help`.
+    /// No commands: the word `--help` requests the help text.
     Help,
-    /// `--version`.
+    /// No commands: the word `--version` requests the version.
     Version,
 }
 
 impl Launch {
-    /// Parses the words after the program's name. The program's own name is ignored: shims and copies are called `mdi`, `mdi.bat`,
-    /// `adams2024_1` and so on.
+    /// Parses the words of the command line after the name of the program. The name itself is ignored, because shims and copies may be
+    /// called `mdi`, `mdi.bat`, `adams2024_1` and so on.
     ///
-    /// Forms in use (guide/formats.md 5.4): `-c ru-standard i run.acf exit`, `ru-s b run.acf`, `ru-standard stem`, `ru-solver run.acf`, `acar
-    /// ru-solver run.acf`, a bare `stem`, and no words at all (commands on standard input). Unknown words (`n`, `-t 4`, memory sizes) are
-    /// skipped with a warning.
+    /// These forms are in use (guide/formats.md 5.4): `-c ru-standard i run.acf exit`, `ru-s b run.acf`, `ru-standard stem`,
+    /// `ru-solver run.acf`, `acar ru-solver run.acf`, a bare `stem`, and no words at all (commands on standard input). Words without a
+    /// meaning here (`n`, `-t 4`, memory sizes) are skipped with a warning.
     ///
     /// # Errors
-    /// Forms that only a full ADAMS installation can run: `ru-user` (a user-written solver library), products such as `acar` without the
-    /// solver, and command files of ADAMS/View (`.cmd`).
+    /// Returns an error for forms that only a full ADAMS installation can run: `ru-user` (a user-written solver library), products such as
+    /// `acar` that are not followed by a solver word, and command files of ADAMS/View (`.cmd`).
     pub(crate) fn parse(words: &[String]) -> Result<Self, Diagnostic> {
         let mut warnings = Vec::new();
         let mut file: Option<String> = None;
@@ -47,12 +47,12 @@ impl Launch {
                 "exit" | "quit" => break,
                 "--help" | "-h" | "/?" => return Ok(Self::of(LaunchInput::Help)),
                 "--version" => return Ok(Self::of(LaunchInput::Version)),
-                // A product name followed by a solver word starts the solver.
+                // A product name followed by a solver word only starts the solver.
                 _ if is_product(&lower) && words.peek().is_some_and(|next| is_run_word(&next.to_ascii_lowercase())) => {}
                 "acar" | "aview" | "acarrt" | "atruck" | "adriveline" | "amachinery"
                 | "achassis" | "aengine" | "arail" | "aflex" | "aplugin" | "ppt" | "python"
                 | "vibration" | "controls" | "durability" | "cr-user" | "cr-u"
-                    // After `ru-standard` the word is the name of a command file.
+                    // After `ru-standard`, the word may be the name of a command file.
                     if !runs =>
                 {
                     return Err(refused(
@@ -88,7 +88,7 @@ impl Launch {
                         "it is a command file of ADAMS/View; the solver runs command files that end in .acf",
                     ));
                 }
-                // The command file names its dataset, so a dataset next to it on the command line adds nothing.
+                // The command file itself names its dataset, so a dataset that is also on the command line is skipped.
                 _ if file.as_deref().is_some_and(is_dataset) && !is_noise(&lower) && !is_dataset(word) => {
                     warnings.extend(file.replace(word.to_string()).map(|deck| skipped(&deck)));
                 }
@@ -99,7 +99,7 @@ impl Launch {
         let input = match file {
             Some(file) => {
                 if !runs && !file.to_ascii_lowercase().ends_with(".acf") {
-                    // Wrappers from the FAST era: the program's name, then the stem of the command file.
+                    // FAST-era wrapper scripts give only the name of the program and the stem of the command file.
                     warnings.push(Diagnostic::note(
                         Code::LauncherWord,
                         format!("no `ru-standard` on the command line: `{file}` is taken as the command file"),
@@ -112,8 +112,10 @@ impl Launch {
         Ok(Self { input, warnings })
     }
 
-    /// Parses standard input that answers the menus of the launcher: `ru-standard`, `i`, the command file, `exit`, one per line. The first
-    /// words may already be on the command line. Returns `None` if the input starts differently; it then consists of solver commands.
+    /// Parses standard input that answers the menus of the ADAMS launcher: `ru-standard`, `i`, the command file and `exit`, each on a line.
+    ///
+    /// The first of these words may already be on the command line. Returns `None` if the input begins in another way; it then consists of
+    /// solver commands.
     pub(crate) fn of_menu(text: &str) -> Option<Result<Self, Diagnostic>> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next()?;
@@ -121,7 +123,7 @@ impl Launch {
             let lower = unquote(word).to_ascii_lowercase();
             is_run_word(&lower) || is_product(&lower) || lower.starts_with("ru-") || lower == "-c"
         };
-        // The first line of a command file may name a dataset, but never a command file.
+        // The first line of solver commands may name a dataset, but never a command file.
         let lower = unquote(first).to_ascii_lowercase();
         let goes_on = matches!(lower.as_str(), "i" | "b")
             || Path::new(&lower)
@@ -133,7 +135,7 @@ impl Launch {
         }
         let mut words: Vec<String> = Vec::new();
         for line in std::iter::once(first).chain(lines) {
-            // A file name may contain blanks.
+            // A line that does not begin with a known word is a file name, which may contain blanks.
             let several = line.split_whitespace().next().is_some_and(known);
             if several {
                 words.extend(line.split_whitespace().map(str::to_string));
@@ -144,7 +146,8 @@ impl Launch {
         Some(Self::parse(&words))
     }
 
-    /// Returns the stem of the message file until a model gives it another name: the stem of the command file among the words.
+    /// Returns the stem of the message file that is used until a model gives it another name: the stem of the command file on the command
+    /// line.
     pub(crate) fn stem(words: &[String]) -> String {
         let is_file = |word: &&str| {
             let lower = word.to_ascii_lowercase();
@@ -189,7 +192,7 @@ fn unquote(word: &str) -> &str {
     word
 }
 
-/// Returns true for `ru-standard` and `ru-solver`, and for their abbreviations of at least four letters.
+/// Returns true for the solver words `ru-standard` and `ru-solver`, and for their abbreviations of at least four letters.
 fn is_run_word(lower: &str) -> bool {
     lower.len() >= 4
         && ["ru-standard", "ru-solver"]
@@ -197,7 +200,7 @@ fn is_run_word(lower: &str) -> bool {
             .any(|whole| whole.starts_with(lower))
 }
 
-/// Returns true for product names that may precede the solver's word.
+/// Returns true for names of ADAMS products that may precede a solver word.
 fn is_product(lower: &str) -> bool {
     matches!(
         lower,
@@ -218,7 +221,7 @@ fn is_product(lower: &str) -> bool {
     )
 }
 
-/// Returns true for names of datasets.
+/// Returns true if the name has the extension of a dataset, `.adm`.
 pub(super) fn is_dataset(name: &str) -> bool {
     let extension = Path::new(name).extension();
     extension.is_some_and(|end| end.eq_ignore_ascii_case("adm"))
@@ -229,7 +232,7 @@ fn takes_value(lower: &str) -> bool {
     matches!(lower, "-t" | "-n" | "-nt" | "-m" | "-mem" | "-memory")
 }
 
-/// Returns true for answers to old menus and for memory sizes: options, single letters, numbers, `16mb`, `large`.
+/// Returns true for answers to menus of old launchers and for memory sizes: options, single letters, numbers, `16mb`, `large`.
 fn is_noise(lower: &str) -> bool {
     let digits = lower.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let sized = !digits.is_empty()
@@ -278,7 +281,7 @@ mod tests {
 
     #[test]
     fn the_forms_in_the_wild_name_their_command_file() {
-        // Forms listed in guide/formats.md 5.4.
+        // These forms are listed in guide/formats.md 5.4.
         for line in [
             &["-c", "ru-standard", "i", "run.acf", "exit"][..],
             &["ru-s", "b", "run.acf"],

@@ -1,8 +1,10 @@
-//! Execution of command files: the drop-in solver, and the backends for other crates that solve decks.
+//! Execution of command files by the drop-in solver, and backends with which other crates solve decks.
 //!
-//! A [`Session`] runs a command file against a dataset and writes the output files of ADAMS; [`mdi`] is the program with ADAMS' command line.
-//! [`backend`] has one contract for all solvers: the built-in one, any program with ADAMS' command line, and recorded runs. [`check`] runs all
-//! checks of one file. The crate implements ADAMS' command line, messages and output files, and is independent of measurements.
+//! A [`Session`] runs a command file on a dataset and writes the same output files as ADAMS. [`mdi`] is the program with the command line
+//! of ADAMS. [`backend`] offers a common interface to the built-in solver, to any external program with the command line of ADAMS, and to
+//! recorded runs. [`check`] checks a single file completely.
+//!
+//! The crate implements the command line, the messages and the output files of ADAMS; it does not depend on measurements.
 #![warn(unreachable_pub)]
 // The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -1,4 +1,4 @@
-//! LINEAR/EIGENSOL and STATEMAT: eigenvalues, mode shapes and state matrices at the current state of the model.
+//! The commands LINEAR/EIGENSOL and LINEAR/STATEMAT: eigenvalues, mode shapes and state matrices at the current state of the model.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use admire_solver::motion::{Coordinates, Mode};
 use admire_syntax::Statement;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Names of the six coordinates of a part.
+/// Names of the six coordinates of a part in a mode shape.
 const COORDINATES: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
 
 impl Session<'_> {
@@ -115,7 +115,7 @@ impl Session<'_> {
         self.simulation_failed()
     }
 
-    /// Returns the indices of the VARIABLEs of the PINPUT or POUTPUT that a command names; empty if it names none.
+    /// Returns the indices in the model of the VARIABLEs of the PINPUT, POUTPUT or PSTATE that a command names; empty if it names none.
     fn port(&mut self, command: &Statement, kind: &'static str) -> Result<Vec<usize>, String> {
         let Some(id) = command.first(kind) else {
             return Ok(Vec::new());
@@ -139,7 +139,7 @@ impl Session<'_> {
         port.variables.iter().map(variable).collect()
     }
 
-    /// Reads PSTATE and RM, which define the states.
+    /// Reads the arguments PSTATE and RM of a LINEAR command, which define the states.
     fn coordinates(&mut self, command: &Statement) -> Result<Coordinates, String> {
         let variables = self.port(command, "PSTATE")?;
         let seen_from = command.first("RM").filter(|id| *id != 0.0);
@@ -154,7 +154,7 @@ impl Session<'_> {
         })
     }
 
-    /// Executes LINEAR/STATEMAT: writes the matrices as text for MATLAB, and the list of the states.
+    /// Executes LINEAR/STATEMAT: writes the state matrices in the text format of MATLAB, and a list of the states.
     fn state_matrices(
         &mut self,
         command: &Statement,
@@ -201,7 +201,7 @@ impl Session<'_> {
         } = self.model().compiled().value;
         let time = state.time;
         let found =
-            motion::state_matrices(system, parameters, state, (&inputs, &outputs), coordinates);
+            motion::state_matrices(system, parameters, state, &inputs, &outputs, coordinates);
         let found = match found {
             Ok(found) => found,
             Err(reason) => return self.not_linearised(time, &reason, place),
@@ -256,7 +256,7 @@ impl Session<'_> {
     }
 }
 
-/// Formats a matrix for MATLAB's `load`: one line per row.
+/// Formats a matrix for the MATLAB command `load`, with one line for each row.
 fn numbers(matrix: &nalgebra::DMatrix<f64>) -> String {
     let mut text = String::new();
     for row in matrix.row_iter() {
@@ -266,7 +266,7 @@ fn numbers(matrix: &nalgebra::DMatrix<f64>) -> String {
     text
 }
 
-/// Formats the numbered list of states.
+/// Formats a numbered list of the states.
 fn listed(states: &[String]) -> String {
     let mut text = String::new();
     for (k, state) in states.iter().enumerate() {
@@ -275,13 +275,15 @@ fn listed(states: &[String]) -> String {
     text
 }
 
-/// Returns the real modes and one of each complex conjugate pair.
+/// Iterates over the real modes and over one mode of each complex conjugate pair.
 fn shown(found: &[Mode]) -> impl Iterator<Item = &Mode> {
     found.iter().filter(|mode| mode.value.im >= 0.0)
 }
 
-/// Formats the table of ADAMS in cycles per time unit: real eigenvalues first, then pairs, each sorted by magnitude (grammar/NOTES.md).
-/// Frequencies and damping ratios follow, then the mode shapes: magnitude and phase of every moving coordinate.
+/// Formats the table of eigenvalues that ADAMS prints, in cycles per unit of time.
+///
+/// Real eigenvalues come first, then conjugate pairs, each sorted by magnitude (grammar/NOTES.md). Natural frequencies and damping ratios
+/// follow. If `vectors` is true, the mode shapes follow: magnitude and phase of the coordinates of every moving part.
 fn table(found: &[Mode], names: &[String], time: f64, vectors: bool) -> String {
     let turn = std::f64::consts::TAU;
     let mut listed: Vec<&Mode> = shown(found).collect();

@@ -1,6 +1,6 @@
-//! Output of LIST, INFO and TIME: values of the current model.
+//! Output of the commands LIST, INFO and TIME, which print values of the current model.
 //!
-//! ADAMS' layout of these pages is not published; the layout here is our own (guide/formats.md 6.5).
+//! The layout of ADAMS for this output is not published; the layout used here is specific to `admire` (guide/formats.md 6.5).
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -14,13 +14,13 @@ use super::loaded::Loaded;
 use super::message::exponent;
 use super::run_state::{Flow, Locate as _, Place, Session};
 
-/// Values of one argument as text. SPLINE has several Y, hence a list.
+/// Values of one argument, as text. There may be several, because a SPLINE has several Y.
 struct Given {
     name: &'static str,
     values: Vec<String>,
 }
 
-/// Formats the statement that a command names, one argument per line; `None` if there is no such statement.
+/// Formats the statement that a command names, with one argument on each line; `None` if the statement does not exist.
 fn listed(definitions: &Definitions, command: &Statement) -> Option<String> {
     let def = command.def?;
     let statement = definitions.statement(def, command.number());
@@ -30,7 +30,7 @@ fn listed(definitions: &Definitions, command: &Statement) -> Option<String> {
     let mut all = statement
         .as_ref()
         .map_or_else(Vec::new, |s| given(&s.stated()));
-    // An argument that is not stated has its default, unless a stated argument excludes it.
+    // An argument that the statement does not give is shown with its default, unless a given argument excludes it.
     for argument in def.arguments {
         let known = all.iter().any(|given| given.name == argument.name);
         let replaced = all
@@ -64,7 +64,7 @@ fn listed(definitions: &Definitions, command: &Statement) -> Option<String> {
     Some(text + "\n")
 }
 
-/// Returns the arguments of a statement with their values.
+/// Returns the arguments of a statement with their values, in the order of the statement.
 fn given(statement: &Stated) -> Vec<Given> {
     let mut all: Vec<Given> = Vec::new();
     for (argument, source) in statement.arguments() {
@@ -96,11 +96,11 @@ fn value(argument: &Argument, source: &Source) -> String {
     }
 }
 
-/// Components of a request, with their names.
+/// Names and values of the components of a request that INFO prints.
 type Components = [(&'static str, f64); 7];
 
 impl Session<'_> {
-    /// Executes LIST: prints the values of a statement.
+    /// Executes LIST: prints the arguments and values of a statement.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn list(&mut self, command: &Statement) -> Flow {
         let asked = self.loaded.as_ref().filter(|_| command.has("LIST"));
@@ -118,8 +118,8 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Executes INFO: prints the motion of one marker relative to another, or the forces at it. Errors in the command are warnings, because
-    /// they change no answer.
+    /// Executes INFO: prints the motion of one marker relative to another, or the forces between them. Errors in the command are only
+    /// warnings, because they do not affect results.
     pub(super) fn info(&mut self, command: &Statement, source: &Source) -> Flow {
         let Some(loaded) = &mut self.loaded else {
             return self.no_model(command, source);
@@ -149,7 +149,7 @@ impl Loaded {
         let help = "for example INFO/DISPLACEMENT, I=12, J=31";
         let mut ends = [None; 3];
         for (end, name) in ends.iter_mut().zip(["I", "J", "RM"]) {
-            // The id zero stands for the ground coordinate system.
+            // An id of zero means the ground coordinate system.
             let Some(id) = command.first(name).filter(|id| *id > 0.0) else {
                 continue;
             };
@@ -210,7 +210,7 @@ impl Loaded {
         Ok(text + "\n")
     }
 
-    /// Evaluates a request that is not in the dataset at the current state.
+    /// Evaluates a request, which need not be in the dataset, at the current state.
     fn evaluate_request(&mut self, kind: RequestKind) -> Result<Components, Diagnostic> {
         let names = match kind {
             RequestKind::Displacement { .. } => ["MAG", "X", "Y", "Z", "PSI", "THETA", "PHI"],
@@ -239,7 +239,7 @@ impl Loaded {
                 "what INFO asks for has no value here".to_string(),
             ));
         };
-        // The fifth component is the magnitude of the rotation, or empty, and is omitted.
+        // The fifth component is omitted: it is the magnitude of the rotation, or empty.
         let values = [v[0], v[1], v[2], v[3], v[5], v[6], v[7]];
         Ok(std::array::from_fn(|k| (names[k], values[k])))
     }

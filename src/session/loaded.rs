@@ -19,51 +19,51 @@ use super::saved::{Kind, Saved};
 /// A loaded model and its current state.
 pub(super) struct Loaded {
     pub model: Model,
-    /// Statements of the model, with redefinitions.
+    /// Statements of the model, with all redefinitions by commands.
     pub definitions: Definitions,
     pub outputs: Outputs,
-    /// Diagnostics about objects of the model reported so far.
+    /// Diagnostics about objects of the model that were already reported, by severity and message.
     pub told: BTreeSet<(Severity, String)>,
-    /// Redundant constraints reported last.
+    /// Redundant constraint equations that were reported last.
     pub said_redundant: Option<Vec<EquationName>>,
-    /// Parts that move most in the instabilities reported since the model was last stable.
+    /// Indices of the parts that move most in the unstable modes reported since the model was last stable.
     pub said_unstable: Vec<usize>,
-    /// Parts already reported because they moved far in one static solution.
+    /// Names of the parts that were already reported because they moved far in one static solution.
     pub said_far: Vec<Name>,
-    /// True once the iteration limit has been reported.
+    /// True once the user was told about the iteration limit.
     pub said_iterations: bool,
-    /// Free motions reported last.
+    /// Descriptions of the zero-stiffness motions that were reported last.
     pub said_free: Option<Vec<String>>,
     pub(super) compiled: Option<CompiledModel>,
-    /// Statements that may be left out of the model.
+    /// Statements that the user allows to be left out of the model.
     ignored: Vec<Ignore>,
-    /// State of the model before it is compiled again.
+    /// State of the model before a change, from which the compiled model will continue.
     before: Option<Before>,
     beginning: Beginning,
-    /// True once the initial state of a simulation over time has been written.
+    /// True once the initial state of a simulation over time was written.
     pub begun: bool,
 }
 
-/// The equations of a model and their state.
+/// The compiled equations of a model, and their current state.
 pub(super) struct CompiledModel {
     pub system: System,
     pub parameters: Parameters,
     pub state: State,
     pub solver: Solver,
-    /// Reasons why the equations do not represent the model, if any.
+    /// Errors found when the model was compiled: reasons why the equations do not represent the model.
     pub errors: Vec<Diagnostic>,
-    /// Elements that the equations leave out, some of them in statics only.
+    /// Warnings about elements that the equations leave out; some are left out only in statics.
     pub warnings: Vec<Diagnostic>,
-    /// Initial velocities of the next motion.
+    /// Source of the initial velocities for the next simulation over time.
     pub beginning: Beginning,
 }
 
-/// State of a model before it was changed.
+/// State of a model before the model was changed.
 struct Before {
     state: State,
-    /// Indices of the angles whose full turns the functions counted.
+    /// Angles whose full turns were counted, with their indices in the state.
     counted: BTreeMap<Measure, usize>,
-    /// Flags of the dynamic states that were active.
+    /// One flag for each dynamic state: true if the state was active.
     active_states: Vec<bool>,
 }
 
@@ -77,22 +77,22 @@ impl Before {
     }
 }
 
-/// Initial velocities of a motion.
+/// Source of the initial velocities for a simulation over time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) enum Beginning {
-    /// The velocities of the dataset: nothing has moved yet, or a static solution was found at the start time.
+    /// The dataset. This applies if nothing has moved yet, or if a static solution was found at time zero.
     #[default]
     Dataset,
-    /// Zero velocities after a static solution.
+    /// Zero velocities, because a static solution came before.
     Rest,
-    /// The current velocities, after a change of the model.
+    /// The current velocities. The model has changed, so the initial conditions must be computed again.
     Changed,
-    /// The current velocities, with known initial conditions.
+    /// The current velocities. The initial conditions are satisfied already.
     Known,
 }
 
 impl Beginning {
-    /// Returns the value after a static solution. At time zero the velocities of the dataset apply again.
+    /// Returns the source of initial velocities after a static solution. At time zero, the velocities in the dataset apply again.
     pub(crate) fn after_statics(self, time: f64) -> Self {
         if time == 0.0 {
             Self::Dataset
@@ -110,7 +110,7 @@ impl Beginning {
 }
 
 impl Loaded {
-    /// Reads a dataset. The model is usable if no diagnostic is an error.
+    /// Loads the model of a parsed dataset. The model can be used only if no diagnostic is an error.
     pub(crate) fn read(
         parsed: &Checked<Dataset>,
         outputs: Outputs,
@@ -146,12 +146,12 @@ impl Loaded {
         }
     }
 
-    /// Returns the current time.
+    /// Returns the current simulation time; zero before the first simulation.
     pub(crate) fn time(&self) -> f64 {
         self.state().map_or(0.0, |state| state.time)
     }
 
-    /// Returns the current state, if a simulation has been requested.
+    /// Returns the current state; `None` before the first simulation.
     pub(crate) fn state(&self) -> Option<&State> {
         match &self.compiled {
             Some(compiled) => Some(&compiled.state),
@@ -159,7 +159,7 @@ impl Loaded {
         }
     }
 
-    /// Marks the model as changed: it is compiled again before the next simulation, which continues from the current state.
+    /// Marks the model as changed. It is compiled again before the next simulation, which continues from the current state.
     pub(crate) fn changed(&mut self) {
         if let Some(compiled) = self.compiled.take() {
             self.before = Some(Before::of(&compiled.system, compiled.state));
@@ -168,7 +168,7 @@ impl Loaded {
         self.outputs.last = None;
     }
 
-    /// Redefines a statement by a command and returns the diagnostics. After an error nothing is changed.
+    /// Redefines a statement by a command and returns the diagnostics. If there is an error, nothing is changed.
     pub(crate) fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
         let constants = self.constants(command);
         let poses: Vec<_> = self.model.parts.iter().map(|part| part.pose).collect();
@@ -187,7 +187,7 @@ impl Loaded {
             return complaints;
         }
         self.changed();
-        // A part with a new position moves there; the others keep their current poses.
+        // A part with a new position moves to that position. The other parts keep their current poses.
         if let Some(Before { state, .. }) = &mut self.before {
             for (k, part) in self.model.parts.iter().enumerate() {
                 if poses.get(k) != Some(&part.pose)
@@ -200,8 +200,10 @@ impl Loaded {
         complaints
     }
 
-    /// Returns the slots and values that a command such as `SFORCE/3, FUNCTION=1200` sets, if it only assigns constants to loads of the
-    /// compiled model. The usual load programme then needs no compilation for every case.
+    /// Returns parameter slots and values if a command such as `SFORCE/3, FUNCTION=1200` only sets loads of the compiled model to
+    /// constants; `None` otherwise.
+    ///
+    /// With these slots, the usual sequence of load cases needs no new compilation.
     fn constants(&self, command: &Statement) -> Option<Vec<(Slot, f64)>> {
         const LOADS: [&str; 5] = ["SFORCE", "GFORCE", "VFORCE", "VTORQUE", "MOTION"];
         let compiled = self.compiled.as_ref()?;
@@ -219,7 +221,7 @@ impl Loaded {
                 },
                 _ => return None,
             };
-            // The whole function of an SFORCE or MOTION has the address of the object itself.
+            // The whole FUNCTION of an SFORCE or MOTION has the address of the object itself.
             let argument = (name != "FUNCTION").then(|| name.to_string());
             let address = Address {
                 kind: kind.to_string(),
@@ -233,7 +235,7 @@ impl Loaded {
         command.arguments.iter().map(constant).collect()
     }
 
-    /// Evaluates a request that is not in the dataset at the current state. `None` if it has no value there.
+    /// Evaluates a request, which need not be in the dataset, at the current state; `None` if a value is not finite.
     pub(crate) fn answer(&mut self, request: Request) -> Option<[f64; 8]> {
         let compiled = self.compiled().value;
         let before = Before::of(&compiled.system, compiled.state.clone());
@@ -249,10 +251,10 @@ impl Loaded {
             .filter(|values| values.iter().all(|value| value.is_finite()))
     }
 
-    /// Restores a saved state.
+    /// Restores a saved state, and the saved model if there is one.
     ///
     /// # Errors
-    /// When the state belongs to another model.
+    /// Returns an error if the state belongs to another model.
     pub(crate) fn restore(&mut self, saved: Saved) -> Result<(), Diagnostic> {
         self.changed();
         if let Some(Kind::Resolved(model)) = saved.model {
@@ -263,7 +265,7 @@ impl Loaded {
                 let system = System::compile(&self.model).value;
                 let mut state = system.state();
                 placed.put_into(&mut state)?;
-                // A moving state continues; a state at rest is treated like one after a static solution.
+                // A saved state with velocities continues. A saved state at rest is treated like the result of a static solution.
                 self.beginning = if state.moves() {
                     Beginning::Changed
                 } else {
@@ -276,7 +278,8 @@ impl Loaded {
         Ok(())
     }
 
-    /// Returns the equations of the current model at its current state, with the warnings of a new compilation.
+    /// Returns the equations of the current model at its current state. If the model had to be compiled, the result includes the warnings
+    /// about statements left out.
     pub(crate) fn compiled(&mut self) -> Checked<&mut CompiledModel> {
         let mut diagnostics = Vec::new();
         let compiled = self.compiled.get_or_insert_with(|| {
@@ -321,12 +324,14 @@ impl Loaded {
     }
 }
 
-/// Transfers the earlier state to a newly compiled model. Quantities whose number has changed start from the dataset's values.
+/// Transfers the state before a change to the newly compiled model. A vector of the state whose length has changed starts from the values
+/// in the dataset.
 fn carry_over(system: &System, state: &mut State, before: Before) {
     let (counted, were_active, before) = (before.counted, before.active_states, before.state);
-    // A state that is switched on starts again, and one that is switched off is zero (com_activate, com_deactivate).
+    // A dynamic state that was switched on starts from its initial value, and one that was switched off becomes zero (com_activate,
+    // com_deactivate).
     let begin = (state.states.clone(), state.state_rates.clone());
-    system.count_on(state, (&counted, &before.measure_angles));
+    system.count_on(state, &counted, &before.measure_angles);
     state.time = before.time;
     for (now, then) in [
         (&mut state.variables, before.variables),
@@ -360,7 +365,7 @@ fn carry_over(system: &System, state: &mut State, before: Before) {
     if state.driven.len() == before.driven.len() {
         state.driven = before.driven;
     } else {
-        // They start again from the current poses.
+        // If the number of rate-driven MOTIONs has changed, all of them start again from the current poses.
         for driven in &mut state.driven {
             driven.time = f64::NAN;
         }

@@ -6,7 +6,7 @@ use admire_syntax::text::{Source, Span};
 
 use super::object_names::{ObjectNames, qualified};
 
-/// Texts of the files that diagnostics refer to.
+/// Texts of all files to which diagnostics refer.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<Source>,
@@ -14,7 +14,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Adds a file, and replaces a file of the same name.
+    /// Adds a file; it replaces an earlier file with the same name.
     pub fn add(&mut self, source: Source) {
         self.files.retain(|known| known.name() != source.name());
         self.files.push(source);
@@ -25,12 +25,12 @@ impl Sources {
         self.files.iter().find(|source| source.name() == name)
     }
 
-    /// Sets the dataset whose object names are shown with diagnostics about its statements. It replaces an earlier dataset.
+    /// Sets the dataset that gives the names of the objects shown with diagnostics. It replaces an earlier dataset.
     pub(crate) fn name_objects(&mut self, dataset: &Dataset) {
         self.names = Some(ObjectNames::of(dataset));
     }
 
-    /// Returns the name of the object that a diagnostic is about, in ADAMS' form.
+    /// Returns the name, as ADAMS prints it, of the object to which a diagnostic refers.
     fn object(&self, diagnostic: &Diagnostic) -> Option<String> {
         let named = |label| self.names.as_ref()?.at(label).map(str::to_string);
         if let Some(name) = diagnostic.labels.first().and_then(named) {
@@ -40,7 +40,7 @@ impl Sources {
         Some(qualified(None, view))
     }
 
-    /// Returns `file:line:column` of a label, or the file alone if its text is not available or the label covers all of it.
+    /// Returns `file:line:column` for a label. Returns only the file if its text is not available or if the label refers to the whole file.
     pub fn place(&self, label: &Label) -> String {
         match self.get(&label.file) {
             Some(source) if !label.is_about_all() => {
@@ -52,8 +52,10 @@ impl Sources {
     }
 }
 
-/// Formats a diagnostic as plain text of several lines: position and message, the source line with a marker, further labels, the object as
-/// ADAMS names it, the help. The text ends with a line end.
+/// Formats a diagnostic as plain text of several lines, which ends with a line end.
+///
+/// The lines contain the location and the message, the source line with a marker below it, further labels, the name of the object in the
+/// form of ADAMS, the help, and the code.
 pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let mut out = String::new();
     let mut put = |text: std::fmt::Arguments<'_>| {
@@ -97,8 +99,10 @@ pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     out
 }
 
-/// Returns the first line of a span (or a window of a long line), the number of characters before the span, and the number of characters in
-/// it. Bytes that are not UTF-8 are shown as Latin-1, tabs as blanks.
+/// Returns the first line of a span, the number of characters before the span, and the number of characters in the span.
+///
+/// Of a long line, only a window around the start of the span is returned. Bytes that are not UTF-8 are decoded as Latin-1, and control
+/// characters become blanks.
 fn excerpt(source: &Source, span: Span) -> (String, usize, usize) {
     const WINDOW: usize = 100;
     let bytes = source.bytes();
@@ -119,7 +123,7 @@ fn excerpt(source: &Source, span: Span) -> (String, usize, usize) {
     (format!("{before}{inside}{after}"), count, width)
 }
 
-/// Decodes bytes as one line of text: Latin-1 if they are not UTF-8, with control characters replaced by blanks.
+/// Decodes bytes as one line of text. Bytes that are not UTF-8 are decoded as Latin-1, and control characters become blanks.
 fn shown(bytes: &[u8]) -> String {
     let blank = |c: char| if c.is_control() { ' ' } else { c };
     match std::str::from_utf8(bytes) {

@@ -27,7 +27,7 @@ ADMIRE_CODE_PAGE=1252 prints in that code page on a pipe.
 Exit codes:
 ";
 
-/// Runs `mdi`, whatever its file name, with the arguments of the process.
+/// Runs the program `mdi` with the command line of the process. The file name of the program does not matter.
 pub fn mdi() -> ExitCode {
     let words: Vec<String> = std::env::args_os()
         .skip(1)
@@ -58,7 +58,7 @@ pub fn mdi() -> ExitCode {
     };
     let mut bytes = Vec::new();
     if launch.input == LaunchInput::StandardInput {
-        // After a read error the commands read so far are executed.
+        // After a read error, the commands that were read so far are executed.
         let _ = std::io::stdin().read_to_end(&mut bytes);
         let text = String::from_utf8_lossy(&bytes).into_owned();
         match Launch::of_menu(&text) {

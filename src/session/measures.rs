@@ -9,8 +9,8 @@ use super::columns::{Columns, Item};
 
 /// Evaluates forces, reactions and requests at one state of a system.
 ///
-/// Quantities without a value in a configuration (a force along a line of zero length) are written as zero, because result files contain only
-/// numbers.
+/// A quantity that has no value at this state, such as a force along a line of zero length, becomes zero, because results files contain
+/// only numbers.
 pub(super) struct Measures<'s> {
     system: &'s System,
     parameters: &'s Parameters,
@@ -18,7 +18,7 @@ pub(super) struct Measures<'s> {
     scratch: &'s mut Scratch,
 }
 
-/// Source of a force.
+/// Element or constraint that exerts a force.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Exerting {
     Element(ElementIx),
@@ -33,7 +33,7 @@ impl<'s> Measures<'s> {
         state: &'s State,
         scratch: &'s mut Scratch,
     ) -> Self {
-        // Elements driven by functions without a value are zero.
+        // Elements whose functions have no value at this state exert no force.
         let _ = system.evaluate_leniently(parameters, state, scratch);
         Self {
             system,
@@ -43,7 +43,7 @@ impl<'s> Measures<'s> {
         }
     }
 
-    /// Returns the evaluated configuration.
+    /// Returns the configuration of the system at the state.
     fn here(&mut self) -> Configuration<'_> {
         self.system.at(self.parameters, self.state, self.scratch)
     }
@@ -56,7 +56,8 @@ impl<'s> Measures<'s> {
         self.here().read_constraint(constraint)
     }
 
-    /// Returns force and torque in ground axes on a marker of an element or constraint: on J if the marker is J, otherwise on I.
+    /// Returns the force and torque that an element or constraint exerts on a marker, in ground axes. If the marker is not the J marker,
+    /// the force on the I marker is returned.
     pub(super) fn load_on(&mut self, by: Exerting, marker: MarkerIx) -> Option<[f64; 6]> {
         let reading = match by {
             Exerting::Element(element) => self.element(element)?,
@@ -80,7 +81,7 @@ impl<'s> Measures<'s> {
         value.filter(|value| value.is_finite()).unwrap_or(0.0)
     }
 
-    /// Appends x, starting at index `first` of the states, and y = C x + D u.
+    /// Appends the states x, which begin at index `first` of the dynamic states, and the outputs y = C x + D u.
     fn linear_states(
         &mut self,
         states: &LinearStates,
@@ -100,14 +101,14 @@ impl<'s> Measures<'s> {
         }
     }
 
-    /// Returns the pose of a marker in ground.
+    /// Returns the pose of a marker relative to ground.
     fn marker(&self, model: &Model, marker: MarkerIx) -> Pose {
         let part = model.markers[marker.0].part;
         self.state.poses[part.0].compose(self.parameters.marker(marker))
     }
 
-    /// Returns the eight components of a request, in the form that OUTPUT requests. They are zero if the request is switched off or has no
-    /// value.
+    /// Returns the eight components of a request, in the form that the OUTPUT statement sets. The components are zero if the request is
+    /// switched off or has no value.
     pub(crate) fn request(&mut self, model: &Model, index: usize) -> [f64; 8] {
         let request = &model.requests[index];
         if !request.header.active {
@@ -136,7 +137,7 @@ impl<'s> Measures<'s> {
     }
 }
 
-/// Returns YAW, PITCH, ROLL of R = Rz(a) Ry(b) Rx(c): a, -b, c (guide/formats.md 4.4).
+/// Returns YAW, PITCH and ROLL of a rotation R = Rz(a) Ry(b) Rx(c): the angles a, -b and c (guide/formats.md 4.4).
 fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
     [
         libm::atan2(R[(1, 0)], R[(0, 0)]),
@@ -146,7 +147,7 @@ fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
 }
 
 impl Columns {
-    /// Computes the values of the step `input`: parts at their positions in the dataset, everything else zero.
+    /// Computes the values of the step `input`: displacements of the parts in the dataset, and zeros for everything else.
     pub(crate) fn input(&self, initial: &State, values: &mut Vec<f64>) {
         values.clear();
         values.push(initial.time);
@@ -154,7 +155,7 @@ impl Columns {
         values.resize(self.catalogue.len(), 0.0);
     }
 
-    /// Computes the values of a step.
+    /// Computes the values of all columns at the state of `measures`.
     pub(crate) fn step(&self, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
         let state = measures.state;
         values.clear();
@@ -187,7 +188,7 @@ impl Columns {
                 continue;
             }
             if rates.is_empty() {
-                // A state without rates is at rest.
+                // A state without rates is at rest, so its velocities and accelerations are zero.
                 values.resize(values.len() + count, 0.0);
                 continue;
             }
@@ -271,7 +272,7 @@ impl Columns {
                 if let Some(at) = *at {
                     measures.linear_states(&model.linear_states[at], *first, inputs, values);
                 }
-                // The number of columns stays as at the start of the file, even if the states have changed.
+                // The number of columns was fixed at the start of the file. It stays the same even if the number of states has changed.
                 values.resize(before + columns, 0.0);
             }
             Item::Friction(id) => {
@@ -295,7 +296,7 @@ impl Columns {
                 values.extend(pose.p.iter());
                 values.extend(psi_theta_phi(&pose.R));
             }
-            // The force of this marker no longer exists in the model.
+            // The vector force of this floating marker is no longer in the model.
             Item::FloatingMarker { on: None, .. } => values.extend([0.0; 6]),
         }
     }

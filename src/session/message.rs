@@ -16,31 +16,31 @@ use super::outputs::emptied;
 use super::record::Sink;
 use super::simulate::{OutputTimes, Phases};
 
-/// Longest wait for another run that writes the same files.
+/// Longest time to wait for another run that writes the same files.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Messages of a run, on standard output and in the `.msg` file.
+/// Messages of a run, written to the console and to the message file `.msg`.
 ///
-/// The `.msg` file is named by the first FILE/MODEL command; earlier messages are kept until then. The lines that scripts search for follow
-/// guide/formats.md 6.5. If the message file cannot be written, the run continues.
+/// The first FILE/MODEL command determines the name of the file; messages before that command are kept in memory and written then. Lines
+/// for which scripts search have the form in guide/formats.md 6.5. If the message file cannot be written, the run continues.
 pub(crate) struct Messages<'a> {
     console: Box<dyn Write + 'a>,
     file: Option<Sink>,
     path: Option<PathBuf>,
     pending: Vec<u8>,
-    /// First error in writing the file.
+    /// First error in writing the message file.
     error: Option<String>,
-    /// Warnings and errors so far, if they are recorded as data.
+    /// Warnings and errors reported so far; `None` if they are not recorded.
     told: Option<Vec<Diagnostic>>,
-    /// Message files owned by this run, locked until its end.
+    /// Message files that this run has locked until its end, with their paths.
     owned: Vec<(PathBuf, File)>,
 }
 
-/// Largest number of warnings and errors recorded as data.
+/// Maximum number of warnings and errors that are recorded as data.
 const MOST_TOLD: usize = 1000;
 
 impl<'a> Messages<'a> {
-    /// Creates messages that go to `console`, and to a file once it is opened. Prints the banner.
+    /// Creates the messages of a run and prints the banner. Messages go to `console`, and also to a file once it is opened.
     pub(crate) fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
         let mut messages = Self {
             console,
@@ -60,24 +60,26 @@ impl<'a> Messages<'a> {
         self.told = Some(Vec::new());
     }
 
-    /// Takes all text, and the recorded warnings and errors, of messages without a file.
+    /// Takes the whole text and the recorded warnings and errors out of messages that are not written to a file.
     pub(super) fn take(&mut self) -> (Vec<u8>, Vec<Diagnostic>) {
         let said = std::mem::take(&mut self.pending);
         (said, self.told.take().unwrap_or_default())
     }
 
-    /// Claims the files of a prefix for this run by a lock on its message file. If another run holds the lock, it is waited for. File systems
-    /// without locks are tolerated. On Windows there is no lock, because it would hide the file from programs that poll it.
+    /// Locks the message file of a run, so that no other run writes files with the same prefix.
+    ///
+    /// If another run holds the lock, waits until the lock is free. File systems without locks are tolerated. On Windows the file is not
+    /// locked, because a lock would prevent other programs from reading it.
     ///
     /// # Errors
-    /// `cannot-write` when the other run holds the lock for more than ten seconds.
+    /// Returns `cannot-write` if another run holds the lock for more than ten seconds.
     pub(crate) fn own(&mut self, path: &Path) -> Result<(), Diagnostic> {
         if cfg!(windows) || self.owned.iter().any(|(own, _)| own == path) {
             return Ok(());
         }
         let mut options = File::options();
         let Ok(file) = options.write(true).create(true).truncate(false).open(path) else {
-            // The error is reported when the file is opened for writing.
+            // Opening the file for writing will fail as well, and then the error is reported.
             return Ok(());
         };
         let begin = Instant::now();
@@ -93,10 +95,11 @@ impl<'a> Messages<'a> {
         Ok(())
     }
 
-    /// Opens `path` as the message file: truncates it, and writes all earlier messages to it. The same path again keeps the open file.
+    /// Opens `path` as the message file, discards its old content, and writes all earlier messages to it. If this file is already open, it
+    /// stays open unchanged.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// Returns an error if the file cannot be written.
     pub(crate) fn open(&mut self, path: &Path) -> io::Result<()> {
         if self.path.as_deref() == Some(path) {
             return Ok(());
@@ -111,14 +114,14 @@ impl<'a> Messages<'a> {
         Ok(())
     }
 
-    /// Returns true once a file has been opened.
+    /// Returns true once a message file was opened.
     pub(crate) fn is_open(&self) -> bool {
         self.file.is_some()
     }
 
-    /// Writes text to console and file.
+    /// Writes text to the console and to the file.
     pub(crate) fn say(&mut self, text: &str) {
-        // A closed pipe on the console is not a failure of the run.
+        // If the console is a closed pipe, the run continues.
         let _ = self.console.write_all(printable(text).as_bytes());
         match &mut self.file {
             Some(file) => {
@@ -129,7 +132,7 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// Flushes console and file, so that other programs can read the messages.
+    /// Flushes the console and the file, so that other programs can read the messages.
     pub(crate) fn flush(&mut self) {
         let _ = self.console.flush();
         if let Some(file) = &mut self.file {
@@ -145,7 +148,7 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// Returns the first error in writing the file, if any.
+    /// Returns the first error in writing the message file, if there was one.
     pub(crate) fn unwritten(&self) -> Option<String> {
         self.error.clone()
     }
@@ -168,7 +171,7 @@ impl<'a> Messages<'a> {
             String::new(),
             format!("{:^75}", concat!("admire ", env!("CARGO_PKG_VERSION"))),
             format!("{:^75}", "statics and motion of ADAMS datasets"),
-            // Readers recognise the form of the messages by this line.
+            // Programs that read message files recognise their form by this line.
             format!(
                 "{:^75}",
                 "messages in the form of the A d a m s   C++   S o l v e r"
@@ -186,7 +189,7 @@ impl<'a> Messages<'a> {
         self.say(&text);
     }
 
-    /// Echoes a command before its effects.
+    /// Echoes a line of commands before it is executed.
     pub(crate) fn command(&mut self, line: &str) {
         self.say(&format!(" command: {line}\n"));
     }
@@ -203,7 +206,7 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// Writes a warning about a constraint whose markers are apart, in ADAMS' words for points and planes.
+    /// Writes a warning about a constraint whose markers do not coincide, in the wording of ADAMS.
     pub(crate) fn apart(&mut self, apart: &MarkerGap) {
         let (name, d) = (&apart.name, apart.distance);
         let text = match apart.counts {
@@ -229,7 +232,7 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// Writes the redundant constraint equations, named as in ADAMS.
+    /// Writes the names of the redundant constraint equations, in the form of ADAMS.
     pub(crate) fn redundant(&mut self, time: f64, equations: &[String]) {
         let mut text = format!(
             "  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
@@ -242,7 +245,7 @@ impl<'a> Messages<'a> {
         self.say(&(text + "\n"));
     }
 
-    /// Writes a diagnostic: warnings and errors in a frame, notes without.
+    /// Writes a diagnostic: a warning or error in a frame, a note without a frame.
     pub(crate) fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
         let text = located(diagnostic, sources);
         if let Some(told) = &mut self.told
@@ -272,7 +275,7 @@ impl<'a> Messages<'a> {
         );
     }
 
-    /// Writes the end of a converged static solution, with its recomputed force balance.
+    /// Writes the end of a static solution that converged, with the recomputed force balance (`balance`).
     pub(crate) fn converged(&mut self, iterations: usize, imbalance: f64, balance: &str) {
         self.say(&format!(
             "  Static Solution converged in {iterations} iterations\n  Residual imbalance is less than {}\n{balance}\n  End Static \
@@ -281,7 +284,7 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// Writes the head of a quasi-static or kinematic simulation, named by `what`.
+    /// Writes the head of a quasi-static or kinematic simulation; `what` is the word for its kind.
     pub(crate) fn begin_simulation(&mut self, what: &str) {
         self.say(&format!(
             "\n\n  Begin Simulation\n\n  ****** Performing {what} Simulation ******\n\n   Simulation   Iterations   Residual\n   \
@@ -303,7 +306,7 @@ impl<'a> Messages<'a> {
         self.say("\n\n  Begin Simulation\n");
     }
 
-    /// Writes the phases of initial conditions that a command requests.
+    /// Writes the phases of an initial-conditions analysis, up to the last phase that a command requests.
     pub(super) fn initial_conditions(&mut self, phases: Phases) {
         let all = ["Displacement", "Velocity", "Acceleration"];
         let count = match phases {
@@ -318,8 +321,10 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// Writes the settings of a dynamic simulation and the head of its table. `redundant` holds the time and the deactivated equations;
-    /// `determined` warns of a model without degrees of freedom.
+    /// Writes the settings of a dynamic simulation and the head of its table of steps.
+    ///
+    /// `redundant` contains the time and the deactivated constraint equations, if these have changed. If `determined` is true, warns that
+    /// the model has no degrees of freedom.
     pub(super) fn dynamic_head(
         &mut self,
         settings: &IntegratorSettings,
@@ -352,7 +357,7 @@ impl<'a> Messages<'a> {
         self.table_head();
     }
 
-    /// Writes the arguments that have no effect on the built-in methods.
+    /// Writes the given arguments of a statement that have no effect on the built-in methods.
     pub(super) fn without_effect(&mut self, statement: &str, given: &[&str]) {
         if !given.is_empty() {
             let given = given.join(", ");
@@ -362,7 +367,7 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// Writes the settings of a kinematic simulation and the head of its table.
+    /// Writes the settings of a kinematic simulation and the head of its table of steps.
     pub(super) fn kinematic_head(
         &mut self,
         settings: &KinematicsSettings,
@@ -382,7 +387,7 @@ impl<'a> Messages<'a> {
         );
     }
 
-    /// Writes a row of the table, if it is due.
+    /// Writes a row of the table of steps, if this row is due.
     pub(super) fn progress(&mut self, progress: &mut Progress, row: Row) {
         let Some(elapsed) = progress.shown() else {
             return;
@@ -403,11 +408,11 @@ impl<'a> Messages<'a> {
         self.say("\n  End Simulation\n");
     }
 
-    /// Writes the last lines of a run, as ADAMS prints them.
+    /// Writes the last lines of a run in the form of ADAMS.
     pub(crate) fn finished(&mut self, elapsed: std::time::Duration) {
         let cpu = cpu_time::ProcessTime::try_now().map_or(elapsed, |now| now.as_duration());
         let (elapsed, cpu) = (elapsed.as_secs_f64(), cpu.as_secs_f64());
-        // The load of a run without duration is undefined.
+        // For an elapsed time of zero, the load is undefined and 100 % is written.
         let load = if elapsed > 0.0 {
             100.0 * cpu / elapsed
         } else {
@@ -420,7 +425,7 @@ impl<'a> Messages<'a> {
     }
 }
 
-/// One row of a simulation's table.
+/// One row in the table of steps of a simulation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub time: f64,
@@ -429,7 +434,7 @@ pub(super) struct Row {
     pub steps: usize,
 }
 
-/// Selection of the table rows to print: the start, every tenth of the outputs, the last.
+/// Selects the rows to be printed in the table of steps: the start, one row after each tenth of the outputs, and the last output.
 pub(super) struct Progress {
     every: usize,
     count: usize,
@@ -447,7 +452,7 @@ impl Progress {
         }
     }
 
-    /// Returns the time since the start if this row is printed.
+    /// Returns the time elapsed since the start if the next row is to be printed, `None` otherwise.
     pub(crate) fn shown(&mut self) -> Option<Duration> {
         let at = self.seen;
         self.seen += 1;
@@ -464,7 +469,7 @@ pub(super) fn equation_as_adams(equation: &EquationName) -> String {
     }
 }
 
-/// Formats an object as ADAMS prints it: `model.crank_pin`, or `model.JOINT_2` without a view name.
+/// Formats the name of an object as ADAMS prints it: `model.crank_pin`, or `model.JOINT_2` if it has no ADAMS/View name.
 pub(super) fn object_as_adams(object: &Name) -> String {
     match object.view.as_str() {
         "" => format!("model.{}_{}", object.kind, object.id),
@@ -472,7 +477,7 @@ pub(super) fn object_as_adams(object: &Name) -> String {
     }
 }
 
-/// Formats seconds with two decimals, as m:ss from one minute, as h:mm:ss from one hour.
+/// Formats a time in seconds: with two decimals below one minute, as m:ss below one hour, and as h:mm:ss from there on.
 fn clock(seconds: f64) -> String {
     let whole = seconds as u64;
     match whole {
@@ -482,7 +487,7 @@ fn clock(seconds: f64) -> String {
     }
 }
 
-/// Formats a number like `%.{digits}E`, with an exponent of at least two digits: `4.64042E-01`.
+/// Formats a number like C's `%.{digits}E`, with an exponent of at least two digits: `4.64042E-01`.
 pub fn exponent(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return value.to_string();
@@ -527,7 +532,7 @@ mod tests {
         assert_eq!(file, String::from_utf8(console).unwrap());
         assert!(file.contains("\n command: FILE/MODEL=run\n\n-----"));
         assert!(file.contains(&format!("|{:35}A title{:35}|\n", "", "")));
-        // Lines listed in guide/formats.md 6.5.
+        // These lines are listed in guide/formats.md 6.5.
         assert!(file.contains("  Static Solution converged in 63 iterations\n  Residual imbalance is less than 4.64042E-01\n"));
     }
 }

@@ -1,20 +1,20 @@
 //! Progress of a running simulation.
 
-/// Progress of a simulation at an output.
+/// Progress of a simulation at one of its output times.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Moment {
-    /// Time of the output just written.
+    /// Output time whose values were just written.
     pub time: f64,
-    /// Start time of the simulation.
+    /// Time at which the simulation started.
     pub start: f64,
-    /// End time of the simulation.
+    /// Time at which the simulation will end.
     pub end: f64,
-    /// Current integration step; the output step if nothing is integrated.
+    /// Current size of the integration step; if nothing is integrated, the time between outputs.
     pub step: f64,
 }
 
 impl Moment {
-    /// Returns the completed fraction of the simulation, 0 to 1.
+    /// Returns the completed fraction of the simulation, from 0 to 1.
     pub fn share(&self) -> f64 {
         let span = self.end - self.start;
         if span > 0.0 {
@@ -25,5 +25,5 @@ impl Moment {
     }
 }
 
-/// Callback at every output; the result false stops the run there.
+/// Callback that is called at every output. If it returns false, the run stops there.
 pub(super) type Watcher<'a> = Box<dyn FnMut(Moment) -> bool + 'a>;

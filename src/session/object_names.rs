@@ -4,17 +4,19 @@ use admire_syntax::diagnostic::Label;
 use admire_syntax::text::Span;
 use admire_syntax::{Dataset, Statement};
 
-/// Statements of a dataset with view names, and ADAMS' names of their objects: `model.hinge`, and for markers `model.link.tip`. Messages of
-/// ADAMS always start with `model`, whatever the model's name.
+/// Names that ADAMS prints for the objects of a dataset: `model.hinge`, or `model.link.tip` for a marker. Only objects with an ADAMS/View
+/// name are included.
+///
+/// In messages of ADAMS, every name begins with `model`, whatever the name of the model is.
 #[derive(Clone, Debug)]
 pub(super) struct ObjectNames {
     file: String,
-    /// Span and name of each statement, in the order of the file.
+    /// Spans of the statements and names of their objects, in the order of the file.
     statements: Vec<(Span, String)>,
 }
 
 impl ObjectNames {
-    /// Collects the names of a dataset.
+    /// Collects the names of all objects in a dataset.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let source = dataset.source();
         let name = |statement: &Statement| statement.view_name.map(|span| source.text(span));
@@ -44,7 +46,7 @@ impl ObjectNames {
         }
     }
 
-    /// Returns the name of the object whose statement contains a label.
+    /// Returns the name of the object whose statement contains the location of a label.
     pub(crate) fn at(&self, label: &Label) -> Option<&str> {
         if *label.file != *self.file || label.is_about_all() {
             return None;
@@ -58,7 +60,8 @@ impl ObjectNames {
     }
 }
 
-/// Returns `model.hinge`, or `model.link.tip` for a marker on a part. A name with dots is already a complete path.
+/// Returns `model.hinge`, or `model.link.tip` for a marker on the part `link`. A name that contains dots is a full path and gets no part
+/// name.
 pub(super) fn qualified(part: Option<&str>, name: &str) -> String {
     let bare = name.trim_start_matches('.');
     match part {

@@ -1,7 +1,7 @@
 use admire_syntax::CommandFile;
 use admire_syntax::text::{Edit, Source, apply_edits};
 
-/// Returns the commands with another model in place of each model they name. If they name none, a command that reads the model is put first.
+/// Replaces each model that a command file names by the model `name`. If the file names no model, a command that reads `name` is put first.
 pub fn commands_for_other_model(name: &str, source: &Source) -> Source {
     let file = CommandFile::parse(source.clone()).value;
     let mut edits = Vec::new();

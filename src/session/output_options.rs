@@ -1,9 +1,9 @@
-//! Options of OUTPUT and RESULTS that request output not written here.
+//! Options of OUTPUT and RESULTS that request output which this solver does not write.
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::{Dataset, Statement};
 
-/// Options of OUTPUT with ADAMS' output for them.
+/// Options of OUTPUT that have no effect here, with descriptions of the output that ADAMS writes for them.
 const OUTPUT: [(&str, &str); 11] = [
     ("GR521SAV", "a graphics file of an old kind"),
     ("ICSAVE", "a file of the states at every output step"),
@@ -18,13 +18,13 @@ const OUTPUT: [(&str, &str); 11] = [
     ("FSCALE", "scaled forces"),
 ];
 
-/// Options of RESULTS that shorten numbers.
+/// Options of RESULTS by which ADAMS shortens numbers; they have no effect here.
 const DIGITS: [&str; 3] = ["ROUNDOFF", "SIGNIFICANTFIGURES", "ZEROTHRESHOLD"];
 
-/// Returns a warning for each such option of a dataset.
+/// Returns a warning for each option of a dataset that requests output which is not written.
 ///
-/// Without XRF a results file of ADAMS is text or, by default, binary (help page `fstate_results`). Only the displacements of parts are
-/// documented in these layouts, so XML is written instead, with a warning.
+/// Without the option XRF, ADAMS writes a results file as text or, by default, in binary form (help page `fstate_results`). Of these
+/// layouts, only the displacements of parts are documented. An XML file is therefore written instead, with a warning.
 pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut warn = |statement: &Statement, option: Option<&str>, what: &str, help: Option<&str>| {

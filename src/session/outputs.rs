@@ -19,39 +19,40 @@ use super::graphics::{Drawn, drawn};
 use super::measures::Measures;
 use super::record::{Record, Sink};
 
-/// Extensions of the files that a run writes besides `.msg`.
+/// Extensions of the files that a run writes in addition to the message file.
 const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
 
-/// Number of request rows (rows times requests) kept for the tables of `.out` before they are written.
+/// Maximum number of request rows (output steps times requests) that are kept in memory for the tables of `.out` before they are written.
 const KEPT: usize = 1 << 17;
 
 /// The output files of one model.
 ///
-/// Files of an earlier run under the same names are emptied when the model is read, so that a failed run never leaves an old answer behind.
-/// The files are then written in place and flushed step by step.
+/// Files with the same names from an earlier run are emptied when the model is read, so that a failed run never leaves old results behind.
+/// The files are then written in place and flushed after every output step.
 pub(super) struct Outputs {
     prefix: PathBuf,
-    /// Files of an earlier run without new contents so far.
+    /// Files from an earlier run that this run has not written to yet.
     unused: Vec<PathBuf>,
     begun: bool,
-    /// Outputs kept in memory instead of files.
+    /// Outputs that are kept in memory; `None` if files are written.
     record: Option<Record>,
     results: Option<(Box<dyn ResultsWriter>, Columns)>,
     requests: Option<RequestWriter<Sink>>,
     graphics: Option<(GraphicsWriter<Sink>, Drawn)>,
-    /// Ids of the requests at the start of the files, with their indices in the current model.
+    /// Ids of the requests when the files were started, with their indices in the current model; `None` if the model no longer has the
+    /// request.
     requested: Vec<(u32, Option<usize>)>,
     tables: Option<Tables>,
     values: Vec<f64>,
-    /// Time and kind of the last step written; `None` after a redefinition.
+    /// Time and kind of the output step that was written last; `None` if the model has changed since then.
     pub last: Option<(f64, StepKind)>,
-    /// Time and kind of the last step in `.req`.
+    /// Time and kind of the step that was last written to `.req`.
     last_request: Option<(f64, StepKind)>,
-    /// True if a simulation had no solution; the results are then not marked successful.
+    /// True if a simulation failed; the results are then not marked successful.
     pub failed: bool,
 }
 
-/// Tables of `.out`. They are written request by request, so their rows are kept.
+/// Tables of a `.out` file. They are written request by request, so the rows are collected first.
 struct Tables {
     file: Sink,
     title: String,
@@ -63,10 +64,10 @@ struct Tables {
 }
 
 impl Outputs {
-    /// Empties the output files of this prefix.
+    /// Creates the outputs for a prefix, and empties existing files that have the names of these outputs.
     ///
     /// # Errors
-    /// When a file lies outside the allowed folders or cannot be written.
+    /// Returns an error if a file lies outside of the allowed folders or cannot be written.
     pub(crate) fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
         let mut unused = Vec::new();
         for extension in EXTENSIONS {
@@ -81,7 +82,7 @@ impl Outputs {
         Ok(Self::to(prefix, unused, None))
     }
 
-    /// Creates outputs in memory, under the names of the files.
+    /// Creates outputs that are kept in memory instead of being written to files.
     pub(crate) fn in_memory(prefix: PathBuf) -> Self {
         Self::to(prefix, Vec::new(), Some(Record::default()))
     }
@@ -104,17 +105,17 @@ impl Outputs {
         }
     }
 
-    /// Takes the outputs kept in memory; `None` if files are written.
+    /// Takes out the outputs that were kept in memory; `None` if files are written.
     pub(crate) fn take_record(&mut self) -> Option<Record> {
         self.record.take()
     }
 
-    /// Returns true once a simulation was requested, which fixes the columns of the files.
+    /// Returns true once a simulation was requested. From then on, the columns of the files are fixed.
     pub(crate) fn have_begun(&self) -> bool {
         self.begun
     }
 
-    /// Returns the prefix of the file names.
+    /// Returns the common beginning of the paths of all output files.
     pub(crate) fn prefix(&self) -> &Path {
         &self.prefix
     }
@@ -124,10 +125,10 @@ impl Outputs {
         with_extension(&self.prefix, "msg")
     }
 
-    /// Writes the head of each file that the model requests, and the model as read. A second call has no effect.
+    /// Writes the head of each file that the model requests, and the model as it was read. A second call has no effect.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub(crate) fn begin(
         &mut self,
         model: &Model,
@@ -141,7 +142,7 @@ impl Outputs {
         let when = Timestamp::now();
         let all = model.requests.iter().enumerate();
         self.requested = all.map(|(at, r)| (r.header.id, Some(at))).collect();
-        // Results in memory are kept whatever files the model requests.
+        // Results in memory are kept even if the model requests no results file.
         if model.results.present || self.record.is_some() {
             self.begin_results(model, system, when)?;
         }
@@ -172,7 +173,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Resolves the entities of the files in a newly compiled system.
+    /// Finds the objects of all files again, after the model was compiled anew.
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         if let Some((_, columns)) = &mut self.results {
             columns.locate(model, system);
@@ -247,10 +248,10 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes one step to every file.
+    /// Writes one output step to every file.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub(crate) fn step(
         &mut self,
         kind: StepKind,
@@ -308,28 +309,29 @@ impl Outputs {
         Ok(())
     }
 
-    /// Returns true if a simulation over time must write its start: the last step is of another kind or time, or the model has changed since.
+    /// Returns true if a simulation over time must write its start: the last step had another kind or time, or the model has changed since
+    /// then.
     pub(crate) fn begins_with(&self, time: f64, kind: StepKind) -> bool {
         self.last != Some((time, kind))
     }
 
-    /// Returns the path of a file next to the other outputs.
+    /// Returns the path of an output file with the given extension.
     pub(crate) fn beside(&self, extension: &str) -> std::path::PathBuf {
         with_extension(&self.prefix, extension)
     }
 
-    /// Writes a separate file next to the other outputs.
+    /// Writes a complete file with the given extension beside the other output files.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// Returns an error if the file cannot be written.
     pub(crate) fn write_beside(&mut self, extension: &str, text: &str) -> Result<(), Diagnostic> {
         self.write_file(&self.beside(extension), text)
     }
 
-    /// Writes a complete file, or keeps it in memory under its name.
+    /// Writes a complete file, or keeps it under its name if outputs are kept in memory.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// Returns an error if the file cannot be written.
     pub(crate) fn write_file(&mut self, path: &Path, text: &str) -> Result<(), Diagnostic> {
         if let Some(record) = &mut self.record {
             record.add(path, text);
@@ -338,7 +340,7 @@ impl Outputs {
         write_text(path, text).map_err(|error| cannot_write(path, &error))
     }
 
-    /// Keeps modes with results in memory; without effect if files are written.
+    /// Keeps the modes if outputs are kept in memory. Has no effect if files are written.
     pub(crate) fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
         if let Some(record) = &mut self.record {
             record.modes = modes.collect();
@@ -350,10 +352,10 @@ impl Outputs {
         self.record.is_some()
     }
 
-    /// Ends a simulation: unless OUTPUT/NOSEPARATOR is given, the next one has its own tables.
+    /// Ends a simulation. The next simulation gets tables of its own, unless OUTPUT/NOSEPARATOR is given.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub(crate) fn simulation_ended(&mut self) -> Result<(), Diagnostic> {
         let path = with_extension(&self.prefix, "out");
         match &mut self.tables {
@@ -364,12 +366,12 @@ impl Outputs {
         }
     }
 
-    /// Closes the files at the end of a run.
+    /// Completes and closes the files at the end of a run.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub(crate) fn finish(&mut self) -> Result<(), Diagnostic> {
-        // ADAMS' status word of a failed run is unknown; readers look for `Successful`.
+        // The word that ADAMS writes after a failed run is unknown; programs that read the file look for `Successful`.
         let status = if self.failed { "Failed" } else { "Successful" };
         if let Some((results, _)) = self.results.take() {
             let path = with_extension(&self.prefix, "res");
@@ -393,7 +395,7 @@ impl Outputs {
 impl Drop for Outputs {
     fn drop(&mut self) {
         for path in &self.unused {
-            // The file holds one line end; if the truncation fails, that does no harm.
+            // The file contains only a line end, so it does no harm if this call fails.
             let _ = File::create(path);
         }
     }
@@ -415,14 +417,15 @@ impl Tables {
     }
 }
 
-/// Returns true if a simulation over time starts where an equilibrium was just written; `.req` does not repeat its time. After an initial
-/// conditions analysis the time is repeated, as in real files (guide/formats.md 6.3).
+/// Returns true if a simulation over time starts at the time of an equilibrium that was just written; this time is not repeated in `.req`.
+///
+/// After an initial-conditions analysis, the time is repeated, as in real files (guide/formats.md 6.3).
 fn is_repeated(last: Option<(f64, StepKind)>, time: f64, kind: StepKind) -> bool {
     let same = last.is_some_and(|(at, before)| at == time && before.is_equilibrium());
     same && kind != StepKind::Static
 }
 
-/// Returns the title of a request: its comment, or otherwise its name.
+/// Returns the title under which a request is written: its comment or, if it has none, its name.
 fn called(request: &Request) -> &str {
     if !request.comment.is_empty() {
         return &request.comment;
@@ -456,12 +459,12 @@ fn tabular(request: &Request, ypr: bool) -> TabularRequest {
     }
 }
 
-/// Opens a text file for writing and discards its contents.
+/// Opens a text file for writing and discards its content.
 ///
-/// On Windows lines end with CR LF, as in files written by ADAMS there (grammar/NOTES.md, "Files of a run on Windows").
+/// On Windows, lines end with CR LF, as in files that ADAMS writes there (grammar/NOTES.md, "Files of a run on Windows").
 ///
-/// One line end remains until the first write overwrites it. Some file systems (ext4 with `auto_da_alloc`) treat a file truncated to zero as
-/// replaced, write it to disk as soon as it is closed, and delay the next run.
+/// The file keeps one line end, which the first write overwrites. Some file systems (ext4 with `auto_da_alloc`) treat a file that was
+/// truncated to zero as replaced: they write it to disk as soon as it is closed, which delays the next run.
 pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
     let mut options = File::options();
     options.write(true).create(true).truncate(false);
@@ -474,13 +477,13 @@ pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
     Ok(LineEnds::of_system(file))
 }
 
-/// Writes a complete text file of a run.
+/// Writes a text file that is complete, with the line ends of the operating system.
 pub(super) fn write_text(path: &Path, text: &str) -> io::Result<()> {
     let file = patiently(|| File::create(path))?;
     LineEnds::of_system(file).write_all(text.as_bytes())
 }
 
-/// Appends a dot and an extension to the prefix, which may contain dots itself.
+/// Appends a dot and an extension to the prefix. The prefix may contain dots, which stay.
 pub(super) fn with_extension(prefix: &Path, extension: &str) -> PathBuf {
     let mut path = prefix.as_os_str().to_owned();
     path.push(".");

@@ -4,11 +4,13 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 
 use super::windows_names;
 
-/// Finds the file named by a dataset, a command file or a command line, in the given folders in turn.
+/// Finds the file that a dataset, a command file or a command line names, in several folders in turn.
 ///
-/// Quotes and blanks around the name are dropped, backslashes separate folders, and `.{extension}` is added if missing (guide/formats.md 5.1).
-/// On Windows device names are refused. A name that differs only in case is accepted with a warning. A path of another computer (with a drive
-/// letter, or in a missing folder) is replaced by a local file of the same base name, also with a warning.
+/// Quotes and blanks around the name are dropped, backslashes separate folders, and `.{extension}` is added if it is missing
+/// (guide/formats.md 5.1). On Windows, names of devices are rejected.
+///
+/// A name that differs only in case is accepted with a warning. If the path comes from another computer (it has a drive letter or an
+/// unknown folder), a local file with the same base name is used instead, also with a warning.
 pub fn find_file(
     written: &str,
     extension: &str,
@@ -23,7 +25,7 @@ pub fn find_file(
     }
     let spelled = native_spelling(written);
     let mut candidates = with_extension(&spelled, extension);
-    // Windows drops trailing dots of names.
+    // Windows drops trailing dots from names, so the file may have been written without them.
     let undotted = windows_names::undotted(&spelled.to_string_lossy());
     if !undotted.is_empty() && Path::new(&undotted) != spelled {
         candidates.extend(with_extension(Path::new(&undotted), extension));
@@ -60,7 +62,7 @@ pub fn find_file(
     Checked::clean(None)
 }
 
-/// Returns the warning about a file whose name differs in case.
+/// Returns the warning about a file whose name differs from the written name in case.
 pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
     Diagnostic::warning(
         Code::FileNameCase,
@@ -69,7 +71,7 @@ pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
     .help("some computers tell upper from lower case in file names")
 }
 
-/// Returns the single local file with the same base name, with a warning. Several candidates are refused.
+/// Returns the only local file with the same base name, and a warning. If there are several such files, returns an error.
 fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
     let whole = |path: &PathBuf| dunce::canonicalize(path).unwrap_or_else(|_| path.clone());
     let mut found: Vec<PathBuf> = here.iter().map(|path| whole(path)).collect();
@@ -111,8 +113,9 @@ fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
     }
 }
 
-/// Converts a file name to the native form: without quotes. On Windows with backslashes and without trailing dots, elsewhere with `/` for `\`
-/// and without a drive letter.
+/// Converts a file name to the form of this operating system, without quotes.
+///
+/// On Windows, the form has backslashes and no trailing dots. Elsewhere, it has `/` in place of `\` and no drive letter.
 pub(crate) fn native_spelling(written: &str) -> PathBuf {
     PathBuf::from(if cfg!(windows) {
         windows_names::of_windows(written)
@@ -121,7 +124,7 @@ pub(crate) fn native_spelling(written: &str) -> PathBuf {
     })
 }
 
-/// Returns the name with and without the extension, the more likely form first.
+/// Returns the name with and without the extension; the form that is more likely comes first.
 fn with_extension(name: &Path, extension: &str) -> Vec<PathBuf> {
     let mut longer = name.as_os_str().to_owned();
     longer.push(".");
@@ -134,7 +137,7 @@ fn with_extension(name: &Path, extension: &str) -> Vec<PathBuf> {
     }
 }
 
-/// Returns the file whose path matches up to upper and lower case, if there is one.
+/// Returns the file whose path equals the given path if case is ignored; `None` if there is no such file.
 pub(crate) fn ignoring_case(path: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::new();
     for component in path.components() {
@@ -200,7 +203,7 @@ mod tests {
         let found = find(r"\\server\share\runs\other.adm");
         assert_eq!(found.value, Some(folder.path().join("other.adm")));
         assert_eq!(codes(&found), [Code::ForeignPath]);
-        // Mixed separators, repeated separators, and trailing dots that Windows drops.
+        // These names contain mixed separators, repeated separators, and trailing dots that Windows drops.
         for written in [
             r"Sub Folder/\Model.adm",
             r".\Sub Folder\Model.",

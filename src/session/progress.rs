@@ -1,4 +1,4 @@
-//! Progress reports of a running session, and its interruption.
+//! Progress reports of a running session, and its interruption by a callback.
 
 use super::ending::Stop;
 use super::moment::Moment;
@@ -6,18 +6,18 @@ use super::run_state::Session;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 impl<'a> Session<'a> {
-    /// Sets a callback for every output of a simulation over time. If it returns false, the run ends there, with complete files up to that
-    /// output.
+    /// Sets a callback that is called at every output of a simulation over time. If it returns false, the run ends there, and the files
+    /// contain everything up to that output.
     #[must_use]
     pub fn watched(mut self, watcher: impl FnMut(Moment) -> bool + 'a) -> Self {
         self.watcher = Some(Box::new(watcher));
         self
     }
 
-    /// Reports an output to the watcher.
+    /// Reports an output to the callback that watches the run.
     ///
     /// # Errors
-    /// [`Stop::Interrupted`] if the watcher stops the run.
+    /// Returns [`Stop::Interrupted`] if the callback stops the run.
     pub(super) fn tell(&mut self, moment: Moment) -> Result<(), Stop> {
         let goes_on = self.watcher.as_mut().is_none_or(|watcher| watcher(moment));
         if goes_on {

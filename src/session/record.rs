@@ -1,4 +1,4 @@
-//! Outputs that a run keeps in memory instead of files.
+//! Outputs of a run that are kept in memory instead of being written to files.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -14,43 +14,43 @@ use admire_syntax::text::LineEnds;
 
 use super::located::Sources;
 
-/// Text under construction, shared by its writer and the record.
+/// Text that is still growing; its writer and the record share it.
 type Text = Arc<Mutex<Vec<u8>>>;
 
-/// Outputs of a run without files.
+/// Outputs of a run that writes no files.
 #[derive(Debug, Default)]
 pub struct Record {
-    /// Results of the last model with any, whether or not it requests a results file.
+    /// Results of the last model that has results, whether or not the model requests a results file.
     pub results: Option<ResultsTable>,
-    /// Modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
+    /// Modes of the last LINEAR/EIGENSOL, with one mode of each conjugate pair, in the same order as in `.modes.json`.
     pub modes: Vec<Mode>,
-    /// Largest residual of the recomputed force balance on a part, over all equilibria.
+    /// Largest residual of the recomputed force balance of any part, over all equilibria.
     pub balance: Balance,
-    /// Contents of the message file.
+    /// Content of the message file.
     pub messages: Vec<u8>,
-    /// Warnings and errors in the order reported.
+    /// Warnings and errors, in the order in which they were reported.
     pub diagnostics: Vec<Diagnostic>,
-    /// Files that the diagnostics refer to.
+    /// Files to which the diagnostics refer.
     pub sources: Sources,
     texts: BTreeMap<String, Text>,
 }
 
 impl Record {
-    /// Returns the destination for the file with an extension.
+    /// Returns a destination in memory for the output file with this extension.
     pub(super) fn sink(&mut self, extension: &str) -> Sink {
         let text = Text::default();
         self.texts.insert(extension.to_string(), text.clone());
         Sink::Memory(text)
     }
 
-    /// Keeps a complete file under its name.
+    /// Keeps the text of a complete file under the name of the file.
     pub(super) fn add(&mut self, path: &Path, text: &str) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let text = Arc::new(Mutex::new(text.as_bytes().to_vec()));
         self.texts.insert(name.into_owned(), text);
     }
 
-    /// Returns the other files by extension (`req`, `gra`, `out`), those of LINEAR by name.
+    /// Returns all other files: `req`, `gra` and `out` by their extensions, files of LINEAR by their names.
     pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
         let bytes = |text: &Text| text.lock().unwrap_or_else(PoisonError::into_inner).clone();
         self.texts
@@ -60,7 +60,7 @@ impl Record {
     }
 }
 
-/// Destination of an output file: disk or memory.
+/// Destination of an output file: a file on disk, or a text in memory.
 #[derive(Debug)]
 pub(super) enum Sink {
     File(BufWriter<LineEnds<File>>),

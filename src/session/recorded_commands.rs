@@ -1,5 +1,6 @@
-//! Extraction of the commands recorded in a message file as a command file. A run that was controlled from outside, as in a co-simulation, can
-//! then be repeated without the controlling program.
+//! Extraction of the commands recorded in a message file, as a command file.
+//!
+//! A run that another program controlled, as in a co-simulation, can then be repeated without that program.
 
 use admire_results::{Analysis, MessageFile};
 use admire_syntax::text::{Source, Span};
@@ -9,27 +10,29 @@ use admire_syntax::text::{Source, Span};
 pub struct RecordedCommands {
     /// Text of the command file.
     pub text: String,
-    /// Number of simulations in it, including LINEAR but not initial conditions.
+    /// Number of simulations in the command file, including LINEAR but not initial-conditions analyses.
     pub simulations: usize,
-    /// Number of SIMULATE commands that the file does not echo and that are rebuilt from its report of the simulations.
+    /// Number of SIMULATE commands that the message file does not echo. They are rebuilt from its reports of the simulations.
     pub rebuilt: usize,
 }
 
-/// Extracts the commands of a message file (`.msg`) in their order; `None` if it records none.
+/// Extracts the commands in a message file (`.msg`), in their order; `None` if it records no commands.
 ///
-/// A line ` command: ...` is one line of commands; continuation with `&` is preserved. `FILE/COMMAND=...` is omitted, because the lines of
-/// that file follow. If no FILE/MODEL is recorded, as in co-simulations, a command that reads `model` is put first.
+/// A line ` command: ...` contains one line of commands, and continuation with `&` is preserved. `FILE/COMMAND=...` is omitted, because the
+/// lines of that file follow. If no FILE/MODEL is recorded, as in co-simulations, a command that reads `model` is put first.
 ///
-/// In a co-simulation the simulations between two exchanges are not echoed. Each is a block `Begin Simulation` without a command before it.
-/// The rebuilt SIMULATE command ends at the last time of the block's table, and has one step fewer than the table has rows. If an input was
-/// set several times (predictor, corrector), the last setting applies.
+/// In a co-simulation, the simulations between two exchanges of data are not echoed. Each of them appears as a block `Begin Simulation`
+/// without a command before it. The rebuilt SIMULATE command ends at the last time in the table of this block; the number of its steps is
+/// one less than the number of rows.
+///
+/// If an input was set several times (predictor, corrector), the last value applies.
 pub fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedCommands> {
     let text = messages.text(Span::new(0, messages.bytes().len()));
     let analyses = MessageFile::parse(messages).analyses;
     let mut analyses = analyses.iter().peekable();
     let mut out = Vec::new();
     let (mut echoed, mut rebuilt) = (0, 0);
-    // Number of simulations of the last command line that have not started yet.
+    // Number of simulations in the last command line whose reports have not been read yet.
     let (mut waiting, mut continues) = (0, false);
     let mut now = f64::NEG_INFINITY;
     for (at, line) in text.lines().enumerate() {
@@ -64,7 +67,7 @@ pub fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedComma
     if out.iter().all(|line| line.starts_with('!')) {
         return None;
     }
-    // The first line of a command file names a dataset; an empty line names none.
+    // The first line of a command file names a dataset, unless the line is empty.
     let mut text = String::from("\n");
     if !out.iter().any(|line| compact(line).starts_with("file/mod")) {
         text.push_str(&format!("file/model={model}\n"));
@@ -83,8 +86,10 @@ pub fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedComma
     })
 }
 
-/// Returns the command for a simulation. `None` for initial conditions, which belong to the following simulation, and for a simulation that
-/// does not pass `now` in the printed digits.
+/// Returns the command that repeats a simulation.
+///
+/// Returns `None` for an initial-conditions analysis, because the next simulation includes it. Returns `None` for a simulation whose
+/// printed end time is not later than `now`.
 fn simulate(analysis: &Analysis, now: f64) -> Option<String> {
     let word = match analysis.kind.to_ascii_lowercase().as_str() {
         "static" if analysis.times.is_none() => return Some("simulate/static".to_string()),
@@ -98,7 +103,7 @@ fn simulate(analysis: &Analysis, now: f64) -> Option<String> {
     (end > start.max(now)).then(|| format!("simulate/{word}, end={end}, steps={steps}"))
 }
 
-/// Converts to lower case and removes blanks.
+/// Converts a line to lower case and removes all blanks.
 fn compact(line: &str) -> String {
     line.to_ascii_lowercase().replace(' ', "")
 }
@@ -111,7 +116,7 @@ fn is_command_file(command: &str) -> bool {
     is(command, "file/com")
 }
 
-/// Returns true for SIMULATE commands that start a simulation.
+/// Returns true for SIMULATE commands other than initial-conditions analyses.
 fn simulates(command: &str) -> bool {
     let command = compact(command);
     let of_initial = command
@@ -128,7 +133,7 @@ mod tests {
         recorded_commands(&Source::new("a.msg", messages.as_bytes()), model)
     }
 
-    /// Returns a block as ADAMS 2014 writes it.
+    /// Returns a block of a message file in the form that ADAMS 2014 writes.
     fn block(start: &str, end: &str) -> String {
         format!(
             "\n\n  Begin Simulation\n\n  ****** Performing Dynamic Simulation using Gstiff I3 Integrator ******\n   The integrator is GSTIFF\n\n   \
@@ -183,7 +188,7 @@ mod tests {
         );
         assert_eq!(found.simulations, 1);
         assert_eq!(recorded("nothing\n command: \n", "b"), None);
-        // Initial conditions alone are no simulation.
+        // An initial-conditions analysis alone is not counted as a simulation.
         let alone = recorded(" command: simulate/initial_conditions\n", "b").unwrap();
         assert_eq!(alone.simulations, 0);
     }

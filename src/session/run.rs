@@ -15,29 +15,29 @@ use super::paths::{find_file, native_spelling};
 use super::record::Record;
 use super::run_state::{Flow, Locate, Place, Session};
 
-/// Largest nesting depth of command files.
+/// Maximum nesting depth of command files that execute other command files.
 const DEEPEST: usize = 16;
 
 impl<'a> Session<'a> {
-    /// Ends a refused launch; its message file gets the final lines of any run.
+    /// Ends a run whose command line was rejected. Its message file gets the final lines that every run writes.
     pub(crate) fn refuse(self, stem: &str) {
         let start = std::time::Instant::now();
         self.named(stem).finish(Err(Stop::File), start);
     }
 
-    /// Opens the message file of a run that has read no model.
+    /// Opens the message file of a run that has not read a model.
     fn open_messages(&mut self) {
         let Some(stem) = self.stem.take().filter(|_| !self.messages.is_open()) else {
             return;
         };
         let path = self.directory.join(format!("{stem}.msg"));
         if self.policy.check(&path).is_ok() {
-            // If the file cannot be opened, the console still has all messages.
+            // If the file cannot be opened, the messages are still on the console.
             let _ = self.messages.open(&path);
         }
     }
 
-    /// Executes a command file, named as on a command line.
+    /// Executes a command file whose name is written as on a command line.
     pub fn run_file(mut self, written: &str) -> Ending {
         let start = std::time::Instant::now();
         self.messages.command(&format!("FILE/COMMAND={written}"));
@@ -45,15 +45,17 @@ impl<'a> Session<'a> {
         self.finish(flow, start)
     }
 
-    /// Executes commands that are not in a file, such as those of standard input.
+    /// Executes commands that are not in a file, for example commands from standard input.
     pub fn run_commands(mut self, commands: &Source) -> Ending {
         let start = std::time::Instant::now();
         let flow = self.execute(commands, 0);
         self.finish(flow, start)
     }
 
-    /// Executes commands on a dataset read before, whatever model they name, and keeps all outputs in memory. Files that the dataset names are
-    /// looked up in the folder of its name.
+    /// Executes commands on a dataset that was read before, and keeps all outputs in memory.
+    ///
+    /// The dataset replaces every model that the commands name. Files that the dataset names are looked up in the folder given by its own
+    /// name.
     pub fn run_on(
         mut self,
         deck: &'a Checked<Dataset>,
@@ -102,7 +104,7 @@ impl<'a> Session<'a> {
             self.unwritten.get_or_insert(error);
         }
         if let Some(why) = &self.unwritten {
-            // A script that reads only the last line must not take empty files for a run without results.
+            // A script that looks only at the last line must be able to tell that the files are incomplete.
             self.messages
                 .last(&format!("The run is not complete: {why}"));
         }
@@ -115,7 +117,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Closes the output files, or stores the outputs kept in memory.
+    /// Closes the output files of a model, or stores the outputs that were kept in memory.
     fn close_outputs(&mut self, mut outputs: Outputs) -> Flow {
         let results = outputs.beside("res");
         if let Err(diagnostic) = outputs.finish() {
@@ -129,8 +131,8 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Closes the output files of the model and opens files under a new name (OUTPUT_PREFIX of FILE and RELOAD). The current name changes
-    /// nothing.
+    /// Closes the output files of the model and opens files with a new prefix (OUTPUT_PREFIX of FILE and RELOAD). If the prefix is the
+    /// current one, nothing changes.
     pub(super) fn rename_outputs(&mut self, prefix: &str, place: Option<Place<'_>>) -> Flow {
         let Some(loaded) = &self.loaded else {
             return Ok(());
@@ -148,7 +150,7 @@ impl<'a> Session<'a> {
         self.close_outputs(old)
     }
 
-    /// Finds and reads a file. Reports warnings about its name, and the reason if it cannot be read.
+    /// Finds and reads a file. Reports warnings about its name, or the reason why it cannot be read.
     fn read(
         &mut self,
         written: &str,
@@ -183,7 +185,7 @@ impl<'a> Session<'a> {
         }
         match read_at_most(&path, LARGEST) {
             Ok(mut bytes) => {
-                // Files from DOS may end with ^Z.
+                // Files from DOS may end with the end-of-file mark ^Z.
                 while bytes.last() == Some(&0x1a) {
                     bytes.pop();
                 }
@@ -217,12 +219,14 @@ impl<'a> Session<'a> {
                 .as_deref()
                 .and_then(Path::parent)
         {
-            // Only the command file of the command line opens its folder; command files named in it do not.
+            // Writing is allowed in the folder of the command file on the command line, but not in folders of command files that it
+            // executes.
             self.policy.allow(folder);
         }
         let (source, path) = self.read(written, "acf", place)?;
         if is_dataset(&path.to_string_lossy()) {
-            // Its title would be taken for a model name, and its second line for the prefix of the output files.
+            // As a command file, a dataset would be misread: its title as the name of a model, and its second line as the prefix of the
+            // output files.
             let dataset = Diagnostic::error(
                 Code::CannotRead,
                 format!("`{}` is a dataset, not a command file", path.display()),
@@ -238,7 +242,7 @@ impl<'a> Session<'a> {
         self.execute(&source, depth)
     }
 
-    /// Executes commands line by line, with each line echoed first.
+    /// Executes commands line by line. Each line is echoed before it is executed.
     fn execute(&mut self, source: &Source, depth: usize) -> Flow {
         self.execute_file(&CommandFile::parse(source.clone()), depth)
     }
@@ -265,7 +269,7 @@ impl<'a> Session<'a> {
         for line in file.lines() {
             let text = source.text(line.echo);
             self.messages.command(&text);
-            // `exit` is the last word on a command line of `mdi`; some scripts also write it into the command file.
+            // `exit` is a word on the command line of `mdi`; some scripts also write it into the command file.
             if ["exit", "quit"]
                 .iter()
                 .any(|word| text.trim().eq_ignore_ascii_case(word))
@@ -280,7 +284,7 @@ impl<'a> Session<'a> {
                 if let Some(command) = commands.iter().find(|command| is_in(command, &complaint))
                     && is_output_only(command.kind())
                 {
-                    // Errors in commands that only print change no answer.
+                    // Errors in commands that only print do not affect results.
                     complaint.severity = complaint.severity.min(Severity::Warning);
                 }
                 self.complain(&complaint);
@@ -378,7 +382,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Reads a model, after emptying the output files of its prefix.
+    /// Reads a model, after emptying the output files with its prefix.
     fn model_file(
         &mut self,
         written: &str,
@@ -399,7 +403,7 @@ impl<'a> Session<'a> {
         self.load(&Dataset::parse(source), outputs)
     }
 
-    /// Empties the output files of a model, and opens its message file.
+    /// Empties the output files for a model, and opens its message file.
     pub(super) fn outputs_for(
         &mut self,
         written: &str,
@@ -432,7 +436,7 @@ impl<'a> Session<'a> {
         Ok(outputs)
     }
 
-    /// Returns the path prefix of the output files.
+    /// Returns the prefix of the paths of the output files: `prefix` if given, otherwise the base name of the model.
     fn prefix_of(&self, written: &str, prefix: Option<&str>) -> PathBuf {
         self.directory.join(match prefix.map(str::trim) {
             Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
@@ -440,7 +444,7 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Resolves a dataset and loads the model.
+    /// Loads the model of a dataset and reports all problems in it.
     pub(super) fn load(&mut self, deck: &Checked<Dataset>, outputs: Outputs) -> Flow {
         let loaded = Loaded::read(deck, outputs, &self.policy, &self.ignored);
         let mut errors = 0;
@@ -483,7 +487,7 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Returns the base name of a model, which is the default prefix of its output files.
+/// Returns the base name of a model, which is the default prefix of the output files.
 fn default_prefix(model: &str) -> PathBuf {
     let path = native_spelling(model);
     let is_adm = path

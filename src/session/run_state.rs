@@ -16,38 +16,39 @@ use super::moment::Watcher;
 use super::record::Record;
 use super::saved::SavedStates;
 
-/// Executes commands on a model and writes the output files that ADAMS would write.
+/// A run: executes commands on a model and writes the output files that ADAMS would write.
 pub struct Session<'a> {
     pub(super) messages: Messages<'a>,
     pub(super) sources: Sources,
     pub(super) directory: PathBuf,
-    /// Folders in which files are looked up: the working directory, then those of the command files.
+    /// Folders in which files are looked up: the working directory, then the folders of the command files.
     pub(super) folders: Vec<PathBuf>,
     pub(super) policy: FilePolicy,
     pub(super) loaded: Option<Loaded>,
     pub(super) kept: SavedStates,
     pub(super) stop_on_failure: bool,
-    /// Statements that may be left out of the models.
+    /// Statements that the user allows to be left out of models.
     pub(super) ignored: Vec<Ignore>,
-    /// Error of the first file that could not be written, for the last line.
+    /// Error about the first file that could not be written; the last line of the messages repeats it.
     pub(super) unwritten: Option<String>,
     pub(super) ending: Ending,
-    /// Stem of the message file of a run that reads no model.
+    /// Stem of the name of the message file, if the run reads no model.
     pub(super) stem: Option<String>,
     pub(super) watcher: Option<Watcher<'a>>,
-    /// Dataset that replaces any dataset named by the commands; its outputs stay in memory.
+    /// Dataset that replaces every dataset named in commands. The outputs then stay in memory.
     pub(super) given: Option<&'a Checked<Dataset>>,
-    /// Outputs in memory of the last model.
+    /// Outputs of the last model that were kept in memory.
     pub(super) record: Option<Record>,
-    /// Largest residual of the force balance in all equilibria so far.
+    /// Largest residual of the force balance in all equilibria found so far.
     pub(super) worst_balance: Balance,
 }
 
-/// Result of executing a command; `Err` ends the run.
+/// Result of executing a command; an error ends the run.
 pub(super) type Flow = Result<(), Stop>;
 
 impl<'a> Session<'a> {
-    /// Creates a session in a working directory (empty for that of the process). Its messages also go to `console`.
+    /// Creates a session in a working directory; an empty path means the working directory of the process. Messages are also written to
+    /// `console`.
     pub fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
         Self {
             messages: Messages::new(console, directory),
@@ -75,7 +76,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Restricts reading to the folders that may be written; `more` are added to them.
+    /// Restricts reading to the folders in which files may be written. The folders `more` are added to these.
     #[must_use]
     pub fn confined(mut self, more: &[PathBuf]) -> Self {
         for folder in more {
@@ -85,21 +86,22 @@ impl<'a> Session<'a> {
         self
     }
 
-    /// Leaves the given statements, which are not solved, out of the models. Each is reported where it would have acted.
+    /// Allows the given statements to be left out of models if the solver does not support them. A warning is reported for each statement
+    /// left out.
     #[must_use]
     pub fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
         self.ignored = ignored;
         self
     }
 
-    /// Sets the stem of the message file of runs that read no model, so that programs waiting for its last lines find it.
+    /// Sets the stem of the message file for runs that read no model. Programs that wait for the last lines of this file then find it.
     #[must_use]
     pub(crate) fn named(mut self, stem: &str) -> Self {
         self.stem = Some(stem.to_string());
         self
     }
 
-    /// Reports a diagnostic.
+    /// Reports a diagnostic in the messages of the run.
     pub(crate) fn complain(&mut self, diagnostic: &Diagnostic) {
         self.messages.diagnostic(diagnostic, &self.sources);
     }
@@ -116,7 +118,7 @@ impl<'a> Session<'a> {
         )
     }
 
-    /// Reports why a command is not executed; the run continues.
+    /// Reports a command that is wrong and is not executed. The run continues.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn misunderstood(
         &mut self,
@@ -128,7 +130,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Reports that a command is left out. The run continues, but its results are not marked successful.
+    /// Reports a command that this solver does not execute. The run continues, but its results are not marked successful.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn refused(&mut self, diagnostic: Diagnostic, place: Option<Place<'_>>) -> Flow {
         self.complain(&place.label(diagnostic));
@@ -139,7 +141,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Counts a simulation without a solution, and ends the run if PREFERENCES requires it.
+    /// Counts a failed simulation, and ends the run if PREFERENCES/SIMFAIL=STOPCF requires it.
     pub(super) fn simulation_failed(&mut self) -> Flow {
         self.ending.failed += 1;
         if let Some(loaded) = &mut self.loaded {
@@ -163,14 +165,14 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Position in a command file that a diagnostic refers to.
+/// Location in a command file to which diagnostics refer.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'s> {
     pub source: &'s Source,
     pub span: Span,
 }
 
-/// Adds a position to diagnostics that have none.
+/// Adds a location to diagnostics that have none.
 pub(super) trait Locate {
     fn label(&self, diagnostic: Diagnostic) -> Diagnostic;
 }

@@ -9,70 +9,70 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::files::LARGEST;
 
-/// Start of a file written by SAVE, before the number of its format.
+/// Text at the start of a file written by SAVE; the number of the file format follows.
 const MAGIC: &str = "admire saved state ";
-/// Format number. Files of format 1 contain no model.
+/// Number of the current file format. Files of format 1 contain no model.
 const FORM: &str = "2";
 
-/// A saved state for SAVE and RELOAD: the model with its redefinitions, and its state.
+/// A state saved by SAVE for RELOAD, usually with the model and its redefinitions.
 #[derive(Clone, Debug)]
 pub(super) struct Saved {
-    /// The model; `None` if only states were saved.
+    /// The saved model; `None` if only the state was saved.
     pub model: Option<Kind>,
-    /// The state; `None` before the first simulation.
+    /// The saved state; `None` if it was saved before the first simulation.
     pub state: Option<Placed>,
 }
 
-/// A saved model.
+/// A saved model, in one of two forms.
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
-    /// A model of this run with its statements.
+    /// A model that this run saved: the model itself, and its statements.
     Resolved(Box<(Model, Definitions)>),
-    /// A model read from a file.
+    /// A model that was read from a saved file.
     Written(Written),
 }
 
-/// A model as stored in a file.
+/// A model in the form in which a file stores it.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Written {
-    /// Path of its dataset, after which its outputs are named and next to which files are looked up.
+    /// Path of the dataset. It determines the names of the output files, and its folder is searched for other files.
     pub name: String,
-    /// Contents of the dataset.
+    /// Content of the dataset.
     pub dataset: Vec<u8>,
-    /// Commands that redefined it, one per line.
+    /// Commands that redefined statements of the model, one on each line.
     pub commands: Vec<u8>,
 }
 
-/// States saved by the SAVE commands of one run.
+/// Everything that the SAVE commands of one run have saved.
 #[derive(Default)]
 pub(super) struct SavedStates {
-    /// Saved states with their models, by file.
+    /// Saved models and states, by the path of their file.
     pub files: BTreeMap<PathBuf, Saved>,
-    /// States alone, by the name of their buffer; they last until the end of the run (`com_reload`).
+    /// Saved states without models, by the name of their buffer. Buffers last until the end of the run (`com_reload`).
     pub buffers: BTreeMap<String, Saved>,
 }
 
-/// A state without data that only the solver needs.
+/// The part of a state that is saved; data that only the solver needs are left out.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Placed {
     time: f64,
     poses: Vec<Pose>,
     variables: Vec<f64>,
     states: Vec<f64>,
-    /// Velocities of a motion; empty at rest.
+    /// Velocities of all parts; empty if the model is at rest.
     velocities: Vec<PartRates>,
-    /// MOTIONs that prescribe a rate.
+    /// States of the MOTIONs that prescribe a velocity or acceleration.
     driven: Vec<Driven>,
-    /// Reference values for counting the full turns of angles.
+    /// Reference values by which the full turns of angles are counted.
     turns: Vec<f64>,
-    /// Values of SENVAL.
+    /// Stored values of the sensors, which the function SENVAL returns.
     sensors: Vec<f64>,
     /// Stiction states of the joint frictions.
     grips: Vec<StictionState>,
 }
 
 impl Saved {
-    /// Saves a model with its statements and its current state.
+    /// Saves a model, its statements and its current state.
     pub(crate) fn of(model: &Model, definitions: &Definitions, state: Option<&State>) -> Self {
         Self {
             model: Some(Kind::Resolved(Box::new((
@@ -93,7 +93,7 @@ impl Saved {
         }
     }
 
-    /// Returns the state alone, without the model.
+    /// Returns only the state, without the model.
     pub(crate) fn states(self) -> Self {
         Self {
             model: None,
@@ -101,10 +101,10 @@ impl Saved {
         }
     }
 
-    /// Writes the saved state to a file. An existing file is replaced only if SAVE wrote it.
+    /// Writes the saved model and state to a file. An existing file is replaced only if SAVE wrote it.
     ///
     /// # Errors
-    /// When the file is of another kind or cannot be written.
+    /// Returns an error if an existing file was not written by SAVE, or if the file cannot be written.
     pub(crate) fn write(&self, path: &Path) -> Result<(), Diagnostic> {
         let cannot = |why: &str| {
             Diagnostic::error(
@@ -168,7 +168,7 @@ impl Saved {
     /// Reads a file written by SAVE.
     ///
     /// # Errors
-    /// When it cannot be read or is damaged.
+    /// Returns an error if the file cannot be read or is damaged.
     pub(crate) fn read(path: &Path) -> Result<Self, Diagnostic> {
         let cannot = |why: &str| {
             Diagnostic::error(
@@ -178,7 +178,7 @@ impl Saved {
         };
         let there = std::fs::metadata(path).map_err(|error| cannot(&error.to_string()))?;
         if !there.is_file() || there.len() > LARGEST {
-            // A device could be read without end.
+            // Only plain files are read, because reading a device might never end.
             return Err(cannot("it is no saved state of this program"));
         }
         let bytes = std::fs::read(path).map_err(|error| cannot(&error.to_string()))?;
@@ -265,7 +265,7 @@ impl Saved {
     }
 }
 
-/// Takes the next line off the remaining bytes; `None` if there is none, or if it is not UTF-8.
+/// Takes the next line from the remaining bytes. Returns `None` if there is no complete line or the line is not UTF-8.
 fn next_line<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
     let end = rest.iter().position(|b| *b == b'\n')?;
     let line = std::str::from_utf8(&rest[..end]).ok()?;
@@ -274,10 +274,10 @@ fn next_line<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
 }
 
 impl Placed {
-    /// Transfers the saved state to a state of the model.
+    /// Transfers the saved state to a state of the current model.
     ///
     /// # Errors
-    /// When it belongs to another model.
+    /// Returns an error if the saved state belongs to another model.
     pub(crate) fn put_into(self, state: &mut State) -> Result<(), Diagnostic> {
         if self.poses.len() != state.poses.len() {
             return Err(Diagnostic::error(

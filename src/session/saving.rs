@@ -65,7 +65,7 @@ impl Session<'_> {
             Err(diagnostic) => return self.misunderstood(diagnostic, place),
         };
         if of_states {
-            // The model stays as it is.
+            // With STATES or BUFFER, only the state is reloaded; the model stays.
             saved = saved.states();
         }
         let prefix = command.text("OUTPUT_PREFIX", source);
@@ -97,7 +97,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Returns the saved state that a RELOAD command names.
+    /// Returns the saved model and state that a RELOAD command names.
     fn saved(&self, command: &Statement, source: &Source) -> Result<Saved, Diagnostic> {
         if let Some(name) = command.text("BUFFER", source) {
             return self.kept.buffers.get(&*name).cloned().ok_or_else(|| {
@@ -124,8 +124,9 @@ impl Session<'_> {
         Saved::read(&path)
     }
 
-    /// Replaces the model of this run, if any, by the model of a file. Returns false and changes nothing if the output files already contain
-    /// another model.
+    /// Replaces the model of this run, if there is one, by the model in a saved file.
+    ///
+    /// Returns false and changes nothing if the output files already contain results of another model.
     fn take_in(
         &mut self,
         written: &Written,
@@ -169,8 +170,8 @@ impl Session<'_> {
     }
 }
 
-/// Returns an error about a comma in a file name. ADAMS' file names contain no commas; unknown text after the name has been read as part of
-/// it.
+/// Returns an error if a file name contains a comma. ADAMS allows no commas in file names; a comma means that an unknown argument was read
+/// as part of the name.
 fn with_a_comma(command: &str, name: &str) -> Option<Diagnostic> {
     let (_, rest) = name.split_once(',')?;
     let message = format!(

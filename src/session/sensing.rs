@@ -1,4 +1,4 @@
-//! SENSORs at the output steps of static simulations, and the actions of sensors.
+//! Sensors at the output steps of static simulations, and the actions of sensors.
 
 use std::fmt::Write as _;
 
@@ -7,27 +7,29 @@ use super::message::exponent;
 use admire_solver::model::{Model, Sensor};
 use admire_solver::system::{Parameters, Scratch, State, System};
 
-/// Actions of the sensors that fired.
+/// Actions required by the sensors that have fired.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Sensed {
-    /// Text about them for the messages.
+    /// Text about the sensors for the messages.
     pub said: String,
-    /// HALT: the whole run ends.
+    /// Action HALT: the whole run ends.
     pub halts: bool,
-    /// RETURN: this simulation ends.
+    /// Action RETURN: the current simulation ends.
     pub returns: bool,
-    /// DT: the time between output steps from now on.
+    /// Action DT: new time between output steps.
     pub dt: Option<f64>,
-    /// STEPSIZE: the next integration step.
+    /// Action STEPSIZE: size of the next integration step.
     pub stepsize: Option<f64>,
-    /// PRINT: an additional output step.
+    /// Action PRINT: an additional output step is written.
     pub prints: bool,
 }
 
 impl Loaded {
-    /// Evaluates every active sensor at the state just written. A sensor that fires stores its EVALUATE for SENVAL.
+    /// Evaluates every active sensor at the state that was just written. A sensor that fires stores the value of its EVALUATE function,
+    /// which SENVAL returns.
     ///
-    /// RESTART and STEPSIZE concern integrators only, and PRINT has no effect because every output step is written.
+    /// In statics, RESTART and STEPSIZE have no effect because there is no integrator. PRINT has no effect because every output step is
+    /// written anyway.
     pub(crate) fn sense(&mut self) -> Sensed {
         self.compiled();
         let Self {
@@ -49,7 +51,7 @@ impl Loaded {
 }
 
 impl Sensed {
-    /// Adds a sensor that becomes active during a motion, in ADAMS' words.
+    /// Adds the actions and the message of a sensor that has just fired in a simulation over time; the message is worded as in ADAMS.
     pub(crate) fn activate(&mut self, sensor: &Sensor, time: f64, value: f64, evaluated: bool) {
         let digits = |value: f64| exponent(value, 6).to_lowercase();
         _ = writeln!(
@@ -91,7 +93,7 @@ impl Sensed {
         self.stepsize = sensor.stepsize.or(self.stepsize);
     }
 
-    /// Evaluates the sensors of a model at a state. Those that fire store their value in it.
+    /// Evaluates the sensors of a model at a state. Sensors that fire store their EVALUATE values in the state.
     pub(crate) fn at(
         model: &Model,
         system: &System,
@@ -104,7 +106,7 @@ impl Sensed {
             return sensed;
         }
         let mut scratch = Scratch::new(system);
-        // Functions without a value fire no sensor.
+        // A sensor whose function has no value does not fire.
         let _ = system.at(parameters, state, &mut scratch).evaluate();
         for (index, sensor) in model.sensors.iter().enumerate() {
             if !sensor.header.active {

@@ -3,27 +3,27 @@ use admire_syntax::Statement;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// Largest number of output steps of one SIMULATE command, so that a typing error cannot fill the disk.
+/// Maximum number of output steps of one SIMULATE command. Without a limit, a typing error might fill the disk.
 const MOST_STEPS: f64 = 100_000.0;
 
 /// Analysis that a SIMULATE command requests.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Analysis {
-    /// One equilibrium at the current time.
+    /// A static solution: one equilibrium at the current time.
     Static,
-    /// Equilibria at these times.
+    /// A quasi-static simulation: equilibria at these output times.
     QuasiStatic(OutputTimes),
-    /// Positions at these times, of a system without degrees of freedom.
+    /// A kinematic simulation of a system without degrees of freedom: positions at these output times.
     Kinematic(OutputTimes),
-    /// Motion over time.
+    /// A dynamic simulation, with output at these times.
     Dynamic(OutputTimes),
-    /// Kinematic without degrees of freedom, otherwise dynamic.
+    /// A kinematic simulation if the system has no degrees of freedom, a dynamic simulation otherwise.
     Transient(OutputTimes),
-    /// Initial conditions only, up to this phase.
+    /// An initial-conditions analysis, up to this phase.
     InitialConditions(Phases),
 }
 
-/// Phase up to which initial conditions are requested.
+/// Last phase of an initial-conditions analysis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Phases {
     /// Positions only.
@@ -34,30 +34,30 @@ pub(super) enum Phases {
     All,
 }
 
-/// Kind of simulation over time that a command requests.
+/// Kind of simulation over time that a SIMULATE command requests.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum RequestedAnalysis {
     Kinematic,
     Dynamic,
-    /// Kinematic without degrees of freedom, otherwise dynamic.
+    /// A kinematic simulation if the system has no degrees of freedom, a dynamic simulation otherwise.
     Transient,
 }
 
-/// Output times of a simulation: the start, then `count` more up to the end.
+/// Output times of a simulation: the start, and `count` further times up to the end.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct OutputTimes {
-    /// Start time, which is the current time.
+    /// Start of the simulation, which is the current time.
     pub start: f64,
-    /// Time of the last output.
+    /// End of the simulation, which is the time of the last output.
     pub end: f64,
-    /// Number of outputs after the start.
+    /// Number of output times after the start.
     pub count: usize,
-    /// Time between outputs, if given by DTOUT; the last interval may be shorter.
+    /// Time between two outputs, if DTOUT gives it. The last interval may be shorter.
     pub interval: Option<f64>,
 }
 
 impl OutputTimes {
-    /// Returns the time of output k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (guide/formats.md 5.3).
+    /// Returns output time number k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (guide/formats.md 5.3).
     pub(crate) fn at(&self, k: usize) -> f64 {
         if k >= self.count {
             return self.end;
@@ -70,7 +70,7 @@ impl OutputTimes {
 }
 
 impl OutputTimes {
-    /// Returns the progress of the simulation at an output.
+    /// Returns the progress of the simulation at an output time.
     pub(crate) fn moment(&self, time: f64, step: f64) -> Moment {
         Moment {
             time,
@@ -80,9 +80,9 @@ impl OutputTimes {
         }
     }
 
-    /// Returns outputs every `dt` from `now` to the same end; `None` if they are too many.
+    /// Returns output times at intervals of `dt` from `now` to the same end; `None` if there would be too many.
     pub(crate) fn every(&self, dt: f64, now: f64) -> Option<Self> {
-        // The tolerance covers round-off if the interval divides the span exactly.
+        // The tolerance absorbs round-off if the interval divides the span exactly.
         let count = ((self.end - now) / dt - 1e-9).ceil().max(1.0);
         (count <= MOST_STEPS).then_some(Self {
             start: now,
@@ -94,10 +94,10 @@ impl OutputTimes {
 }
 
 impl Analysis {
-    /// Parses a SIMULATE command given at time `now`.
+    /// Parses a SIMULATE command that is given at time `now`.
     ///
     /// # Errors
-    /// A diagnostic at the argument that is wrong.
+    /// Returns a diagnostic located at the wrong argument.
     pub(crate) fn of(command: &Statement, source: &Source, now: f64) -> Result<Self, Diagnostic> {
         let times = || output_times(command, source, now);
         let timed = ["END", "DURATION", "STEPS", "DTOUT"]
@@ -146,7 +146,7 @@ impl Analysis {
     }
 }
 
-/// Returns the diagnostic for a sensor whose DT would give too many outputs.
+/// Returns the error for a sensor whose DT would give too many output steps.
 pub(super) fn too_many(dt: f64) -> Diagnostic {
     Diagnostic::error(
         Code::LimitExceeded,
@@ -205,7 +205,7 @@ fn output_times(command: &Statement, source: &Source, now: f64) -> Result<Output
             if !(interval > 0.0 && interval.is_finite()) {
                 return wrong(span, format!("an output every {interval} never comes"));
             }
-            // The tolerance covers round-off if the interval divides the span exactly.
+            // The tolerance absorbs round-off if the interval divides the span exactly.
             let count = ((end - now) / interval - 1e-9).ceil().max(1.0);
             (count, Some(interval), span)
         }

@@ -16,14 +16,14 @@ use super::run_state::{Flow, Place, Session};
 use super::sensing::Sensed;
 use super::simulate::{Analysis, OutputTimes, RequestedAnalysis, too_many};
 
-/// Values of MODE in functions (guide/formats.md 3.1).
+/// Values that the function MODE returns in static and quasi-static simulations (guide/formats.md 3.1).
 const MODE_STATIC: i32 = 5;
 const MODE_QUASI_STATIC: i32 = 6;
 
-/// Largest number of times that a failed time step is halved.
+/// Maximum number of times that the step in time is halved after a failed quasi-static solution.
 const HALVINGS: i32 = 8;
 
-/// Number of iterations printed for a failed solution.
+/// Maximum number of iterations that are printed for a solution that did not converge.
 const SHOWN: usize = 12;
 
 impl Session<'_> {
@@ -54,7 +54,7 @@ impl Session<'_> {
         let mut complaints = compiled.diagnostics;
         complaints.extend(compiled.value.warnings.iter().cloned());
         complaints.extend(errors.iter().cloned());
-        // Warnings about elements inactive in statics do not apply to motion.
+        // Warnings that concern only statics are not reported for simulations over time.
         let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
         let of_statics = [Code::InactiveInStatics, Code::NotSolvedInStatics];
         complaints.retain(|told| statics || !of_statics.contains(&told.code));
@@ -119,8 +119,10 @@ impl Session<'_> {
         }
     }
 
-    /// Solves equilibria at the output times. The start comes first, unless a sequence before has just written it. The joint time of two
-    /// sequences is not repeated; a single static solution has a block of its own (guide/formats.md 6.1).
+    /// Solves equilibria at the output times of a quasi-static simulation.
+    ///
+    /// The start is solved first, unless a preceding quasi-static simulation has just written it. Their common time is thus not repeated,
+    /// whereas a single static solution has a Data block of its own (guide/formats.md 6.1).
     fn sequence(&mut self, mut times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
         self.messages.begin_simulation("Quasi-Static");
         let fresh = self.model().outputs.begins_with(times.start, kind);
@@ -174,7 +176,7 @@ impl Session<'_> {
         if halted { Err(Stop::Finished) } else { Ok(()) }
     }
 
-    /// Formats a force balance as a line of the message file.
+    /// Formats the recomputed force balance as a line of the message file.
     fn balance_line(&mut self, balance: &Balance) -> String {
         let units = self.model().model.units;
         let left = |left: &Left, dimension: Dimension| {
@@ -197,7 +199,7 @@ impl Session<'_> {
         format!("  Forces summed again leave at most {}\n", told.join(", "))
     }
 
-    /// Warns if the recomputed force balance exceeds IMBALANCE and round-off.
+    /// Warns if the residual of the recomputed force balance exceeds IMBALANCE and round-off.
     fn warn_if_unbalanced(&mut self, balance: &Balance) {
         let imbalance = StaticSettings::from(&self.model().model.equilibrium).imbalance;
         if balance.holds(imbalance) {
@@ -211,7 +213,7 @@ impl Session<'_> {
         self.messages.frame("WARNING", &text);
     }
 
-    /// Evaluates the sensors and reports which fired.
+    /// Evaluates the sensors at the current state and reports the sensors that fired.
     pub(super) fn sense(&mut self) -> Sensed {
         let sensed = self.model().sense();
         if !sensed.said.is_empty() {
@@ -240,7 +242,7 @@ impl Session<'_> {
         }
     }
 
-    /// Reports findings of a solution about the model when they change.
+    /// Reports redundant constraints and zero-stiffness motions found by a solution, if they have changed since the last report.
     fn remarks(&mut self, report: &Report) {
         let loaded = self.model();
         let time = loaded.time();
@@ -265,8 +267,9 @@ impl Session<'_> {
         }
     }
 
-    /// Warns of parts that moved far in one static solution, once per part. If MOTIONs drive the model from one time to the next, large
-    /// displacements are expected and not reported.
+    /// Warns of parts that moved far in one static solution, once for each part.
+    ///
+    /// If MOTIONs drive the model from one time to the next, large displacements are expected and are not reported.
     fn warn_if_far(&mut self, report: &Report, time_before: f64) {
         let loaded = self.model();
         let (time, units) = (loaded.time(), loaded.model.units);
@@ -288,7 +291,8 @@ impl Session<'_> {
         }
     }
 
-    /// Warns of an unstable equilibrium and the motion that leads away from it, when it changes.
+    /// Warns of an unstable equilibrium and describes the motion that leads away from it. The same motion is reported only once while the
+    /// model stays unstable.
     fn warn_if_unstable(&mut self) {
         let loaded = self.model();
         let time = loaded.time();
@@ -307,7 +311,8 @@ impl Session<'_> {
         let part = softest.part(system);
         let motion = softest.described(system, parameters, state);
         let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
-        // If two motions are equally soft, they may alternate as the softest one. Each is reported once until the model is stable again.
+        // If two motions have nearly the same stiffness, either of them may be the softest at different times. Each is reported once until
+        // the model is stable again.
         if !softest.is_unstable() || loaded.said_unstable.contains(&part) {
             return;
         }
@@ -319,7 +324,7 @@ impl Session<'_> {
         self.messages.frame("WARNING", &text);
     }
 
-    /// Reports the reason for a missing equilibrium at the command that requested it.
+    /// Reports why no equilibrium was found, at the location of the command that requested it.
     fn no_equilibrium(&mut self, error: &Failure, place: Place<'_>) {
         let mut causes: Vec<String> = Vec::new();
         if let SolveError::NotConverged {
@@ -358,14 +363,14 @@ impl Session<'_> {
     }
 }
 
-/// A failed solution, with its time.
+/// Reason of a failed solution, with the time at which it failed.
 pub(super) struct Failure {
     pub time: f64,
     pub reason: SolveError,
 }
 
 impl Loaded {
-    /// Finds the equilibrium at a time, or at the current time. On failure the state is unchanged.
+    /// Finds the equilibrium at the given time, or at the current time. If this fails, the state stays unchanged.
     fn solve(&mut self, time: Option<f64>, mode: i32) -> Result<Report, Failure> {
         let settings = StaticSettings::from(&self.model.equilibrium);
         let CompiledModel {
@@ -384,14 +389,14 @@ impl Loaded {
         solver
             .solve(system, parameters, state, &settings)
             .map_err(|reason| {
-                // The solver has restored everything else.
+                // The solver has already restored the rest of the state.
                 let time = state.time;
                 (state.time, state.mode) = (time_before, mode_before);
                 Failure { time, reason }
             })
     }
 
-    /// Advances to a time from equilibrium to equilibrium. A failed step is repeated with a smaller one.
+    /// Advances to a target time through a sequence of equilibria. After a failure, the step in time is halved.
     fn advance(&mut self, target: f64, mode: i32) -> Result<Report, Failure> {
         let start = self.time();
         let least = (target - start) * 0.5_f64.powi(HALVINGS);
@@ -423,7 +428,7 @@ impl Loaded {
         }
     }
 
-    /// Writes the heads of the output files, even if no equilibrium is found later.
+    /// Writes the heads of the output files, even if no equilibrium will be found.
     fn begin_outputs(&mut self) -> Result<(), Diagnostic> {
         self.compiled();
         let Some(compiled) = &self.compiled else {
@@ -433,7 +438,7 @@ impl Loaded {
         self.outputs.begin(&self.model, dataset, &compiled.system)
     }
 
-    /// Writes the state to the output files.
+    /// Writes the current state to the output files.
     fn write(&mut self, kind: StepKind) -> Result<(), Diagnostic> {
         let Some((model, outputs, compiled)) = self.writing() else {
             return Ok(());
@@ -449,7 +454,7 @@ impl Loaded {
         outputs.step(kind, model, &mut measures)
     }
 
-    /// Returns the model, its output files, and its compiled form.
+    /// Returns the model, its output files, and its compiled equations.
     fn writing(&mut self) -> Option<(&Model, &mut Outputs, &mut CompiledModel)> {
         self.compiled();
         Some((&self.model, &mut self.outputs, self.compiled.as_mut()?))

@@ -1,4 +1,4 @@
-//! Start of a motion: initial conditions including those of joints, and sensors that already fire.
+//! Start of a simulation over time: initial conditions, including those of joints, and sensors that already fire.
 
 use super::loaded::{Beginning, CompiledModel, Loaded};
 use super::run_state::Session;
@@ -11,12 +11,12 @@ use admire_solver::system::{EquationName, Parameters, Scratch, State, System, na
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Value of MODE in functions (guide/formats.md 3.1).
+/// Value that the function MODE returns in an initial-conditions analysis (guide/formats.md 3.1).
 const MODE_INITIAL: i32 = 3;
 
 impl Session<'_> {
-    /// Computes the initial conditions unless they are known, and fires the sensors at their value there. Their actions follow once the motion
-    /// has started.
+    /// Computes the initial conditions unless they are known, and fires all sensors that have reached their value at the start. The caller
+    /// carries out their actions once the simulation has started.
     pub(super) fn begin_sensed(
         &mut self,
         step: f64,
@@ -37,13 +37,14 @@ impl Session<'_> {
         let sensed = SensorWatch::new(&model, system, parameters).fire_at_start(state);
         let changed = state.sensors != before;
         if changed {
-            // The new SENVAL changes accelerations and forces.
+            // The value of SENVAL has changed and may change accelerations and forces, so the initial conditions are computed again.
             self.model().begin(step, true)?;
         }
         Ok((redundant, sensed))
     }
 
-    /// Computes the initial conditions unless they are known, or in any case with `anew`. Returns the redundant equations.
+    /// Computes the initial conditions if they are not known or if `anew` is true, and reports ignored settings. Returns the redundant
+    /// constraint equations.
     pub(super) fn begin(
         &mut self,
         step: f64,
@@ -60,13 +61,13 @@ impl Session<'_> {
 }
 
 impl Loaded {
-    /// Returns true if the current state is an equilibrium or satisfies the initial conditions.
+    /// Returns true if the current state is an equilibrium that was just written, or satisfies the initial conditions.
     pub(super) fn stands(&mut self) -> bool {
         let known = self.compiled().value.beginning == Beginning::Known;
         known || self.outputs.last.is_some()
     }
 
-    /// Returns warnings about joint initial conditions that are ignored because a MOTION drives the same degree of freedom.
+    /// Returns warnings about initial conditions of joints that are ignored because a MOTION drives the same degree of freedom.
     fn overridden_starts(&mut self) -> Vec<Diagnostic> {
         match self.compiled().value.beginning {
             Beginning::Dataset => joint_starts(&self.model).1,
@@ -74,8 +75,8 @@ impl Loaded {
         }
     }
 
-    /// Returns a state in which the joints with initial conditions (IC, ICTRAN, ICROT) are held at their initial displacements and rates.
-    /// `None` if there are none.
+    /// Returns a state in which all joints with initial conditions (IC, ICTRAN, ICROT) have their initial displacements and velocities;
+    /// `None` if there are no such joints.
     fn joint_start(&self, state: &State, step: f64) -> Result<Option<State>, MotionError> {
         let model = &self.model;
         let (held, _) = joint_starts(model);
@@ -83,7 +84,8 @@ impl Loaded {
             return Ok(None);
         }
         let mut found = state.clone();
-        // All joints are held in displacement first, then those with an initial rate at that rate.
+        // In the first pass, all joints are held at their initial displacements. In the second pass, joints with an initial velocity move
+        // at that velocity.
         for rated in [false, true] {
             let mut held_model = model.clone();
             for start in &held {
@@ -120,8 +122,9 @@ impl Loaded {
         Ok(Some(found))
     }
 
-    /// Computes the initial conditions unless they are known, or in any case with `anew`. Returns the redundant equations. Reports nothing;
-    /// see [`Session::begin`].
+    /// Computes the initial conditions if they are not known or if `anew` is true. Returns the redundant constraint equations.
+    ///
+    /// Nothing is reported to the user; [`Session::begin`] does that.
     pub(super) fn begin(
         &mut self,
         step: f64,
@@ -160,7 +163,7 @@ impl Loaded {
         let mode = std::mem::replace(&mut state.mode, MODE_INITIAL);
         let mut memory = Consistent::new(system);
         if kept == Kept::Nothing {
-            // A static solution has held the rate-driven joints, however much time has passed.
+            // A static solution holds the rate-driven joints still, so their motion starts again at the current time.
             for driven in &mut state.driven {
                 if !driven.time.is_nan() {
                     driven.time = state.time;
@@ -185,7 +188,7 @@ fn redundant(system: &admire_solver::system::System, state: &State) -> Vec<Equat
         .collect()
 }
 
-/// Restarts the rate-driven MOTIONs at the current poses.
+/// Lets all rate-driven MOTIONs start again from the current poses.
 fn drives_begin_here(system: &System, parameters: &Parameters, state: &mut State) {
     for driven in &mut state.driven {
         driven.time = f64::NAN;
@@ -193,7 +196,7 @@ fn drives_begin_here(system: &System, parameters: &Parameters, state: &mut State
     system.begin_drives(parameters, state, &mut Scratch::new(system));
 }
 
-/// Initial condition of a joint along or about its axis.
+/// Initial condition of a joint: displacement and velocity along or about the axis of the joint.
 struct JointStart<'m> {
     joint: &'m Joint,
     axis: MotionAxis,
@@ -202,7 +205,7 @@ struct JointStart<'m> {
 }
 
 impl JointStart<'_> {
-    /// Returns the indices of the MOTIONs that drive the same degree of freedom.
+    /// Returns the indices of the active MOTIONs that drive the same degree of freedom.
     fn drivers(&self, model: &Model) -> Vec<usize> {
         let all = model.motions.iter().enumerate();
         let same = |motion: &Motion| {
@@ -215,7 +218,7 @@ impl JointStart<'_> {
             .collect()
     }
 
-    /// Returns a MOTION that imposes the initial condition around a given time.
+    /// Returns a MOTION that imposes the initial condition at the given time: the displacement, and its rate of change around that time.
     fn as_motion(&self, time: f64) -> Option<Motion> {
         let joint = self.joint;
         let rate = self.rate.unwrap_or(0.0);
@@ -239,8 +242,10 @@ impl JointStart<'_> {
     }
 }
 
-/// Returns the joint initial conditions that apply, and warnings about those that do not. If a MOTION drives the same degree of freedom, the
-/// MOTION takes precedence. A MOTION that prescribes only a rate leaves the initial displacement to the joint.
+/// Returns the initial conditions of joints that apply, and warnings about those that do not.
+///
+/// If a MOTION drives the same degree of freedom, the MOTION takes precedence. If the MOTION prescribes only a velocity or acceleration,
+/// the joint still determines the initial displacement.
 fn joint_starts(model: &Model) -> (Vec<JointStart<'_>>, Vec<Diagnostic>) {
     let (mut starts, mut complaints) = (Vec::new(), Vec::new());
     for joint in model.joints.iter().filter(|joint| joint.header.active) {

@@ -1,4 +1,4 @@
-//! Simulations over time: initial conditions, kinematics, dynamics.
+//! Simulations over time: initial conditions, kinematic simulations and dynamic simulations.
 
 use super::ending::Stop;
 use super::loaded::CompiledModel;
@@ -14,18 +14,18 @@ use admire_solver::motion::{Consistent, Integrator, MotionError, MotionSettings}
 use admire_solver::system::{EquationName, State};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Values of MODE in functions (guide/formats.md 3.1).
+/// Values that the function MODE returns in kinematic and dynamic simulations (guide/formats.md 3.1).
 const MODE_KINEMATIC: i32 = 1;
 const MODE_DYNAMIC: i32 = 4;
 
-/// Largest number of integration steps to the end time at the largest step size (HMAX). More would take hours, and steps below the resolution
-/// of time would never end.
+/// Maximum number of integration steps of size HMAX in one simulation. More steps would take hours, and steps below the resolution of time
+/// would never end.
 const MOST_INNER_STEPS: f64 = 1e9;
-/// Number of steps between two outputs after which the reason for the short steps is reported.
+/// Number of integration steps between two outputs after which the reason for the short steps is reported.
 const MANY_STEPS: usize = 20_000;
 
 impl Session<'_> {
-    /// Executes SIMULATE/INITIAL_CONDITIONS: assembles the model and writes the step.
+    /// Executes SIMULATE/INITIAL_CONDITIONS: computes the initial conditions and writes the state.
     pub(super) fn initial_conditions(&mut self, phases: Phases, place: Place<'_>) -> Flow {
         if let Some(flow) = self.refuse_motion(place) {
             return flow;
@@ -47,7 +47,8 @@ impl Session<'_> {
         }
     }
 
-    /// Refuses a simulation if elements that act in motion are not solved.
+    /// Rejects a simulation over time if the model contains elements that such simulations do not support; `None` if the simulation may
+    /// run.
     pub(super) fn refuse_motion(&mut self, place: Place<'_>) -> Option<Flow> {
         let missing = self
             .model()
@@ -67,7 +68,7 @@ impl Session<'_> {
         Some(self.refused(refusal, Some(place)))
     }
 
-    /// Executes SIMULATE/KINEMATIC, DYNAMIC and TRANSIENT.
+    /// Executes SIMULATE/KINEMATIC, SIMULATE/DYNAMIC and SIMULATE/TRANSIENT.
     pub(super) fn motion(
         &mut self,
         times: OutputTimes,
@@ -89,7 +90,7 @@ impl Session<'_> {
         };
         let CompiledModel { system, state, .. } = self.model().compiled().value;
         let undetermined = motion::check_determined(system, state);
-        // Dynamic states have rates of their own and are integrated even if the parts have no degrees of freedom.
+        // Dynamic states must be integrated even if the parts have no degrees of freedom.
         let fixed = undetermined.is_ok() && state.states.is_empty();
         let kind = match (asked, undetermined) {
             (RequestedAnalysis::Kinematic, Err(error)) => {
@@ -102,7 +103,7 @@ impl Session<'_> {
             (_, _) => StepKind::Dynamic,
         };
         if kind == StepKind::Kinematic {
-            // The start is one of the steps, unless it was just written.
+            // The start is an output step of its own, unless it was just written.
             if self.model().outputs.begins_with(times.start, kind) {
                 self.write_step(kind)?;
             }
@@ -155,7 +156,7 @@ impl Session<'_> {
         }
     }
 
-    /// Computes the positions at the output times. Returns `None` after a failure, otherwise whether a sensor halts the run.
+    /// Computes the positions at the output times. Returns whether a sensor halts the run, or `None` after a failure.
     fn kinematic_steps(
         &mut self,
         mut times: OutputTimes,
@@ -202,12 +203,19 @@ impl Session<'_> {
             let time = times.at(k);
             k += 1;
             let largest = largest.unwrap_or(time - state.time);
-            let to = (time, largest);
             let reached = if watch.is_idle() {
                 let taken = motion::advance(system, parameters, state, &mut memory, time, largest);
                 taken.map(|taken| (taken, false))
             } else {
-                motion::advance_watched((system, parameters), state, &mut memory, to, &mut watch)
+                motion::advance_watched(
+                    system,
+                    parameters,
+                    state,
+                    &mut memory,
+                    time,
+                    largest,
+                    &mut watch,
+                )
             };
             let event = match reached {
                 Ok((taken, event)) => {
@@ -223,7 +231,7 @@ impl Session<'_> {
             let sensed = watch.fire(state, event);
             let due = !event || motion::has_arrived(state.time, time, largest);
             if !due {
-                // The rest of the interval to the output follows the event.
+                // After an event, the same output time is approached again.
                 k -= 1;
             }
             if due || sensed.prints {
@@ -259,7 +267,7 @@ impl Session<'_> {
         ended
     }
 
-    /// Integrates the motion to the output times. Returns `None` after a failure, otherwise whether a sensor halts the run.
+    /// Integrates the equations of motion up to each output time. Returns whether a sensor halts the run, or `None` after a failure.
     fn dynamic_steps(
         &mut self,
         mut times: OutputTimes,
@@ -331,7 +339,7 @@ impl Session<'_> {
             integrator.set_sensors(&last.sensors);
             let due = !event || motion::has_arrived(last.time, time, longest);
             if !due {
-                // The rest of the interval to the output follows the event.
+                // After an event, the same output time is approached again.
                 k -= 1;
             }
             if due || sensed.prints {
@@ -380,7 +388,7 @@ impl Session<'_> {
         ended
     }
 
-    /// Reports the sensors that fired and carries out their actions.
+    /// Reports the sensors that fired, and carries out their actions.
     fn follow(
         &mut self,
         sensed: &Sensed,
@@ -405,7 +413,7 @@ impl Session<'_> {
         Ok(After::On)
     }
 
-    /// Returns the time and the deactivated equations, if they have not been reported before.
+    /// Returns the time and the names of the redundant constraint equations, if these have changed since they were last reported.
     fn new_redundant(&mut self, redundant: &[EquationName]) -> Option<(f64, Vec<String>)> {
         let loaded = self.model();
         let time = loaded.time();
@@ -421,7 +429,7 @@ impl Session<'_> {
         }
     }
 
-    /// Reports the reason for short steps, if many of them have led to no output.
+    /// Tells the user why the integration steps are short; called after many steps without an output.
     fn tell_slow(&mut self, integrator: &Integrator<'_>, since: f64) {
         let (step, why) = (integrator.step(), integrator.governed_by());
         self.messages.say(&format!(
@@ -443,7 +451,8 @@ impl Session<'_> {
     }
 }
 
-/// Integrates to a time, or to an earlier sensor event; returns true for an event. `done` is called after every step.
+/// Integrates up to a time, or up to an earlier event of a sensor; returns true for an event. `done` is called after every integration
+/// step.
 fn reach(
     integrator: &mut Integrator<'_>,
     watch: &mut SensorWatch<'_>,
@@ -460,16 +469,16 @@ fn reach(
     Ok(false)
 }
 
-/// Continuation after the sensors.
+/// How a simulation continues after the actions of sensors.
 enum After {
     On,
-    /// A sensor ended the simulation; true if it halts the run.
+    /// A sensor ended the simulation; the flag is true if the whole run must end.
     Ended(bool),
     Failed,
 }
 
 impl After {
-    /// Returns whether a sensor halts the run; `None` if no sensor ended the simulation.
+    /// Returns whether the whole run must end; `None` if no sensor ended the simulation.
     fn halted(self) -> Option<bool> {
         match self {
             Self::Ended(halts) => Some(halts),

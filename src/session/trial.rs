@@ -1,4 +1,4 @@
-//! A run with its dataset and selected result columns in memory, for thousands of variants.
+//! A run that keeps its dataset and selected result columns in memory, for thousands of variants of a deck.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,36 +14,37 @@ use super::ending::Ending;
 use super::files::folder_of;
 use super::run_state::Session;
 
-/// Input of a run in memory.
+/// Input of a run that is kept in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialInput<'t> {
-    /// Dataset that replaces every dataset named by the commands. Files it names are looked up in the folder of its name.
+    /// Dataset that replaces every dataset named in the commands. Files that it names are looked up in the folder given by its name.
     pub deck: &'t Source,
     /// The command file.
     pub commands: &'t Source,
-    /// Ids of the result columns to keep, in the catalogue of the run.
+    /// Ids of the result columns that are kept, as in the catalogue of the run.
     pub columns: &'t [usize],
-    /// Statements that may be left out of the model.
+    /// Statements that may be left out of the model if the solver does not support them.
     pub ignored: &'t [Ignore],
 }
 
-/// Output of a run in memory.
+/// Output of a run that is kept in memory.
 #[derive(Clone, Debug)]
 pub struct InMemoryRun {
-    /// How the run ended.
+    /// Reason for the end of the run, and counts of failures.
     pub ending: Ending,
-    /// All result columns of the run; `None` if no simulation started.
+    /// Names of all result columns; `None` if no simulation was started.
     pub catalogue: Option<Catalogue>,
-    /// Time and kept values of every step, without the step `input` of the dataset itself. A column that the run does not have is NaN.
+    /// Time and kept values of every output step. The step `input`, which shows the model as read, is left out. A column that the run does
+    /// not have is NaN.
     pub steps: Vec<(f64, Vec<f64>)>,
-    /// Modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
+    /// Modes of the last LINEAR/EIGENSOL, with one mode of each conjugate pair, in the same order as in `.modes.json`.
     pub modes: Vec<Mode>,
-    /// Message of the first error.
+    /// Message of the first error, if there was one.
     pub error: Option<String>,
 }
 
 impl InMemoryRun {
-    /// Runs the commands. No file is written: SAVE keeps its state for RELOAD in the same run.
+    /// Runs the commands without writing files. SAVE keeps its state in memory, for RELOAD in the same run.
     pub fn run(input: TrialInput<'_>) -> Self {
         let folder = Path::new(input.commands.name())
             .parent()

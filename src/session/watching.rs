@@ -1,26 +1,29 @@
-//! SENSORs during a motion: location of the time at which they fire.
+//! Sensors in simulations over time: the time at which a sensor fires is located within the step.
 
 use super::sensing::Sensed;
 use admire_solver::model::{Model, SensorCompare};
 use admire_solver::motion::{Consistent, Integrator, MotionError, Watched};
 use admire_solver::system::{Parameters, Scratch, State, System};
 
-/// The sensors of a model, and which of them are active.
+/// All sensors of a model, and which of them are active (still at or beyond their value).
 pub(super) struct SensorWatch<'a> {
     model: &'a Model,
     system: &'a System,
     parameters: &'a Parameters,
     scratch: Scratch,
-    /// Function minus VALUE of each sensor at the last evaluated state.
+    /// Value of each sensor's function minus VALUE, at the state that was evaluated last.
     seen: Vec<f64>,
-    /// Direction in which each sensor may reach its value: 1 rising, -1 falling, 0 not at all.
+    /// Direction in which each sensor may reach its value: 1 if rising, -1 if falling, 0 if it cannot fire.
     armed: Vec<f64>,
-    /// Sensors that have fired and are still beyond their value.
+    /// One flag for each sensor: true if it has fired and is still at or beyond its value.
     active: Vec<bool>,
-    /// True if a sensor that ends the simulation fired at its start. The simulation then ends after the first step.
+    /// True if a sensor that ends the simulation already fires at the start. The simulation then ends after the first step.
     due: bool,
-    /// Projection of states within a step onto their constraints, with the time difference for second derivatives. It is needed if sensors
-    /// read accelerations or constraint forces, for which the dense output is less accurate than the end of a step.
+    /// Projection that makes states inside a step satisfy the constraints, with the time difference by which it computes second
+    /// derivatives.
+    ///
+    /// It is needed if sensors measure accelerations or constraint forces, because the dense output approximates these less accurately than
+    /// the end of a step.
     reconciling: Option<(Consistent, f64)>,
 }
 
@@ -39,7 +42,7 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// Sets the active sensors at the start of a motion, after [`SensorWatch::fire_at_start`].
+    /// Determines which sensors are active at the start of a simulation over time. Must be called after [`SensorWatch::fire_at_start`].
     pub(crate) fn go_on_from(&mut self, state: &State) {
         if !self.is_idle() {
             self.active = {
@@ -50,14 +53,14 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// Deactivates the active sensors that end a simulation. Returns true if there were any.
+    /// Marks all active sensors that end a simulation as inactive. Returns true if there were such sensors.
     fn take_stops(&mut self) -> bool {
         let sensors = self.model.sensors.iter().zip(&mut self.active);
         let stops = sensors.filter(|(sensor, active)| sensor.stops && **active);
         stops.map(|(_, active)| *active = false).count() > 0
     }
 
-    /// Returns which sensors are at or beyond their value.
+    /// Returns one flag for each sensor: true if its function is at or beyond VALUE.
     fn firing(&self, values: &[f64]) -> Vec<bool> {
         let sensors = self.model.sensors.iter().zip(values);
         sensors
@@ -65,7 +68,7 @@ impl<'a> SensorWatch<'a> {
             .collect()
     }
 
-    /// Enables the projection of states within a step, if an active sensor requires it.
+    /// Enables the projection of states inside a step, if a sensor of the model needs it.
     pub(crate) fn reconcile(&mut self, step: f64) {
         let sensors = self.model.sensors.iter().enumerate();
         let mut active = sensors.filter(|(_, sensor)| sensor.header.active);
@@ -74,12 +77,12 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// Returns true if no sensor is active in the model.
+    /// Returns true if all sensors of the model are switched off.
     pub(crate) fn is_idle(&self) -> bool {
         self.model.sensors.iter().all(|s| !s.header.active)
     }
 
-    /// Returns function minus VALUE of every sensor; NaN if it is switched off or has no value.
+    /// Returns the function minus VALUE of every sensor; NaN if the sensor is switched off or its function has no value.
     fn values(&mut self, state: &State) -> Vec<f64> {
         let mut all = vec![f64::NAN; self.model.sensors.len()];
         let (system, parameters) = (self.system, self.parameters);
@@ -111,10 +114,11 @@ impl<'a> SensorWatch<'a> {
         all
     }
 
-    /// Examines the last step. If a sensor fires within it, the integrator is brought to that time and the result is true.
+    /// Examines the last integration step. If a sensor fires within the step, the integrator is moved back to that time and the result is
+    /// true.
     ///
     /// # Errors
-    /// [`MotionError`] when the shortened step fails.
+    /// Returns a [`MotionError`] if the shortened step fails.
     pub(crate) fn look(&mut self, integrator: &mut Integrator<'_>) -> Result<bool, MotionError> {
         if self.is_idle() {
             return Ok(false);
@@ -128,12 +132,12 @@ impl<'a> SensorWatch<'a> {
             }
         }
         match integrator.first_passage(self) {
-            Some(passage) => integrator.end_at_passage(self, passage),
+            Some((_, after)) => integrator.end_at_passage(self, after),
             None => Ok(false),
         }
     }
 
-    /// Sets the direction in which each sensor may fire: 1 rising, -1 falling, 0 not at all.
+    /// Sets the direction in which each sensor may reach its value: 1 if rising, -1 if falling, 0 if it cannot fire.
     fn arm(&mut self) {
         for (k, sensor) in self.model.sensors.iter().enumerate() {
             let here = self.seen[k];
@@ -148,8 +152,10 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// Fires the sensors that have become active at a state and returns their actions. At a located event the sensor nearest to its value
-    /// fires in any case.
+    /// Fires all sensors that have become active at a state, and returns their actions.
+    ///
+    /// If `passage` is true, the state is at a located event. At least one sensor fires then: the sensor that is nearest to its value, if
+    /// round-off leaves all of them short of it.
     pub(crate) fn fire(&mut self, state: &mut State, passage: bool) -> Sensed {
         if self.is_idle() {
             return Sensed::default();
@@ -167,8 +173,8 @@ impl<'a> SensorWatch<'a> {
         self.act(state, &values, firing)
     }
 
-    /// Fires the sensors at their value before a motion starts and returns their actions. Sensors that end the motion wait for its first step,
-    /// as in real ADAMS.
+    /// Fires all sensors that have reached their value before the simulation starts, and returns their actions. Sensors that end the
+    /// simulation fire only after its first step, as in real ADAMS.
     pub(crate) fn fire_at_start(&mut self, state: &mut State) -> Sensed {
         let values = self.values(state);
         let mut firing = self.firing(&values);
@@ -178,7 +184,7 @@ impl<'a> SensorWatch<'a> {
         self.act(state, &values, firing)
     }
 
-    /// Fires the sensors that were not active before.
+    /// Fires all sensors in `firing` that were not active before, and returns their actions.
     fn act(&mut self, state: &mut State, values: &[f64], firing: Vec<bool>) -> Sensed {
         let mut sensed = Sensed::default();
         for (k, sensor) in self.model.sensors.iter().enumerate() {
@@ -209,12 +215,12 @@ impl Watched for SensorWatch<'_> {
         let beyond = self.seen.iter().zip(&self.armed).map(|(value, side)| {
             match value * side {
                 _ if *side == 0.0 => f64::NEG_INFINITY,
-                // A sensor fires exactly at its value.
+                // Exactly at its value, a sensor counts as having passed it.
                 0.0 => f64::MIN_POSITIVE,
                 beyond => beyond,
             }
         });
-        // Values that are NaN are ignored by the maximum.
+        // The maximum ignores NaN values.
         beyond.fold(f64::NEG_INFINITY, f64::max)
     }
 

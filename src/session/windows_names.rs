@@ -1,23 +1,23 @@
-//! Windows' rules for file names: their form there and elsewhere, and names that are no files.
+//! Rules of Windows for file names: conversion to the form of Windows or Unix, and names that are devices and not files.
 //!
-//! The functions work on text only, so they give the same results on every system. See "Naming Files, Paths, and Namespaces" in the Windows
-//! documentation.
+//! The functions work only on text, so they give the same results on every operating system. The rules are in "Naming Files, Paths, and
+//! Namespaces" in the documentation of Windows.
 
-/// Returns a name in Windows' form: without quotes, with `\` between folders, without trailing dots and blanks of folders and files.
+/// Converts a name to the form of Windows: without quotes, with `\` between folders, and without trailing dots and blanks in names.
 pub(super) fn of_windows(written: &str) -> String {
     undotted(&unquoted(written).replace('/', r"\"))
 }
 
-/// Returns a name in Unix form: without quotes, with `/` between folders, without a drive letter. A share (`\\server\share`) stays a path that
-/// does not exist locally.
+/// Converts a name to the form of Unix: without quotes, with `/` between folders, and without a drive letter. The path of a network share
+/// (`\\server\share`) stays a path that does not exist locally.
 pub(super) fn of_unix(written: &str) -> String {
     let slashed = unquoted(written).replace('\\', "/");
     without_drive(slashed.strip_prefix("//?/").unwrap_or(&slashed)).to_string()
 }
 
-/// Returns the name without the trailing dots and blanks that Windows drops from each component.
+/// Returns the name without the trailing dots and blanks that Windows drops from each component of a path.
 pub(super) fn undotted(name: &str) -> String {
-    // After `\\?\` Windows takes the rest literally.
+    // Windows takes the text after `\\?\` literally.
     if name.starts_with(r"\\?\") {
         return name.to_string();
     }
@@ -34,11 +34,11 @@ pub(super) fn undotted(name: &str) -> String {
         .collect()
 }
 
-/// Checks that Windows treats a name as a file of that name, and not as a device (`NUL`, `AUX.adm`) or a part after a colon. On other systems
-/// every name is valid.
+/// Checks that Windows treats a name as the name of a file. Devices (`NUL`, `AUX.adm`) and names with a colon are not allowed. On other
+/// systems, every name is accepted.
 ///
 /// # Errors
-/// The reason why it names no file.
+/// Returns the reason why the name is not the name of a file.
 pub fn check_name(name: &str) -> Result<(), String> {
     match no_file(name) {
         Some(why) if cfg!(windows) => Err(why),
@@ -46,7 +46,7 @@ pub fn check_name(name: &str) -> Result<(), String> {
     }
 }
 
-/// Returns the reason why Windows has no file of this name.
+/// Returns the reason why a name is not the name of a file on Windows, or `None` if it is.
 fn no_file(name: &str) -> Option<String> {
     let slashed = unquoted(name).replace('\\', "/");
     if slashed.starts_with("//./") {
@@ -67,7 +67,7 @@ fn no_file(name: &str) -> Option<String> {
     None
 }
 
-/// Returns true for `CON`, `COM1` and so on; a superscript digit counts as a digit.
+/// Returns true for names of devices such as `CON` or `COM1`. A superscript digit counts as a digit.
 fn is_device(base: &str) -> bool {
     let upper = base.to_uppercase();
     if ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"].contains(&upper.as_str()) {
@@ -82,7 +82,7 @@ fn is_device(base: &str) -> bool {
     port("COM").or_else(|| port("LPT")) == Some(true)
 }
 
-/// Removes surrounding blanks and quotes, and zero bytes.
+/// Removes zero bytes, and blanks and quotes around a name.
 fn unquoted(written: &str) -> String {
     written
         .trim()
@@ -125,7 +125,7 @@ mod tests {
                 "//server/share/model",
             ),
             (r"\\?\C:\runs\model", r"\\?\C:\runs\model", "/runs/model"),
-            // Trailing dots and blanks are ignored on Windows; elsewhere they are part of the name.
+            // Windows ignores trailing dots and blanks; on other systems they are part of the name.
             (r"runs. \model..", r"runs\model", "runs. /model.."),
             (r"\\?\C:\model.", r"\\?\C:\model.", "/model."),
             ("", "", ""),

@@ -7,12 +7,12 @@
 //! - [`function`]: compiled FUNCTION expressions.
 //! - [`element`]: the force laws, one file each.
 //! - [`constraint`]: the joints and primitives, one file each.
-//! - [`system`]: [`system::System`] is the fixed structure of a model, [`system::Parameters`] holds every number that may change between
-//!   runs, and [`system::State`] holds everything that a solution changes.
+//! - [`system`]: [`system::System`] is the fixed structure of a model. [`system::Parameters`] holds every parameter that may change between
+//!   runs. [`system::State`] holds everything that a solution changes.
 //! - [`statics`]: [`statics::Solver`] finds equilibria and their exact sensitivities.
-//! - [`motion`]: integration over time.
+//! - [`motion`]: initial conditions, kinematic analysis, integration over time and small motions about a state.
 //!
-//! Independent of commands, results files and measurements.
+//! The crate is independent of commands, results files and measurements.
 #![warn(unreachable_pub)]
 // Documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

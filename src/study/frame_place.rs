@@ -6,8 +6,10 @@ use admire_solver::mechanics::{Vec3, log};
 /// Upper limit of the ratio of mark deviations after and before the rigid motion, for a measurement in another frame. Initial stiffnesses that
 /// are wrong by a factor of 100 give a larger ratio.
 const ALIKE: f64 = 0.6;
-/// Largest offset of a measuring frame that the tolerances still absorb, in metres and degrees.
-const NEAR: (f64, f64) = (0.004, 0.5);
+/// Largest shift of a measuring frame that the tolerances still absorb, in metres.
+const NEAR_METRES: f64 = 0.004;
+/// Largest rotation of a measuring frame that the tolerances still absorb, in degrees.
+const NEAR_DEGREES: f64 = 0.5;
 
 /// The rigid motion that brings marks from their places in a model to their readings, by least squares.
 #[derive(Clone, PartialEq, Debug)]
@@ -36,12 +38,12 @@ impl FramePlace {
     }
 
     /// Returns true if the motion exceeds this distance in metres or this angle in degrees; `length` is the deck's length unit in metres.
-    pub fn is_beyond(&self, (metres, degrees): (f64, f64), length: f64) -> bool {
+    pub fn is_beyond(&self, metres: f64, degrees: f64, length: f64) -> bool {
         self.shift.norm() * length > metres || self.degrees > degrees
     }
 
     /// Returns true if the readings are in another frame than the deck's; `length` is the deck's length unit in metres.
     pub fn is_another(&self, length: f64) -> bool {
-        self.left <= ALIKE && self.is_beyond(NEAR, length)
+        self.left <= ALIKE && self.is_beyond(NEAR_METRES, NEAR_DEGREES, length)
     }
 }

@@ -191,7 +191,7 @@ impl KcSettings {
                 column: own.text("column", out),
                 unit: own.text("unit", out),
                 reversed: own.choice("sign", false, &[("+", false), ("-", true)], out),
-                sigma: own.optional_number("sigma", (1e-300, f64::INFINITY), out),
+                sigma: own.optional_number("sigma", 1e-300..=f64::INFINITY, out),
                 marker: own.text("marker", out),
                 relative_to: own.text("relative_to", out),
                 name,

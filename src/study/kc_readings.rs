@@ -25,7 +25,8 @@ struct Source {
 pub(super) fn kc_readings(
     study: &Study,
     model: &Model,
-    (settings, table): (&KcSettings, &Table),
+    settings: &KcSettings,
+    table: &Table,
     to: &mut Measurement,
     out: &mut Vec<Diagnostic>,
 ) {

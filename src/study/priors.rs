@@ -32,7 +32,7 @@ macro_rules! priors {
 
             pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
                 Self {
-                    $($name: section.number(stringify!($name), $value, ($least, $most), out),)+
+                    $($name: section.number(stringify!($name), $value, $least..=$most, out),)+
                 }
             }
         }

@@ -40,10 +40,10 @@ pub fn measurement(study: &Study, model: &Model, out: &mut Vec<Diagnostic>) -> M
         channel_readings(study, table, channels, &mut measured, out);
     }
     if let Some((settings, table)) = &study.kc {
-        kc_readings(study, model, (settings, table), &mut measured, out);
+        kc_readings(study, model, settings, table, &mut measured, out);
     }
     if let (Some((settings, _)), Some(table)) = (&study.kc, &study.kc_summary) {
-        summaries(study, model, (settings, table), &mut measured, out);
+        summaries(study, model, settings, table, &mut measured, out);
     }
     hold_out(study, &mut measured, out);
     measured

@@ -1,5 +1,6 @@
 use std::cell::RefCell;
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 
 use toml::de::{DeTable, DeValue};
 
@@ -193,32 +194,33 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// Returns the value of a key as a finite number in `[least, most]`, or the default.
+    /// Returns the value of a key as a finite number in a range, or the default.
     pub(crate) fn number(
         &mut self,
         key: &'static str,
         default: f64,
-        (least, most): (f64, f64),
+        range: RangeInclusive<f64>,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> f64 {
-        self.optional_number(key, (least, most), diagnostics)
+        self.optional_number(key, range, diagnostics)
             .unwrap_or(default)
     }
 
-    /// Returns the value of a key as a finite number in `[least, most]`, if given.
+    /// Returns the value of a key as a finite number in a range, if given.
     pub(crate) fn optional_number(
         &mut self,
         key: &'static str,
-        (least, most): (f64, f64),
+        range: RangeInclusive<f64>,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
+        let (least, most) = range.into_inner();
         self.note(key, ValueType::Number(least, most));
         let (value, span) = self.get(key)?;
         let number = number_of(value);
         match number {
             Some(number) if number >= least && number <= most => Some(number),
             _ => {
-                self.wrong(key, span, &range((least, most)), diagnostics);
+                self.wrong(key, span, &range_in_words(least, most), diagnostics);
                 None
             }
         }
@@ -234,7 +236,7 @@ impl<'a> Section<'a> {
         self.note(key, ValueType::Number(f64::MIN_POSITIVE, f64::INFINITY));
         let (value, span) = self.get(key)?;
         if number_of(value) != Some(0.0) {
-            return self.optional_number(key, (f64::MIN_POSITIVE, f64::INFINITY), diagnostics);
+            return self.optional_number(key, f64::MIN_POSITIVE..=f64::INFINITY, diagnostics);
         }
         let name = self.name(key);
         diagnostics.push(
@@ -248,14 +250,15 @@ impl<'a> Section<'a> {
         None
     }
 
-    /// Returns the value of a key as a whole number in `[least, most]`, or the default.
+    /// Returns the value of a key as a whole number in a range, or the default.
     pub(crate) fn count(
         &mut self,
         key: &'static str,
         default: usize,
-        (least, most): (usize, usize),
+        range: RangeInclusive<usize>,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> usize {
+        let (least, most) = range.into_inner();
         self.note(key, ValueType::Count(least, most));
         let Some((value, span)) = self.get(key) else {
             return default;
@@ -459,7 +462,7 @@ pub fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
 }
 
 /// Describes the range of a number in words. A tiny positive lower bound reads "more than 0".
-fn range((least, most): (f64, f64)) -> String {
+fn range_in_words(least: f64, most: f64) -> String {
     match (least > 0.0 && least < 1e-6, most.is_finite()) {
         (true, true) => format!("a number more than 0, at most {most}"),
         (true, false) => "a number more than 0".to_string(),

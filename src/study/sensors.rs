@@ -64,7 +64,7 @@ impl Channels {
         }
         let mut here = system.evaluate(theta, state, scratch)?;
         for k in 0..self.count {
-            let read = here.read_function((self.first + k, 1))?;
+            let read = here.read_function(self.first + k, 1)?;
             values.push(read.map_or(f64::NAN, |(value, _)| value));
         }
         Ok(values)
@@ -90,7 +90,7 @@ impl Channels {
         };
         let places = system.equations_start();
         for (k, value) in values.iter_mut().enumerate() {
-            if let Ok(Some((found, gradient))) = here.read_function((self.first + k, 1)) {
+            if let Ok(Some((found, gradient))) = here.read_function(self.first + k, 1) {
                 let of_places = gradient.iter().all(|(unknown, _)| *unknown < places);
                 *value = of_places.then_some(found);
             }

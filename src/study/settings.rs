@@ -1,8 +1,13 @@
+use std::ops::RangeInclusive;
+
 use super::section::{Section, SpannedText};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::{Dimension, Units};
 
-const ANY: (f64, f64) = (0.0, f64::INFINITY);
+const ANY: RangeInclusive<f64> = 0.0..=f64::INFINITY;
+const POSITIVE: RangeInclusive<f64> = f64::MIN_POSITIVE..=f64::INFINITY;
+/// Standard deviation of a reading of a wheel.
+const WHEEL_SD: RangeInclusive<f64> = 1e-12..=f64::INFINITY;
 
 /// Solver of a study.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -58,9 +63,9 @@ impl SolverSettings {
         Self {
             backend: section.choice("backend", BackendChoice::Native, &words, out),
             command,
-            timeout_s: section.number("timeout_s", 600.0, (1e-3, 1e9), out),
-            licence_wait_s: section.number("licence_wait_s", 300.0, (0.0, 1e9), out),
-            jobs: section.count("jobs", 1, (1, 1024), out),
+            timeout_s: section.number("timeout_s", 600.0, 1e-3..=1e9, out),
+            licence_wait_s: section.number("licence_wait_s", 300.0, 0.0..=1e9, out),
+            jobs: section.count("jobs", 1, 1..=1024, out),
             recordings: section
                 .text("recordings", out)
                 .unwrap_or_else(|| SpannedText {
@@ -119,7 +124,7 @@ impl Amount {
         section: &mut Section<'_>,
         key: &'static str,
         usual: f64,
-        range: (f64, f64),
+        range: RangeInclusive<f64>,
         out: &mut Vec<Diagnostic>,
     ) -> Self {
         let stated = section.optional_number(key, range, out);
@@ -212,14 +217,13 @@ impl IdentifySettings {
             section.choice("initial", Initial::Deck, &[("deck", Initial::Deck)], out)
         } else {
             let mut initial = section.section("initial", out);
-            let positive = (f64::MIN_POSITIVE, f64::INFINITY);
             let values = Initial::Values {
-                translational: Amount::read(&mut initial, "translational", 1e4, positive, out),
+                translational: Amount::read(&mut initial, "translational", 1e4, POSITIVE, out),
                 rotational_per_degree: Amount::read(
                     &mut initial,
                     "rotational_per_degree",
                     1e4,
-                    positive,
+                    POSITIVE,
                     out,
                 ),
             };
@@ -252,7 +256,7 @@ impl IdentifySettings {
             symmetry_of,
             method: section.choice("method", Method::default(), &methods, out),
             initial,
-            prior_log_sd: section.number("prior_log_sd", 3.0, (1e-9, 1e9), out),
+            prior_log_sd: section.number("prior_log_sd", 3.0, 1e-9..=1e9, out),
             offset_sd: shift_sd(section, "offset_sd", (0.5, 0.5), out),
             frame_sd: shift_sd(section, "frame_sd", (0.0, 0.0), out),
             loss: section.choice(
@@ -334,14 +338,14 @@ impl RegressionSettings {
         ];
         let slopes = [("printed", Slope::Printed), ("inverse", Slope::Inverse)];
         Self {
-            epsilon: section.number("epsilon", default.epsilon, (1e-12, 1.0), out),
-            r_min: section.number("r_min", default.r_min, (-1.0, 1.0), out),
+            epsilon: section.number("epsilon", default.epsilon, 1e-12..=1.0, out),
+            r_min: section.number("r_min", default.r_min, -1.0..=1.0, out),
             weights: section.choice("weights", default.weights, &weights, out),
             slope: section.choice("slope", default.slope, &slopes, out),
             max_iterations: section.count(
                 "max_iterations",
                 default.max_iterations,
-                (1, 1_000_000),
+                1..=1_000_000,
                 out,
             ),
         }
@@ -387,10 +391,9 @@ impl WheelSettings {
         let marker = section.text("marker", out);
         let axis = SpinAxis::read(section, out);
         let mut sigma = section.section("sigma", out);
-        let positive = (1e-12, f64::INFINITY);
         let (sigma_position, sigma_angle_deg) = (
-            Amount::read(&mut sigma, "position", 0.05, positive, out),
-            sigma.number("angle_deg", 0.01, positive, out),
+            Amount::read(&mut sigma, "position", 0.05, WHEEL_SD, out),
+            sigma.number("angle_deg", 0.01, WHEEL_SD, out),
         );
         sigma.finish(out);
         let Some(marker) = marker else {
@@ -428,7 +431,7 @@ impl ChannelSettings {
         out: &mut Vec<Diagnostic>,
     ) -> Option<Self> {
         let function = section.text("function", out);
-        let sigma = section.optional_number("sigma", (1e-300, f64::INFINITY), out);
+        let sigma = section.optional_number("sigma", 1e-300..=f64::INFINITY, out);
         let unit = section.text("unit", out).map(|spelled| spelled.text);
         let relative_to = section.text("relative_to", out);
         let Some(function) = function else {

@@ -47,7 +47,7 @@ impl ToleranceSettings {
                 )
             } else {
                 section
-                    .optional_number(key, (0.0, 1e6), out)
+                    .optional_number(key, 0.0..=1e6, out)
                     .map_or(PriorSetting::Estimate, PriorSetting::Size)
             }
         };

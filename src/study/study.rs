@@ -264,7 +264,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         let on_parts = files.required(&mut section, "on_parts", out);
         let measured = files.readings(&mut section, "measured", out);
         let sigma = section.deviation("sigma", out);
-        let sigma_on_parts = section.number("sigma_on_parts", 0.0, (0.0, f64::INFINITY), out);
+        let sigma_on_parts = section.number("sigma_on_parts", 0.0, 0.0..=f64::INFINITY, out);
         on_parts
             .zip(measured)
             .map(|((on_parts, _), (measured, _))| MarkFiles {

@@ -20,7 +20,8 @@ const COLUMNS: [&str; 8] = [
 pub(super) fn summaries(
     study: &Study,
     model: &Model,
-    (settings, table): (&KcSettings, &Table),
+    settings: &KcSettings,
+    table: &Table,
     to: &mut Measurement,
     out: &mut Vec<Diagnostic>,
 ) {

@@ -11,7 +11,7 @@ pub enum ResultFile {
     Diagnosis,
 }
 
-/// Path to a number in a result file: `fit_test.chi2`, `parameters[BUSHING/1.K.1].value`.
+/// Path to a number in a result file, such as `fit_test.chi2` or `parameters[BUSHING/1.K.1].value`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct AnswerPath {
     /// Result file.
@@ -23,7 +23,7 @@ pub struct AnswerPath {
 enum Step {
     /// Field of an object.
     Field(String),
-    /// Element of a list, named by its address, its cause, or its number from 0; `*` matches any characters.
+    /// Element of a list. It is named by its address, by cause and address, or by its position counted from 0; `*` matches any characters.
     Element(String),
 }
 
@@ -51,8 +51,8 @@ impl AnswerPath {
         }
     }
 
-    /// Expands each `*` against a result. Returns every matching path without `*`, with the names that its stars match. A path without `*`
-    /// is returned as it is, without a check.
+    /// Expands each `*` against a result. Returns every matching path without `*`, each with the names that its stars match. A path without
+    /// `*` is returned unchanged and unchecked.
     pub(crate) fn matching(&self, answer: &Value) -> Vec<(Self, String)> {
         let mut found = vec![(Vec::new(), String::new(), answer)];
         let any = |step: &Step| matches!(step, Step::Element(word) if word.contains('*'));
@@ -100,8 +100,9 @@ impl AnswerPath {
         found.into_iter().map(path).collect()
     }
 
-    /// Returns the reason why no result of this kind can have a number at this path; `None` if the path is acceptable. A null may be a
-    /// number in another case, and a finding (named `cause@address`) that is missing here may occur in another case.
+    /// Returns the reason why no result of this kind can have a number at this path; `None` if the path is acceptable. Two absences are
+    /// acceptable: a null, because it may be a number in another case, and a missing finding (named `cause@address`), because it may occur
+    /// in another case.
     pub(crate) fn refused(&self, answer: &Value) -> Option<String> {
         let mut at = answer;
         for step in &self.steps {
@@ -128,7 +129,7 @@ impl AnswerPath {
         }
     }
 
-    /// Returns the number at this path, with true as 1 and false as 0; NaN if there is none.
+    /// Returns the number at this path, with true as 1 and false as 0; NaN if there is no number.
     pub(crate) fn number(&self, answer: &Value) -> f64 {
         let mut at = answer;
         for step in &self.steps {
@@ -159,7 +160,7 @@ impl fmt::Display for AnswerPath {
     }
 }
 
-/// Iterates over the elements of a list, each with its name: address, cause with address, or position.
+/// Iterates over the elements of a list, each with its name: address, cause and address, or position.
 fn elements(list: &Value) -> impl Iterator<Item = (String, &Value)> {
     let list = list.as_array().map_or(&[][..], Vec::as_slice);
     list.iter().enumerate().map(|(k, value)| {

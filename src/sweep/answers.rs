@@ -1,4 +1,4 @@
-//! Cases that are identifications or diagnoses: the study is run with the deck of the case.
+//! Cases that are identifications or diagnoses: the study runs with the deck of the case.
 
 use admire_design::propose;
 use serde_json::Value;
@@ -15,7 +15,7 @@ use admire_study::solver;
 use admire_syntax::diagnostic::Severity;
 use admire_syntax::text::{Source, Span};
 
-/// Results of a study, as far as the sweep records them.
+/// Result files of a study, as far as the sweep records numbers from them.
 #[derive(Debug, Default)]
 pub(crate) struct StudyResults {
     identification: Value,
@@ -23,14 +23,15 @@ pub(crate) struct StudyResults {
 }
 
 impl StudyResults {
-    /// Runs the study with another deck.
+    /// Runs the study with `deck` in place of its own deck.
     ///
     /// # Errors
     /// Status and reason of the failure.
     pub(crate) fn of(
-        (study, check): (&LoadedStudy, GainCheck),
+        study: &LoadedStudy,
         deck: &Source,
         keeps: &[(OutputSpec, Option<String>, Span)],
+        check: GainCheck,
     ) -> Result<Self, (Status, String)> {
         let read = study.with_deck(deck.clone());
         let Some(loaded) = read.value else {
@@ -98,7 +99,7 @@ impl StudyResults {
         }
     }
 
-    /// Returns the numbers of all columns.
+    /// Returns the numbers at the paths of all output columns; NaN for a column that is not from a study.
     pub(crate) fn numbers(&self, outputs: &[Output]) -> Vec<f64> {
         let number = |output: &Output| match &output.origin {
             OutputSource::Answer(path) => path.number(self.answer(path)),

@@ -1,6 +1,7 @@
 //! Checksums of tables: one for each row group, which locates damage, and one for the whole file, which detects damage anywhere.
 //!
-//! They are SHA-256 sums in the metadata of the file. The checksum of the whole file is computed with zeros in its own place.
+//! The checksums are SHA-256 sums in the metadata of the file. The checksum of the whole file is computed with zeros in the place where it
+//! is written.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -14,7 +15,8 @@ use sha2::{Digest, Sha256};
 use super::folder::hexadecimal;
 use admire_syntax::text::open_to_read;
 
-/// Metadata key of the row-group checksums, separated by spaces. The bytes of a group extend from the end of the previous group.
+/// Metadata key of the row-group checksums, which are separated by spaces. The bytes of a row group extend from the end of the previous
+/// group to its own end.
 pub(super) const GROUPS: &str = "admire.row_groups_sha256";
 
 /// Metadata key of the checksum of the whole file.
@@ -56,7 +58,7 @@ impl Summed {
         }
     }
 
-    /// Returns the checksum of the bytes written since the last call.
+    /// Returns the checksum of the bytes written since the last call of this function.
     pub(super) fn group(&mut self) -> String {
         hexadecimal(&std::mem::take(&mut self.group).finalize())
     }
@@ -64,7 +66,7 @@ impl Summed {
     /// Writes the checksum of the whole file into its place, and syncs the file to disk.
     ///
     /// # Errors
-    /// When the file cannot be read or written, or has no place for the checksum.
+    /// When the file cannot be read or written, or when its metadata have no place for the checksum.
     pub(super) fn finish(mut self) -> io::Result<()> {
         let place = place_of_whole(&mut self.file)?
             .ok_or_else(|| io::Error::other("the file has no place for its checksum"))?;
@@ -91,7 +93,7 @@ impl Write for Summed {
 /// Verifies the checksums of a table.
 ///
 /// # Errors
-/// [`Damage`], with the row groups that have changed.
+/// [`Damage`]: the table is unreadable, or has changed row groups, which are named.
 pub(crate) fn verify(path: &Path) -> Result<(), Damage> {
     let mut file = open_to_read(path)?;
     let Some(place) = place_of_whole(&mut file)? else {
@@ -111,7 +113,7 @@ pub(crate) fn verify(path: &Path) -> Result<(), Damage> {
     Err(Damage::Changed(changed(path, &mut file)?))
 }
 
-/// Names the changed row groups, as the subject of a sentence.
+/// Names the changed row groups of a table, as the subject of a sentence.
 fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let reader = SerializedFileReader::new(open_to_read(path)?)?;
     let metadata = reader.metadata();
@@ -145,7 +147,7 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     })
 }
 
-/// Returns the end of the last column of a row group; `None` if its metadata are inconsistent.
+/// Returns the byte offset at which the last column of a row group ends; `None` if its metadata are inconsistent.
 fn end_of(group: &RowGroupMetaData) -> Option<u64> {
     let mut ends = group.columns().iter().map(|column| {
         let pages = column.data_page_offset();
@@ -178,9 +180,9 @@ fn add(file: &mut File, bytes: std::ops::Range<u64>, sum: &mut Sha256) -> io::Re
     }
 }
 
-/// Returns the offset of the whole-file checksum, which follows its key in the footer's metadata; `None` if there is none.
+/// Returns the byte offset of the whole-file checksum, which follows its key in the footer's metadata; `None` if the key is missing.
 fn place_of_whole(file: &mut File) -> io::Result<Option<u64>> {
-    // A Parquet file ends with its metadata, their length in four bytes, and `PAR1`.
+    // A Parquet file ends with its metadata, the length of the metadata in four bytes, and `PAR1`.
     const TAIL: u64 = 8;
     let length = file.metadata()?.len();
     let Some(end) = length.checked_sub(TAIL) else {
@@ -195,7 +197,7 @@ fn place_of_whole(file: &mut File) -> io::Result<Option<u64>> {
     file.seek(SeekFrom::Start(start))?;
     let mut metadata = vec![0; (end - start) as usize];
     file.read_exact(&mut metadata)?;
-    // The value follows the key: one byte for the kind of the field, one byte for its length, then the text.
+    // The checksum follows its key: one byte for the kind of the field, one byte for the length, then the text.
     let key = memchr::memmem::find(&metadata, WHOLE.as_bytes());
     let value = key.map(|key| key + WHOLE.len() + 2);
     let fits = |value: &usize| value + ZEROS.len() <= metadata.len();
@@ -231,17 +233,18 @@ mod tests {
     }
 
     #[test]
-    fn any_bit_that_is_flipped_is_found() {
+    fn a_flipped_bit_of_any_byte_is_found() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.parquet");
         table(&path, 40);
         verify(&path).unwrap();
         let whole = std::fs::read(&path).unwrap();
-        for at in 0..8 * whole.len() {
+        for at in 0..whole.len() {
             let mut bytes = whole.clone();
-            bytes[at / 8] ^= 1 << (at % 8);
+            // Another bit in each byte: all eight are flipped somewhere in every part of the file.
+            bytes[at] ^= 1 << (3 * at % 8);
             std::fs::write(&path, &bytes).unwrap();
-            assert!(verify(&path).is_err(), "bit {} of byte {}", at % 8, at / 8);
+            assert!(verify(&path).is_err(), "bit {} of byte {at}", 3 * at % 8);
         }
         for length in [0, 7, 100, whole.len() - 1] {
             std::fs::write(&path, &whole[..length]).unwrap();

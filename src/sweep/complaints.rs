@@ -4,7 +4,7 @@ use admire_session::file_below;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// Diagnostics of a SWEEP.toml, with their places in it.
+/// Diagnostics of a SWEEP.toml, each at its place in the file.
 #[derive(Default)]
 pub(super) struct CollectedDiagnostics {
     pub(super) file: String,
@@ -19,7 +19,7 @@ impl CollectedDiagnostics {
         self.all.push(diagnostic);
     }
 
-    /// Adds a diagnostic of another reader, relabelled to the place of its text in SWEEP.toml.
+    /// Adds a diagnostic from another reader, relabelled to the place in SWEEP.toml where its text stands.
     pub(super) fn refused(&mut self, span: std::ops::Range<usize>, mut why: Diagnostic) {
         why.labels.clear();
         self.all
@@ -33,7 +33,7 @@ impl CollectedDiagnostics {
         }
     }
 
-    /// Resolves the path of a file or folder named at a place; it must be below the folder of SWEEP.toml.
+    /// Resolves the path of a file or folder that is named in SWEEP.toml. The path must be below the folder of SWEEP.toml.
     pub(super) fn below(
         &mut self,
         folder: &Path,
@@ -47,13 +47,13 @@ impl CollectedDiagnostics {
         found.value
     }
 
-    /// Reads a file named at a place; it must be below the folder of SWEEP.toml.
+    /// Reads a file that is named in SWEEP.toml. The file must be below the folder of SWEEP.toml.
     pub(super) fn file(&mut self, folder: &Path, name: &toml::Spanned<String>) -> Option<Source> {
         let path = self.below(folder, name)?;
         self.source(&path, Some(name.span()))
     }
 
-    /// Reads a file named at a place, without restriction to a folder.
+    /// Reads a file from any folder. Errors are reported at `span` in SWEEP.toml, or without a place if `span` is `None`.
     pub(super) fn source(
         &mut self,
         path: &Path,

@@ -2,30 +2,31 @@ use nalgebra::{Cholesky, DMatrix};
 
 use super::normal;
 
-/// Group of correlated numbers (Gaussian copula): their normal scores have given correlations, and each keeps its own distribution.
+/// Group of correlated parameters (Gaussian copula): their normal scores have given correlations, and each parameter keeps its own
+/// distribution.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Correlation {
     members: Vec<usize>,
-    /// Lower triangle L of the correlation matrix L L'.
+    /// Lower Cholesky factor L of the correlation matrix L L'.
     lower: DMatrix<f64>,
 }
 
 impl Correlation {
     /// Creates a group from the indices of its members among the variations. `None` if the matrix is not positive definite, because no
-    /// numbers have such correlations.
+    /// random variables have such correlations.
     pub(crate) fn new(members: Vec<usize>, matrix: &DMatrix<f64>) -> Option<Self> {
         let lower = Cholesky::new(matrix.clone())?.unpack();
         Some(Self { members, lower })
     }
 
-    /// Transforms independent probabilities into correlated probabilities.
+    /// Transforms independent probabilities of all parameters into correlated probabilities, in place.
     pub(crate) fn apply(&self, unit: &mut [f64]) {
         let scores: Vec<f64> = self
             .members
             .iter()
             .map(|&at| normal::quantile(unit[at]))
             .collect();
-        // The first member is unchanged, and stays exact to the last bit.
+        // The first member of the group is unchanged, to the last bit.
         for (row, &at) in self.members.iter().enumerate().skip(1) {
             let score: f64 = (0..=row).map(|k| self.lower[(row, k)] * scores[k]).sum();
             unit[at] =

@@ -5,7 +5,7 @@ use sobol::params::JoeKuoD6;
 
 use super::random::{Stream, to_unit};
 
-/// Largest number of dimensions of the Sobol sequence here (direction numbers of Joe and Kuo 2008).
+/// Largest number of dimensions of the Sobol sequence, for which direction numbers (Joe and Kuo 2008) are used.
 pub(crate) const MOST_SOBOL: usize = 1000;
 
 /// Kind of sampling plan.
@@ -13,25 +13,26 @@ pub(crate) const MOST_SOBOL: usize = 1000;
 pub enum Plan {
     /// Independent random points.
     Random,
-    /// Latin hypercube: the range of every number is divided into as many slices as there are cases, with one point in each slice.
+    /// Latin hypercube: the range of each parameter is divided into as many slices as there are cases, with one point in each slice.
     LatinHypercube,
     /// Sobol sequence with a random digital shift.
     Sobol,
-    /// All combinations of levels; contains the number of levels of each varied number.
+    /// Full factorial: all combinations of levels. Contains the number of levels of each varied parameter.
     FullFactorial(Vec<u64>),
-    /// Points for Sobol indices: A, B, and A with one number of B each (Saltelli et al. 2010).
+    /// Points for Sobol indices (Saltelli et al. 2010). Each block consists of point A, point B, and for each parameter a copy of A with
+    /// this parameter taken from B.
     SobolIndices,
-    /// Trajectories on a grid, in which each step changes one number (Morris 1991).
+    /// Trajectories on a grid, in which each step changes one parameter (Morris 1991).
     Morris {
         /// Number of grid levels, even.
         levels: u64,
     },
-    /// Cases from a table, one row each.
+    /// Cases from a table, one case per row.
     Table(Vec<Vec<f64>>),
 }
 
 impl Plan {
-    /// Returns its name in SWEEP.toml.
+    /// Returns the name of the plan in SWEEP.toml.
     pub(crate) const fn word(&self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -48,34 +49,34 @@ impl Plan {
 /// Sampling point of a case.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Point {
-    /// Probability of every number, 0 < u < 1.
+    /// Probability of each parameter, 0 < u < 1.
     Unit(Vec<f64>),
-    /// Level of every number, and its number of levels.
+    /// Level of each parameter, paired with the number of levels.
     Levels(Vec<(u64, u64)>),
-    /// Values of the numbers themselves.
+    /// Values of the parameters themselves.
     Values(Vec<f64>),
 }
 
-/// Design of a sweep. Case i depends only on plan, seed and i.
+/// Design of a sweep. Case i depends only on the plan, the seed and i.
 #[derive(Clone, Debug)]
 pub struct Design {
     /// Kind of plan.
     pub plan: Plan,
-    /// Size of the plan: number of rows, of base points for indices, or of trajectories.
+    /// Size of the plan: number of cases, of base points for Sobol indices, or of Morris trajectories.
     size: u64,
-    /// Number of varied numbers.
+    /// Number of varied parameters.
     dimensions: usize,
     streams: Vec<Stream>,
-    /// Random order of the steps of trajectories.
+    /// Random stream for the order of the steps in trajectories.
     order: Stream,
-    /// Digital shift of each number.
+    /// Digital shift of each dimension of the Sobol sequence.
     shifts: Vec<u64>,
     /// Direction numbers of the Sobol sequence for each dimension, most significant bit first.
     directions: Vec<Vec<u64>>,
 }
 
 impl Design {
-    /// Creates a plan of `size` for numbers with these names.
+    /// Creates a plan of `size` for parameters with these names.
     pub(crate) fn new(plan: Plan, size: u64, seed: u64, names: &[&str]) -> Self {
         let dimensions = names.len();
         let streams: Vec<Stream> = names.iter().map(|name| Stream::named(seed, name)).collect();
@@ -141,7 +142,7 @@ impl Design {
             Plan::FullFactorial(levels) => {
                 let mut rest = case;
                 let mut out = vec![(0, 1); self.dimensions];
-                // The last number changes fastest.
+                // The last parameter changes fastest.
                 for (out, count) in out.iter_mut().zip(levels).rev() {
                     *out = (rest % count, *count);
                     rest /= count;
@@ -175,7 +176,7 @@ impl Design {
         }
     }
 
-    /// Returns the first and the second level of a number in a trajectory. They differ by half the number of levels.
+    /// Returns the levels of a parameter before and after its step in a trajectory. They differ by half the number of levels.
     fn morris_step(&self, trajectory: u64, number: usize, levels: u64) -> (u64, u64) {
         let stream = &self.streams[number];
         let low = stream.below(2 * trajectory, levels / 2);
@@ -184,16 +185,16 @@ impl Design {
         if up { (low, high) } else { (high, low) }
     }
 
-    /// Returns the step of a trajectory that changes a number. Each step changes one number.
+    /// Returns the step of a trajectory that changes the given parameter. Each step changes one parameter.
     pub(crate) fn morris_turn(&self, trajectory: u64, number: usize) -> u64 {
         let own = Stream::named(self.order.bits(trajectory), "order of a trajectory");
         own.shuffled(number as u64, self.dimensions as u64)
     }
 
-    /// Returns coordinate `dimension` of a point of the shifted Sobol sequence.
+    /// Returns one coordinate of point `index` of the shifted Sobol sequence.
     fn sobol(&self, index: u64, dimension: usize) -> f64 {
         let mut bits = self.shifts[dimension];
-        // Points are numbered by Gray code, as is usual.
+        // Points are taken in Gray-code order, as is usual.
         let gray = index ^ (index >> 1);
         for (place, direction) in self.directions[dimension].iter().enumerate() {
             if gray >> place & 1 == 1 {
@@ -229,7 +230,7 @@ mod tests {
 
     #[test]
     fn the_sobol_sequence_fills_every_box_of_its_nets() {
-        // The first two numbers form a (0, 2)-sequence: 16 points, one in each box of sides 2^-a and 2^-(4-a), shifted or not.
+        // The first two dimensions form a (0, 2)-sequence: 16 points, one in each box of sides 2^-a and 2^-(4-a), shifted or not.
         let design = Design::new(Plan::Sobol, 16, 5, &["a", "b", "c"]);
         for a in 0..5 {
             let (wide, tall) = (f64::from(1 << a), f64::from(1 << (4 - a)));

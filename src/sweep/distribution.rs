@@ -1,6 +1,6 @@
 use super::normal;
 
-/// Distribution of a number, in its own unit.
+/// Distribution of a varied parameter, in the parameter's own unit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Distribution {
     /// Uniform between the first and the second value.
@@ -19,19 +19,19 @@ pub enum Distribution {
         /// Standard deviation of the natural logarithm, above zero.
         sigma: f64,
     },
-    /// One of several values.
+    /// Discrete distribution: one of several values.
     Discrete {
         /// The values.
         values: Vec<f64>,
         /// Cumulative probability up to and including each value; the last is 1.
         cumulative: Vec<f64>,
     },
-    /// Given for each case in a table.
+    /// Value given for each case in a table.
     Given,
 }
 
 impl Distribution {
-    /// Returns the quantile at probability `u`, 0 < u < 1. NaN where values are given by a table.
+    /// Returns the quantile at probability `u`, 0 < u < 1. NaN if a table gives the values.
     pub(crate) fn quantile(&self, u: f64) -> f64 {
         match self {
             Self::Uniform([low, high]) => low + (high - low) * u,
@@ -45,8 +45,8 @@ impl Distribution {
         }
     }
 
-    /// Returns level `k` of `count` of a factorial plan. The levels are the discrete values themselves, equal steps over a uniform range,
-    /// or the midpoints of intervals of equal probability.
+    /// Returns level `k` (from 0) of the `count` levels in a factorial plan. The levels are the values of a discrete distribution, equal
+    /// steps over the range of a uniform distribution, or the midpoints of `count` intervals of equal probability.
     pub(crate) fn level(&self, k: u64, count: u64) -> f64 {
         match self {
             Self::Discrete { values, .. } => values[k as usize],

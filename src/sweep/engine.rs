@@ -21,7 +21,7 @@ use super::table_writer::{Layout, TableWriter};
 /// Reason why a shard did not finish.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// Its journal cannot be used.
+    /// The journal of the shard cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
     /// A table cannot be written or read.
@@ -40,13 +40,13 @@ pub enum SweepError {
 /// Progress of a shard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Progress {
-    /// Number of cases of the shard.
+    /// Number of cases in the shard.
     pub all: u64,
     /// Number of cases finished by earlier runs.
     pub before: u64,
     /// Number of cases finished by this run.
     pub done: u64,
-    /// Number of cases, among `done`, without a result.
+    /// Number of cases, among those in `done`, without a result.
     pub failed: u64,
 }
 
@@ -62,7 +62,7 @@ impl Progress {
     }
 }
 
-/// Large set of cases to run. A case depends only on the inputs and its number, and in a chain also on the previous case.
+/// Large set of cases to run. A case depends only on the inputs and its case number; in a chain it also depends on the previous case.
 pub trait Cases: Sync {
     /// Returns the number of cases in a chain. Each case of a chain starts where the previous case ended. Chains are independent of each
     /// other.
@@ -73,14 +73,14 @@ pub trait Cases: Sync {
     /// Runs a case; `before` is the previous case of its chain.
     fn run(&self, case: u64, before: Option<&Row>) -> Row;
 
-    /// Returns the input numbers of a case, which the table lists between case number and results.
+    /// Returns the input values of a case, which the table lists between case number and results.
     fn inputs(&self, case: u64) -> Vec<f64>;
 
     /// Returns the columns of the table.
     fn layout(&self) -> Layout;
 }
 
-/// Files of the cases, during the run and afterwards.
+/// Paths of the journal and of the finished table.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Places {
     /// Path of the journal.
@@ -91,7 +91,7 @@ pub struct Places {
     pub key: Vec<u8>,
 }
 
-/// Shard of a sweep.
+/// Cases of one shard of a sweep.
 struct OfShard<'a> {
     runner: &'a Runner<'a>,
     plan: &'a SweepPlan,
@@ -113,15 +113,16 @@ impl Cases for OfShard<'_> {
     }
 }
 
-/// Runs the unfinished cases of a shard on `threads` threads. `tell` is called after every few cases; if it returns false, the run stops
-/// after the cases finished so far.
+/// Runs the unfinished cases of a shard on `threads` threads. `tell` receives the progress after every few cases. If it returns false, the
+/// run stops and keeps the cases finished so far.
 ///
 /// # Errors
 /// When the journal or the part file cannot be written.
 pub fn run_shard(
     runner: &Runner<'_>,
     plan: &SweepPlan,
-    (folder, shard): (&SweepFolder, Shard),
+    folder: &SweepFolder,
+    shard: Shard,
     threads: usize,
     tell: impl FnMut(&Progress) -> bool,
 ) -> Result<Progress, SweepError> {
@@ -139,10 +140,10 @@ pub fn run_shard(
     run_cases(&cases, shard.cases(plan.cases()), &places, threads, tell)
 }
 
-/// Runs any cases of this range, which must begin with a chain. Nothing is run if the table exists and is intact.
+/// Runs the unfinished cases of a range, which must start at the beginning of a chain. No case is run if the table exists and is intact.
 ///
 /// # Errors
-/// When the journal or the table cannot be written, or the table is damaged.
+/// When the journal or the table cannot be written, or when the existing table is damaged.
 pub(crate) fn run_cases(
     work: &dyn Cases,
     cases: Range<u64>,
@@ -195,7 +196,7 @@ pub(crate) fn run_cases(
 /// last case.
 ///
 /// # Errors
-/// None in practice.
+/// None in practice, because no file is used.
 pub(crate) fn run_in_memory(
     work: &dyn Cases,
     cases: Range<u64>,
@@ -220,8 +221,8 @@ pub(crate) fn run_in_memory(
     Ok(progress.is_complete().then_some(all))
 }
 
-/// Runs the unfinished cases. `take` receives the rows as they finish, and at intervals an empty list, until it returns false. Each chain
-/// continues after its `last` case.
+/// Runs the unfinished cases on several threads. `take` receives the rows as they finish, and an empty list at intervals; the run stops
+/// when it returns false. Each unfinished chain continues after its finished case in `last`.
 fn run_left(
     work: &dyn Cases,
     cases: &Range<u64>,
@@ -269,14 +270,14 @@ fn run_left(
                 Err(error) => break Err(error),
             }
         };
-        // Threads that still wait to send a row end.
+        // Threads that still wait to send a row now end.
         stop.store(true, Ordering::Relaxed);
         drop(receive);
         taken
     })
 }
 
-/// Returns the last finished case of every chain that was started, keyed by the first case of the chain.
+/// Returns the last finished case of every chain in the journal, keyed by the first case of the chain.
 fn last_of_chains(
     chain: u64,
     cases: &Range<u64>,
@@ -293,7 +294,7 @@ fn last_of_chains(
     Ok(last)
 }
 
-/// Returns the columns of a part file or of the whole table.
+/// Returns the columns of a shard's part file, which are also the columns of the whole table.
 pub(crate) fn layout(
     runner: &Runner<'_>,
     plan: &SweepPlan,

@@ -1,4 +1,4 @@
-//! Folder of a sweep: its contents, and checks before its use.
+//! Folder of a sweep: its contents, and the checks before it is used.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,22 +14,22 @@ use admire_syntax::text::Source;
 use super::plan::SweepPlan;
 use super::shard::Shard;
 
-/// Identity of a sweep folder: `sweep.json`.
+/// Identity of a sweep folder, stored in `sweep.json`.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Manifest {
-    /// Marker that distinguishes the file from files of other programs.
+    /// Fixed text that distinguishes `sweep.json` from files of other programs.
     pub written_by: String,
     /// Version of the program.
     pub version: String,
     /// SHA-256 over all inputs.
     pub inputs_sha256: String,
-    /// SHA-256 of the bytes of each input, by name.
+    /// SHA-256 of the bytes of each input, keyed by file name.
     pub inputs: BTreeMap<String, String>,
     /// Number of cases.
     pub cases: u64,
     /// Number of shards.
     pub shards: u64,
-    /// Names of the varied numbers.
+    /// Names of the varied parameters.
     pub vary: Vec<String>,
     /// Kind of plan.
     pub plan: String,
@@ -39,11 +39,11 @@ const WRITER: &str = "admire sweep";
 const MANIFEST: &str = "sweep.json";
 const SHARDS: &str = "shards";
 
-/// Files that a sweep writes into the folder, apart from the files of its shards.
+/// Names of the files and folders that a sweep writes into its folder, apart from the files of its shards.
 pub(crate) const ANSWERS: [&str; 4] = ["results.parquet", "summary.json", "report.html", "slurm"];
 
 impl Manifest {
-    /// Creates the manifest of a plan.
+    /// Creates the manifest for a plan.
     pub fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
         let name = |source: &Source| {
             let path = Path::new(source.name());
@@ -107,7 +107,7 @@ impl SweepFolder {
     /// Checks that a folder can be used for a sweep, without writing anything.
     ///
     /// # Errors
-    /// A folder of another sweep, a folder with foreign files, or a folder that cannot be written.
+    /// A diagnostic for a folder of another sweep, a folder with foreign files, or a folder that cannot be written.
     pub fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let folder = Self {
             path: path.to_path_buf(),
@@ -135,10 +135,10 @@ impl SweepFolder {
         }
     }
 
-    /// Creates the folder of a sweep, or continues in the folder of the same sweep.
+    /// Creates the folder of a sweep, or opens it again if it belongs to the same sweep.
     ///
     /// # Errors
-    /// A folder of another sweep, a folder with foreign files, or a folder that cannot be written.
+    /// A diagnostic for a folder of another sweep, a folder with foreign files, or a folder that cannot be written.
     pub fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let io = |error: std::io::Error| {
             Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
@@ -168,10 +168,10 @@ impl SweepFolder {
         Ok(folder)
     }
 
-    /// Opens the folder of a sweep that was started.
+    /// Opens the folder of a sweep that has already been created.
     ///
     /// # Errors
-    /// A folder without a manifest, or with foreign files.
+    /// A diagnostic for a folder without a manifest, or with foreign files.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let Some(manifest) = read_manifest(path)? else {
             let message = format!(
@@ -236,7 +236,7 @@ impl SweepFolder {
         Ok(())
     }
 
-    /// Rejects files that no sweep writes.
+    /// Refuses a folder with files that no sweep writes.
     fn refuse_strangers(&self) -> Result<(), Diagnostic> {
         let mut strangers = Vec::new();
         let io = |error: std::io::Error| {
@@ -260,7 +260,7 @@ impl SweepFolder {
             name == MANIFEST
                 || name == SHARDS
                 || name.starts_with(".sweep-")
-                // Left behind by a run that was killed while writing a result; the next run that writes removes it.
+                // The file was left by a run that was killed while it wrote a result. The next run that writes removes the file.
                 || leftover::is_ours(name)
                 || ANSWERS.contains(&plain)
         })?;
@@ -293,7 +293,7 @@ impl SweepFolder {
             .join(format!("{}.parquet", shard.stem()))
     }
 
-    /// Returns the path of the complete table.
+    /// Returns the path of the complete table of results.
     pub fn results(&self) -> PathBuf {
         self.path.join(ANSWERS[0])
     }

@@ -2,27 +2,27 @@
 
 use super::random::Stream;
 
-/// Number of bootstrap resamples of the blocks for the standard errors.
+/// Number of bootstrap resamples of the blocks, for the standard errors.
 const RESAMPLES: u64 = 200;
 
-/// Sobol indices of one number: shares of the variance of a result.
+/// Sobol indices of one parameter: shares of a result's variance.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Index {
-    /// First-order index: the variance of the mean given the number, over the total variance.
+    /// First-order index: variance of the result's conditional mean given the parameter, divided by the total variance.
     pub first: f64,
-    /// Standard error of the first-order index, from resampling the base points.
+    /// Standard error of the first-order index, from resampling of the base points.
     pub first_error: f64,
-    /// Total index: the variance that remains if all other numbers are known, over the total variance.
+    /// Total index: mean variance of the result that remains if all other parameters are known, divided by the total variance.
     pub total: f64,
-    /// Standard error of the total index.
+    /// Standard error of the total index, from resampling of the base points.
     pub total_error: f64,
 }
 
-/// Computes the indices of `numbers` numbers from the results of the plan `sobol-indices`, in the order of its cases: A, B, then A with one
-/// number of B each.
+/// Computes the Sobol indices of `numbers` parameters from the results of the plan `sobol-indices`. The results are in the order of the
+/// cases: A, B, then A with one parameter taken from B, for each parameter.
 ///
-/// The first order follows Saltelli et al. 2010 (table 2, b), the total Jansen 1999. Blocks with a case without a result are left out; the
-/// number of blocks used is returned, too. `None` with fewer than two blocks, or if the result does not vary.
+/// The first-order index follows Saltelli et al. 2010 (table 2, b), the total index Jansen 1999. Blocks in which a case has no result are
+/// left out. Returns the indices and the number of blocks used; `None` with fewer than two blocks, or if the result does not vary.
 pub(crate) fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, usize)> {
     let blocks: Vec<&[f64]> = answers
         .chunks_exact(numbers + 2)
@@ -32,7 +32,7 @@ pub(crate) fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, us
     if count < 2 {
         return None;
     }
-    // The mean is subtracted, because the products would otherwise lose digits.
+    // The mean is subtracted because otherwise the products lose digits.
     let mean = blocks.iter().map(|block| block[0] + block[1]).sum::<f64>() / (2 * count) as f64;
     let all: Vec<f64> = estimate(blocks.iter().copied(), numbers, mean)?;
     let draws = Stream::named(0, "resamples of the base points");
@@ -66,7 +66,7 @@ pub(crate) fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, us
     Some((found.collect(), count))
 }
 
-/// Returns the first-order indices, followed by the total indices.
+/// Returns the first-order indices of all parameters, followed by the total indices; `None` if the result does not vary.
 fn estimate<'b>(
     blocks: impl Iterator<Item = &'b [f64]>,
     numbers: usize,

@@ -1,4 +1,4 @@
-//! Journal of a shard: every finished case in order of completion, so that a killed run loses none of them.
+//! Journal of a shard. It holds every finished case in order of completion, so that a killed run loses no finished case.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
@@ -40,18 +40,17 @@ pub enum JournalError {
 pub(crate) struct Journal {
     path: PathBuf,
     file: BufWriter<File>,
-    /// Case and offset of every record, in order of completion.
+    /// Case number and byte offset of every record, in order of completion.
     index: Vec<(u64, u64)>,
     end: u64,
     synced: Instant,
 }
 
 impl Journal {
-    /// Opens the journal of a shard, or creates it. `key` identifies its sweep, shard and version. A truncated record at the end, left by a
-    /// killed run, is removed; its case was not finished.
+    /// Opens the journal of a shard, or creates it. `key` identifies sweep, shard and version. A truncated record at the end, left by a
+    /// killed run, is removed, and its case counts as unfinished.
     ///
-    /// # Errors
-    /// [`JournalError`].
+    /// # Errors A [`JournalError`] if the journal cannot be used.
     pub(crate) fn open(path: &Path, key: &[u8]) -> Result<Self, JournalError> {
         let io = |error| JournalError::Io {
             path: path.to_path_buf(),
@@ -69,7 +68,7 @@ impl Journal {
             Err(std::fs::TryLockError::WouldBlock) => {
                 return Err(JournalError::Locked(path.to_path_buf()));
             }
-            // Some network file systems have no locks. The user must then ensure that each shard is run only once at a time.
+            // Some network file systems have no locks. The user must then ensure that no shard is run twice at the same time.
             Err(std::fs::TryLockError::Error(error))
                 if error.kind() == io::ErrorKind::Unsupported => {}
             Err(std::fs::TryLockError::Error(error)) => return Err(io(error)),
@@ -111,15 +110,15 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Iterates over the finished cases in order of completion.
+    /// Iterates over the numbers of the finished cases, in order of completion.
     pub(crate) fn cases(&self) -> impl Iterator<Item = u64> + '_ {
         self.index.iter().map(|(case, _)| *case)
     }
 
-    /// Appends a case.
+    /// Appends the row of a case.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the row cannot be written.
     pub(crate) fn add(&mut self, row: &Row) -> Result<(), JournalError> {
         let mut payload = Vec::with_capacity(32 + 8 * row.outputs.len() + row.reason.len());
         payload.extend(row.case.to_le_bytes());
@@ -168,10 +167,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Passes every case to `take` once, in order of the case numbers.
+    /// Passes the row of every case to `take` once, in order of the case numbers.
     ///
     /// # Errors
-    /// When the file cannot be read, or an error of `take`.
+    /// When the file cannot be read, or when `take` returns an error.
     pub(crate) fn in_order<E: From<JournalError>>(
         &mut self,
         mut take: impl FnMut(Row) -> Result<(), E>,
@@ -207,7 +206,7 @@ impl Journal {
     }
 }
 
-/// Reads the next record. Returns it with its size in bytes; `None` at the end, or if the record is truncated or damaged.
+/// Reads the next record. Returns its row and its size in bytes; `None` at the end, or if the record is truncated or damaged.
 fn next(reader: &mut impl Read) -> Option<(Row, u64)> {
     let mut head = [0; 12];
     reader.read_exact(&mut head).ok()?;

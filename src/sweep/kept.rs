@@ -1,6 +1,6 @@
 use super::answer_path::AnswerPath;
 
-/// Reduction of a column over many steps to one value.
+/// Reduction of a results column over all steps to one value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Reduction {
     /// Value of the last step.
@@ -13,18 +13,18 @@ pub enum Reduction {
     Min,
     /// Mean over all steps with equal weights.
     Mean,
-    /// Largest minus smallest value.
+    /// Largest minus smallest value over all steps.
     Range,
     /// Root mean square over all steps.
     Rms,
-    /// Value of a step, counted from 1.
+    /// Value at the step of this number, counted from 1.
     Step(usize),
-    /// Value at a time, by linear interpolation between two steps.
+    /// Value at this time, by linear interpolation between two steps.
     Time(f64),
 }
 
 impl Reduction {
-    /// Parses the word of SWEEP.toml.
+    /// Parses the word used in SWEEP.toml; `None` for an unknown word.
     pub(crate) fn of_word(word: &str) -> Option<Self> {
         Some(match word {
             "last" => Self::Last,
@@ -53,7 +53,7 @@ impl Reduction {
         }
     }
 
-    /// Reduces a column of steps to one value; `None` if the step does not exist.
+    /// Reduces a column of steps to one value; `None` if the step or time is outside the steps.
     pub(crate) fn of(self, steps: &[(f64, Vec<f64>)], column: usize) -> Option<f64> {
         let values = || steps.iter().map(|(_, row)| row[column]);
         let count = steps.len();
@@ -85,7 +85,7 @@ impl Reduction {
     }
 }
 
-/// Output recorded for every case, as specified in SWEEP.toml.
+/// Output to be recorded for every case, as specified in SWEEP.toml.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OutputSpec {
     /// Columns of the results that match a pattern.
@@ -95,35 +95,35 @@ pub enum OutputSpec {
         /// Reduction over the steps.
         at: Reduction,
     },
-    /// Frequency and damping ratio of an eigenvalue of the last LINEAR/EIGENSOL, counted from 1.
+    /// Frequency and damping ratio of the eigenvalue with this number, counted from 1, in the last LINEAR/EIGENSOL.
     Mode(usize),
-    /// Number in the result of a study.
+    /// Number in the result file of a study.
     Answer(AnswerPath),
-    /// K&C characteristic: its value at ride height, or its slope in a test.
+    /// K&C characteristic: its value at ride height, or its gradient in a test.
     Characteristic {
         /// Path, such as `toe_angle.left`.
         path: String,
-        /// Test whose slope is recorded; `None` means ride height.
+        /// Test whose gradient is recorded; `None` means the value at ride height.
         test: Option<String>,
     },
 }
 
-/// Source of a column of the table.
+/// Source of the values in an output column of the table.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OutputSource {
-    /// Position among the selected columns of the results, and reduction over the steps.
+    /// Position among the selected columns of the results file, and reduction over the steps.
     Column(usize, Reduction),
-    /// Frequency of a mode, counted from 0.
+    /// Frequency of the mode with this number, counted from 0.
     Frequency(usize),
-    /// Damping ratio of a mode, counted from 0.
+    /// Damping ratio of the mode with this number, counted from 0.
     Damping(usize),
-    /// Number in the result of a study.
+    /// Number in the result file of a study.
     Answer(AnswerPath),
-    /// K&C characteristic, and the test for a slope.
+    /// Path of a K&C characteristic, and the test if its gradient is recorded.
     Characteristic(String, Option<String>),
 }
 
-/// Column of the table.
+/// Output column of the table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Output {
     /// Name of the column.

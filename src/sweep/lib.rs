@@ -1,12 +1,12 @@
-//! Sweeps over thousands of variants of a deck: the numbers that vary, the cases, their runs, and one table of results.
+//! Sweeps over thousands of variants of a deck: the varied parameters, the cases, their runs, and one table of results.
 //!
-//! A [`SweepPlan`] defines what varies, and [`Cases`] is the interface of the cases to be run. A [`Row`] is the result of one case, and
-//! [`merge`](fn@merge) joins the tables of shards. Every case is solved from scratch from the text of its own deck, and its numbers depend
-//! only on seed, name and case. Thus the order, the threads and the shards of a run change no bit of the results. [`uncertainty`] repeats
-//! identifications in the same way, for bootstrap and posterior sampling. This crate is independent of terminals; the command submits the
-//! shards.
+//! A [`SweepPlan`] defines the variation, and [`Cases`] is the interface of the cases to be run. A [`Row`] is the result of one case, and
+//! [`merge`](fn@merge) joins the tables of shards. Every case is solved from scratch from the text of its own deck, and its random numbers
+//! depend only on seed, parameter name and case number. Thus the order, the threads and the shards of a run change no bit of the results.
+//! [`uncertainty`] repeats identifications with the same engine, for bootstrap and posterior sampling. This crate is independent of
+//! terminals, and does not submit jobs to a cluster; the command `admire sweep` does.
 #![warn(unreachable_pub)]
-// Private modules link to their private items.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

@@ -1,4 +1,4 @@
-//! Joins the part files of all shards into one table.
+//! Merging of the part files of all shards into one table.
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -9,10 +9,10 @@ use super::shard::Shard;
 use super::table_reader::TableReader;
 use super::table_writer::{Layout, OTHER_COLUMNS, TableWriter};
 
-/// Columns of a table between `case` and `status`.
+/// Columns of a table between `case` and `status`: inputs, then outputs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Columns {
-    /// Names of the varied numbers.
+    /// Names of the varied parameters.
     pub inputs: Vec<String>,
     /// Names of the recorded outputs.
     pub outputs: Vec<String>,
@@ -30,11 +30,11 @@ impl Columns {
     }
 }
 
-/// Joins the part files; does nothing if the complete table already exists and is intact.
+/// Joins the part files into the complete table. Does nothing if the complete table already exists and is intact.
 ///
 /// # Errors
-/// Shards that are missing or unfinished; parts of another version or of other inputs; parts with missing cases; files that cannot be read
-/// or written.
+/// Diagnostics for missing or unfinished shards, parts of another version or of other inputs, parts with missing cases, and files that
+/// cannot be read or written.
 pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
     let whole = folder.results();
     if whole.is_file() {
@@ -180,15 +180,18 @@ fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
     let mut next = 0;
     for shard in folder.shards() {
         let part = TableReader::open(&folder.part(shard))?;
-        let counts = (columns.inputs.len(), columns.outputs.len());
-        part.each(counts, |row, numbers| -> Result<(), SweepError> {
-            if row.case != next {
-                let message = format!("case {} stands where case {next} belongs", row.case);
-                return Err(parquet::errors::ParquetError::General(message).into());
-            }
-            next += 1;
-            Ok(whole.add(row, numbers)?)
-        })?;
+        part.each(
+            columns.inputs.len(),
+            columns.outputs.len(),
+            |row, numbers| -> Result<(), SweepError> {
+                if row.case != next {
+                    let message = format!("case {} stands where case {next} belongs", row.case);
+                    return Err(parquet::errors::ParquetError::General(message).into());
+                }
+                next += 1;
+                Ok(whole.add(row, numbers)?)
+            },
+        )?;
     }
     whole.finish()?;
     Ok(())

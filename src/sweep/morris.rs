@@ -1,21 +1,22 @@
-/// Elementary effects of one number on a result (Morris 1991): change of the result over the number's whole range of probability,
-/// extrapolated from steps over half of it.
+/// Elementary effects of one parameter on a result (Morris 1991). An effect is the change of the result over the parameter's whole range of
+/// probability, extrapolated from a step over half the range.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Effect {
-    /// Mean effect.
+    /// Mean of the effects.
     pub mean: f64,
-    /// Mean absolute effect (Campolongo et al. 2007), which measures the importance of the number.
+    /// Mean of the absolute effects (Campolongo et al. 2007), which measures the importance of the parameter.
     pub size: f64,
-    /// Standard error of the mean absolute effect.
+    /// Standard error of the mean of the absolute effects.
     pub size_error: f64,
-    /// Standard deviation of the effects. Large relative to the mean if the number acts nonlinearly or interacts with others.
+    /// Standard deviation of the effects. It is large relative to the mean if the parameter acts nonlinearly or interacts with other
+    /// parameters.
     pub spread: f64,
     /// Number of valid steps, whose two cases both have a result.
     pub count: usize,
 }
 
-/// Computes the effects of every number from the results of the plan `morris`, in the order of its cases. `numbers` contains the values of
-/// each number, case by case, and shows which number changed in a step.
+/// Computes the effects of every parameter from the results of the plan `morris`, in the order of its cases. `numbers` contains the values
+/// of each parameter, case by case. It shows which parameter changed in a step.
 pub(crate) fn effects(answers: &[f64], numbers: &[Vec<f64>]) -> Vec<Effect> {
     let block = numbers.len() + 1;
     let mut all: Vec<Vec<f64>> = vec![Vec::new(); numbers.len()];

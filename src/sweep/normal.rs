@@ -1,6 +1,6 @@
 //! Standard normal distribution, with arithmetic that is identical on every machine.
 
-/// Returns the quantile at probability `p`, 0 < p < 1: Wichura's AS 241 (PPND16), with a relative error of about 1e-16.
+/// Returns the quantile at probability `p`, 0 < p < 1, by Wichura's AS 241 (PPND16), with a relative error of about 1e-16.
 pub fn quantile(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= 0.425 {

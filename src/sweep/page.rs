@@ -1,4 +1,4 @@
-//! Page of a sweep: histograms, tornado charts, tables.
+//! Report page of a sweep: histograms, tornado charts and tables.
 
 use admire_report::{
     Align, Bars, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table, number,
@@ -10,7 +10,7 @@ use super::summary::{OutputSummary, Spread, Summary};
 /// Largest number of bars in a tornado chart.
 const MOST_BARS: usize = 15;
 
-/// Formats a number with six digits for readers; empty if it is not finite.
+/// Formats a number with six significant digits; empty if it is not finite.
 pub fn six_digits(value: f64) -> String {
     if value.is_finite() {
         number(value, None)
@@ -19,7 +19,7 @@ pub fn six_digits(value: f64) -> String {
     }
 }
 
-/// Creates the page as one file.
+/// Returns the report page as HTML in one file.
 ///
 /// # Errors
 /// When a picture cannot be drawn.
@@ -126,7 +126,7 @@ fn labelled(spread: &Spread) -> String {
     }
 }
 
-/// Draws a histogram of the cases as the outline of its bars.
+/// Draws a histogram of a column's values over the cases, as the outline of its bars.
 fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
     let [least, most] = spread.ends;
     let wide = (most - least) / spread.bars.len().max(1) as f64;
@@ -152,7 +152,7 @@ fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
     Figure::chart(&chart, &format!("{} cases.", spread.count))
 }
 
-/// Draws the effect of each number, the largest first.
+/// Draws the linear effect of each parameter on an output, the largest effect first.
 fn tornado(output: &OutputSummary) -> Option<Figure> {
     let explained = output.explained?;
     let bars = output.swings.iter().take(MOST_BARS);

@@ -23,17 +23,17 @@ use super::variation::{Variation, varied};
 /// External program that solves in place of the built-in solver.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Program {
-    /// Program and arguments; `{acf}` stands for the command file. If `None`, only recorded runs are used.
+    /// Program and its arguments; `{acf}` is replaced by the command file. If `None`, only recorded runs are used.
     pub command: Option<Vec<String>>,
     /// Folder in which runs are recorded and looked up.
     pub recordings: Option<PathBuf>,
     /// Time limit in seconds, after which a run is killed.
     pub timeout_s: f64,
-    /// Time in seconds for which a refused licence is requested again.
+    /// Time in seconds during which a refused licence is requested again.
     pub licence_wait_s: f64,
 }
 
-/// Checked plan of a sweep: variation, task and outputs.
+/// Checked plan of a sweep: varied parameters, task and outputs.
 #[derive(Clone, Debug)]
 pub struct SweepPlan {
     /// Source text of SWEEP.toml.
@@ -44,13 +44,13 @@ pub struct SweepPlan {
     pub files: Files,
     /// Task run for every case.
     pub task: Task,
-    /// Varied numbers.
+    /// Varied parameters.
     pub variations: Vec<Variation>,
-    /// Groups of correlated numbers.
+    /// Groups of correlated parameters.
     pub correlations: Vec<Correlation>,
     /// Design of the cases.
     pub design: Design,
-    /// Recorded outputs, each with its optional name and its place in SWEEP.toml.
+    /// Outputs to be recorded, each with its optional name and its place in SWEEP.toml.
     pub keeps: Vec<(OutputSpec, Option<String>, Span)>,
     /// Model elements that may be ignored.
     pub ignored: Vec<Ignore>,
@@ -61,7 +61,8 @@ pub struct SweepPlan {
 }
 
 impl SweepPlan {
-    /// Returns the program started for every case, as named by the plan or its study. `None` without a program, or if it is ADAMS itself.
+    /// Returns the external program that the plan or its study names for the cases. `None` if there is no such program, or if it is ADAMS
+    /// itself.
     pub fn named_program(&self) -> Option<NamedProgram> {
         match (&self.program, &self.task) {
             (Some(program), _) => {
@@ -72,7 +73,8 @@ impl SweepPlan {
         }
     }
 
-    /// Returns the program and arguments started for every case, if the plan or its study names any.
+    /// Returns the command line (program and arguments) that is started for every case; `None` if neither the plan nor its study names a
+    /// program.
     pub fn starts_program(&self) -> Option<&[String]> {
         let own = self.program.as_ref().and_then(|p| p.command.as_deref());
         let of_study = match &self.task {
@@ -87,7 +89,7 @@ impl SweepPlan {
         own.or(of_study)
     }
 
-    /// Reads a SWEEP.toml and all files it names. The value is `None` if there is an error.
+    /// Reads a SWEEP.toml and all files named there. The value is `None` if there is an error.
     pub fn read(path: &Path) -> Checked<Option<Self>> {
         let mut out = CollectedDiagnostics::default();
         let value = Self::read_with(path, &mut out);
@@ -180,7 +182,7 @@ impl SweepPlan {
             correlations,
             design,
             table,
-        } = numbers(&file, (&parsed.value, &folder), out)?;
+        } = numbers(&file, &parsed.value, &folder, out)?;
         inputs.extend(table);
         Some(Self {
             source,
@@ -202,7 +204,7 @@ impl SweepPlan {
         self.design.cases()
     }
 
-    /// Returns the numbers of a case, one for every variation.
+    /// Returns the parameter values of a case, one for every variation.
     pub fn numbers(&self, case: u64) -> Vec<f64> {
         let all = self.variations.iter();
         match self.design.point(case) {
@@ -222,16 +224,16 @@ impl SweepPlan {
         }
     }
 
-    /// Returns the deck with given numbers, one for every variation.
+    /// Returns the deck with the given parameter values, one for every variation.
     ///
     /// # Errors
-    /// A value that cannot be written at its address.
+    /// A diagnostic if a value cannot be written at its address.
     pub fn deck_with(&self, numbers: &[f64]) -> Result<Source, Box<Diagnostic>> {
         varied(&self.deck, &self.variations, numbers)
     }
 }
 
-/// Reads the study whose deck varies; it brings its own deck, loads and solver. `None` if it cannot be read.
+/// Reads the study whose deck is varied. The study has its own deck, loads and solver. `None` if the study cannot be read.
 fn study(
     name: &toml::Spanned<String>,
     file: &PlanFile,
@@ -260,7 +262,7 @@ fn study(
     Some(loaded)
 }
 
-/// Reads the external program that solves in place of the built-in solver.
+/// Reads the settings of the external program that solves in place of the built-in solver.
 fn program(
     solver: &toml::Spanned<super::plan_file::Solver>,
     folder: &Path,
@@ -298,7 +300,7 @@ fn program(
                 );
                 return None;
             }
-            // Paths become absolute, because every run has its own folder.
+            // Paths become absolute because every run has its own working folder.
             Some(beside(folder, words))
         }
     };
@@ -332,7 +334,7 @@ fn task(
             let source = out.file(folder, name)?;
             inputs.push(source.clone());
             let units = model.units;
-            let config = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+            let config = Config::read(&source, 1e-3 / units.length.si, 1.0 / units.force.si);
             out.all.extend(config.diagnostics);
             Some(Task::Tests(Box::new(config.value?)))
         }

@@ -44,7 +44,7 @@ pub(super) enum PlanWord {
 #[serde(deny_unknown_fields)]
 pub(super) struct Sampling {
     pub plan: Spanned<PlanWord>,
-    /// Number of cases, of base points for `sobol-indices`, or of trajectories for `morris`.
+    /// Number of cases; for `sobol-indices` the number of base points, for `morris` the number of trajectories.
     pub cases: Option<Spanned<u64>>,
     pub levels: Option<Spanned<u64>>,
     pub file: Option<Spanned<String>>,

@@ -1,4 +1,4 @@
-//! Reader of the varied numbers and their design: `[sampling]`, `[[vary]]` and `[[correlate]]` of SWEEP.toml.
+//! Reader of the varied parameters and their design: `[sampling]`, `[[vary]]` and `[[correlate]]` of SWEEP.toml.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -18,10 +18,10 @@ use super::distribution::Distribution;
 use super::plan_file::{OneOrMore, PlanFile, PlanWord, Vary};
 use super::variation::{Apply, Variation, varied};
 
-/// Largest number of cases; more cases indicate a mistaken number.
+/// Largest accepted number of cases; a larger value is probably a mistake.
 const MOST_CASES: u64 = 1_000_000_000;
 
-/// Varied numbers and their design, as read from SWEEP.toml.
+/// Varied parameters and their design, as read from SWEEP.toml.
 pub(super) struct Numbers {
     pub variations: Vec<Variation>,
     pub correlations: Vec<Correlation>,
@@ -30,10 +30,11 @@ pub(super) struct Numbers {
     pub table: Option<Source>,
 }
 
-/// Reads the varied numbers and their design.
+/// Reads the varied parameters and their design.
 pub(super) fn numbers(
     file: &PlanFile,
-    (deck, folder): (&Dataset, &Path),
+    deck: &Dataset,
+    folder: &Path,
     out: &mut CollectedDiagnostics,
 ) -> Option<Numbers> {
     let plan = file.sampling.plan.get_ref();
@@ -86,7 +87,7 @@ pub(super) fn numbers(
         return None;
     }
     if let Some(first) = (!is_table).then_some(&variations) {
-        // A trial value is written to each address, to report unwritable values before anything runs.
+        // Trial values are written to each address, so that unwritable values are reported before any case runs.
         for (variation, vary) in first.iter().zip(&file.vary) {
             let typical = [0.2, 0.7].map(|u| variation.distribution.quantile(u));
             let refused = typical
@@ -105,7 +106,7 @@ pub(super) fn numbers(
     })
 }
 
-/// Rejects two variations of the same value, which would overwrite each other.
+/// Reports values in the deck that two variations change, because one variation would overwrite the other.
 fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnostics) {
     let mut seen: Vec<(&Address, &str)> = Vec::new();
     for (at, variation) in variations.iter().enumerate() {
@@ -128,7 +129,7 @@ fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnosti
     }
 }
 
-/// Finds the addresses that match the patterns, with their values in the deck.
+/// Finds the addresses that match the patterns, each with its value in the deck.
 fn targets(
     patterns: &[&str],
     span: &Range<usize>,
@@ -316,7 +317,7 @@ fn distribution(
         so_far
     });
     let mut cumulative: Vec<f64> = cumulative.collect();
-    // The last value with a positive weight absorbs the round-off of the sum.
+    // The last value with a positive weight takes up the round-off of the sum.
     let last = weights.iter().rposition(|w| *w > 0.0).unwrap_or(0);
     cumulative[last..].fill(1.0);
     Some(Distribution::Discrete {
@@ -456,8 +457,8 @@ fn design(
     Some(Design::new(plan, size, file.seed, &names))
 }
 
-/// Reads the rows of a table of cases, in the order of the variations. A column that is not a variation must be an address, and becomes a
-/// new variation.
+/// Reads the rows of a table of cases, with the columns in the order of the variations. A column that is not named after a variation must
+/// be an address, and becomes a new variation.
 fn cases_of(
     source: &Source,
     (variations, deck): (&mut Vec<Variation>, &Dataset),

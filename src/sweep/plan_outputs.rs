@@ -10,7 +10,7 @@ use super::kept::{OutputSpec, Reduction};
 use super::plan_file::{self, PlanFile};
 use super::task::Task;
 
-/// Reads every `[[keep]]`.
+/// Reads all `[[keep]]` tables.
 pub(super) fn keeps(
     file: &PlanFile,
     task: &Task,

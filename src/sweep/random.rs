@@ -1,4 +1,4 @@
-//! Counter-based random numbers: number `index` of a stream depends only on seed, stream and index.
+//! Counter-based random numbers: the value at `index` of a stream depends only on seed, stream and index.
 //!
 //! The generator is ChaCha8 (Bernstein 2008), which allows random access. Its bits are converted without the platform's mathematics
 //! library, so that every machine produces the same numbers.
@@ -15,7 +15,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Returns the stream of a name. It does not change if other variations are added to a sweep.
+    /// Returns the stream with this name. The stream of a variation is unchanged if other variations are added to a sweep.
     pub fn named(seed: u64, name: &str) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -28,27 +28,27 @@ impl Stream {
         }
     }
 
-    /// Returns 64 random bits.
+    /// Returns the 64 random bits at `index` of the stream.
     pub(crate) fn bits(&self, index: u64) -> u64 {
         let mut generator = ChaCha8Rng::from_seed(self.key);
         generator.set_stream(self.stream);
-        // Each number takes two words of 32 bits.
+        // Each value of 64 bits takes two words of 32 bits.
         generator.set_word_pos(u128::from(index) * 2);
         generator.next_u64()
     }
 
-    /// Returns a uniform number strictly between 0 and 1.
+    /// Returns the uniform random number at `index`, strictly between 0 and 1.
     pub fn uniform(&self, index: u64) -> f64 {
         to_unit(self.bits(index))
     }
 
-    /// Returns a uniform integer below `bound`.
+    /// Returns the uniform random integer at `index`, from 0 to `bound - 1`.
     pub(crate) fn below(&self, index: u64, bound: u64) -> u64 {
         // The bias is below bound / 2^64, which is negligible.
         ((u128::from(self.bits(index)) * u128::from(bound)) >> 64) as u64
     }
 
-    /// Returns the position of `index` in a random permutation of the numbers below `count`, without storing the permutation. Four rounds
+    /// Returns the position of `index` in a random permutation of the integers below `count`, without storing the permutation. Four rounds
     /// of a Feistel cipher are repeated while the result is out of range (Black and Rogaway 2002).
     pub(crate) fn shuffled(&self, index: u64, count: u64) -> u64 {
         let half = (64 - count.saturating_sub(1).leading_zeros())
@@ -70,7 +70,7 @@ impl Stream {
     }
 }
 
-/// Converts 53 of the bits to a number strictly between 0 and 1.
+/// Converts the upper 53 of 64 bits to a number strictly between 0 and 1.
 pub(crate) fn to_unit(bits: u64) -> f64 {
     ((bits >> 11) as f64 + 0.5) * (0.5_f64).powi(53)
 }

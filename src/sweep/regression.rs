@@ -1,28 +1,28 @@
 use nalgebra::{DMatrix, DVector};
 
-/// Linear least-squares regression of a result on all numbers at once, accumulated over the cases.
+/// Linear least-squares regression of a result on all varied parameters, accumulated over the cases.
 #[derive(Clone, Debug)]
 pub(crate) struct Regression {
-    /// Sums of products of the standardised numbers, preceded by a constant 1.
+    /// Sums of products of the standardised parameters, with a constant 1 as the first regressor.
     products: DMatrix<f64>,
-    /// Sums of products of the standardised numbers with the result.
+    /// Sums of products of the standardised parameters with the result.
     with_answer: DVector<f64>,
     /// Sum of squares of the result.
     answer: f64,
     count: u64,
 }
 
-/// Slope of one number.
+/// Slope of the result with respect to one parameter.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Slope {
-    /// Change of the result for one standard deviation of the number.
+    /// Change of the result per standard deviation of the parameter.
     pub slope: f64,
     /// Standard error of the slope.
     pub error: f64,
 }
 
 impl Regression {
-    /// Creates an empty regression on this number of inputs.
+    /// Creates an empty regression on `numbers` parameters.
     pub(crate) fn new(numbers: usize) -> Self {
         Self {
             products: DMatrix::zeros(numbers + 1, numbers + 1),
@@ -32,7 +32,7 @@ impl Regression {
         }
     }
 
-    /// Adds a case: standardised numbers, and the result minus its mean.
+    /// Adds a case, with standardised parameters and with the result minus its mean.
     pub(crate) fn add(&mut self, numbers: &[f64], answer: f64) {
         let at = |k: usize| if k == 0 { 1.0 } else { numbers[k - 1] };
         for i in 0..=numbers.len() {
@@ -46,7 +46,7 @@ impl Regression {
     }
 
     /// Returns the slopes, and the share of the result's variance that the linear model explains. `None` with too few cases, or if the
-    /// numbers are collinear.
+    /// parameters are collinear.
     pub(crate) fn slopes(&self) -> Option<(Vec<Slope>, f64)> {
         let n = self.with_answer.len();
         let free = self.count.checked_sub(n as u64).filter(|free| *free > 0)?;
@@ -79,7 +79,8 @@ mod tests {
 
     #[test]
     fn slopes_and_their_errors_are_those_of_the_planted_line() {
-        // y = 3 a - 2 b + noise of 0.5; with unit variance of a and b the errors are 0.5/sqrt(n).
+        // The planted line is y = 3 a - 2 b plus noise of standard deviation 0.5. With unit variance of a and b, the standard errors are
+        // 0.5/sqrt(n).
         let streams = ["a", "b", "noise"].map(|name| Stream::named(1, name));
         let normal = |k: usize, case: u64| super::super::normal::quantile(streams[k].uniform(case));
         let n = 4000;

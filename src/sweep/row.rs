@@ -3,11 +3,11 @@
 pub enum Status {
     /// Success.
     Ok,
-    /// A simulation found no equilibrium or no motion.
+    /// A simulation found no equilibrium or no motion, or a fit of a study failed.
     NoAnswer,
     /// A command was not executed.
     Refused,
-    /// The deck has errors with these numbers.
+    /// The deck has errors with the parameter values of this case.
     Invalid,
     /// The external program returned no usable result.
     RunFailed,
@@ -43,7 +43,7 @@ impl Status {
 /// Result of a case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Row {
-    /// Number of the case.
+    /// Case number.
     pub case: u64,
     /// Status of the case.
     pub status: Status,
@@ -51,7 +51,7 @@ pub struct Row {
     pub reason: String,
     /// Wall time in seconds.
     pub seconds: f64,
-    /// Recorded outputs; not finite where there is no value, and empty if the case failed.
+    /// Recorded outputs, empty if the case failed. A missing value is stored as a non-finite number.
     pub outputs: Vec<f64>,
 }
 

@@ -20,22 +20,22 @@ use super::row::{Row, Status};
 use super::table_writer::OTHER_COLUMNS;
 use super::task::Task;
 
-/// Plan that is ready to run, with known columns of its table.
+/// Plan that is ready to run. The output columns of its table are known from a run of the nominal deck.
 #[derive(Debug)]
 pub struct Runner<'p> {
     plan: &'p SweepPlan,
-    /// Columns of recorded outputs.
+    /// Output columns of the table.
     pub outputs: Vec<Output>,
-    /// Result of the nominal deck.
+    /// Row of the nominal deck.
     pub nominal: Row,
     program: Option<ProgramRun>,
-    /// Ids of the columns selected from the results.
+    /// Ids of the results-file columns that are recorded.
     ids: Vec<usize>,
     /// All result columns of the nominal deck.
     catalogue: Catalogue,
 }
 
-/// Output of a run before its reduction to one value for each column.
+/// Output of a run, before it is reduced to one value per column.
 enum Seen {
     Steps(Option<Catalogue>, Vec<(f64, Vec<f64>)>, Vec<[f64; 2]>),
     Tests(Box<KcRun>),
@@ -43,10 +43,10 @@ enum Seen {
 }
 
 impl<'p> Runner<'p> {
-    /// Runs the nominal deck and determines the columns to record.
+    /// Runs the nominal deck and determines the output columns.
     ///
     /// # Errors
-    /// When the deck cannot be run, or a requested output does not exist.
+    /// Diagnostics if the deck cannot be run or a requested output does not exist.
     pub fn prepare(plan: &'p SweepPlan) -> Result<Self, Vec<Diagnostic>> {
         let mut runner = Self {
             plan,
@@ -287,7 +287,7 @@ impl<'p> Runner<'p> {
         Ok(lowered.value)
     }
 
-    /// Runs a case.
+    /// Runs a case and returns its row.
     pub(crate) fn run(&self, case: u64) -> Row {
         match self.plan.deck_with(&self.plan.numbers(case)) {
             Ok(deck) => self.row(case, &deck),
@@ -313,7 +313,7 @@ impl<'p> Runner<'p> {
             (Task::Commands(commands), Some(program)) => self.external(deck, commands, program),
             (Task::Tests(config), _) => self.tests(deck, config),
             (Task::Study(study, check), _) => {
-                StudyResults::of((study, *check), deck, &self.plan.keeps)
+                StudyResults::of(study, deck, &self.plan.keeps, *check)
                     .map(|answers| Seen::Answers(Box::new(answers)))
             }
         }
@@ -384,7 +384,7 @@ impl<'p> Runner<'p> {
         }
         let (deck, model) = (&parsed.value, &lowered.value);
         let failed = || (Status::Invalid, "the rig does not fit the deck".to_string());
-        let mut bench = Bench::new(config, (deck, &self.plan.files, model))
+        let mut bench = Bench::new(config, deck, &self.plan.files, model)
             .map_err(|all| invalid(&all).unwrap_or_else(failed))?;
         let run = kc::run(&mut bench, &model.units);
         run.map(|run| Seen::Tests(Box::new(run)))
@@ -396,7 +396,7 @@ impl<'p> Runner<'p> {
             })
     }
 
-    /// Reduces the output of a run to the values of the columns.
+    /// Reduces the output of a run to one value per output column.
     fn values(&self, seen: &Seen) -> Result<Vec<f64>, (Status, String)> {
         match seen {
             Seen::Steps(catalogue, steps, modes) => {
@@ -422,7 +422,7 @@ impl<'p> Runner<'p> {
     }
 }
 
-/// Returns a characteristic in the axes of Adams/Car.
+/// Returns the value of a K&C characteristic in the axes of Adams/Car.
 fn characteristic(output: &Output, run: &KcRun) -> f64 {
     let OutputSource::Characteristic(path, test) = &output.origin else {
         return f64::NAN;

@@ -15,18 +15,18 @@ impl Shard {
     /// Single shard that covers the whole sweep.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    /// Returns its cases. They are contiguous, so that merging is concatenation.
+    /// Returns the case numbers of the shard, out of `all` cases. They are contiguous, so that merging is concatenation.
     pub fn cases(self, all: u64) -> Range<u64> {
         let before = |n: u64| (u128::from(all) * u128::from(n) / u128::from(self.of)) as u64;
         before(self.number - 1)..before(self.number)
     }
 
-    /// Returns the stem of its file names: `0003-of-0008`.
+    /// Returns the stem of the shard's file names, such as `0003-of-0008`.
     pub(crate) fn stem(self) -> String {
         format!("{:04}-of-{:04}", self.number, self.of)
     }
 
-    /// Parses the stem of a file name.
+    /// Parses the stem of a shard's file name; `None` if it is not such a stem.
     pub(crate) fn of_stem(stem: &str) -> Option<Self> {
         let (number, of) = stem.split_once("-of-")?;
         let shard: Self = format!(
@@ -46,7 +46,7 @@ impl fmt::Display for Shard {
     }
 }
 
-/// Largest number of shards; with more, files and jobs would cost more than the cases.
+/// Largest number of shards. With more shards, files and jobs would cost more than the cases.
 pub const MOST_SHARDS: u64 = 9999;
 
 impl FromStr for Shard {
@@ -64,7 +64,7 @@ impl FromStr for Shard {
     }
 }
 
-/// Error for a text that is not a shard.
+/// Error for a text that does not name a shard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("a shard is I/N, such as 3/8: I from 1 to N, and N at most {MOST_SHARDS}")]
 pub struct ShardError;

@@ -1,4 +1,4 @@
-//! Summary of the table of results: quantiles, failures, and the importance of each number.
+//! Summary of the table of results: quantiles, failures, and the importance of each parameter.
 
 use std::collections::BTreeMap;
 
@@ -32,13 +32,13 @@ pub struct Summary {
     pub cases: u64,
     /// Number of cases by status.
     pub statuses: BTreeMap<&'static str, u64>,
-    /// Failure reasons with their number of cases, the most frequent first.
+    /// Failure reasons, each with its number of cases, the most frequent reason first.
     pub reasons: Vec<(String, u64)>,
-    /// Number of cases with further reasons.
+    /// Number of cases with reasons that are not listed individually.
     pub more_reasons: u64,
     /// Total wall time of all cases in seconds.
     pub seconds: f64,
-    /// Distribution of each varied number.
+    /// Distribution of each varied parameter.
     pub inputs: Vec<Spread>,
     /// Summary of each recorded output.
     pub outputs: Vec<OutputSummary>,
@@ -53,7 +53,7 @@ pub struct Spread {
     pub unit: Option<String>,
     /// Number of cases with a value.
     pub count: u64,
-    /// Mean effect.
+    /// Mean of the values.
     pub mean: f64,
     /// Standard deviation.
     pub sd: f64,
@@ -61,7 +61,7 @@ pub struct Spread {
     pub ends: [f64; 2],
     /// Quantiles at [`SHARES`], by linear interpolation.
     pub quantiles: Vec<f64>,
-    /// Number of cases in bars of equal width from the smallest value to the largest.
+    /// Number of cases in each histogram bar. The bars have equal width and extend from the smallest value to the largest.
     pub bars: Vec<u64>,
 }
 
@@ -72,33 +72,33 @@ pub struct OutputSummary {
     pub spread: Spread,
     /// Value of the nominal deck.
     pub nominal: Option<f64>,
-    /// Linear effects of the numbers, the largest first; empty if undefined.
+    /// Linear effects of the parameters, the largest first; empty if the linear model is undefined.
     pub swings: Vec<LinearEffect>,
     /// Share of the variance explained by the linear model.
     pub explained: Option<f64>,
-    /// Sobol indices, for the plan `sobol-indices`.
+    /// Sobol indices, empty unless the plan is `sobol-indices`.
     pub indices: Vec<NamedIndex>,
-    /// Elementary effects, for the plan `morris`.
+    /// Elementary effects, empty unless the plan is `morris`.
     pub effects: Vec<NamedEffect>,
 }
 
-/// Linear change of a result as one number goes from its 5 percent to its 95 percent quantile.
+/// Change of a result in the linear model as one parameter goes from its 5 percent to its 95 percent quantile.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct LinearEffect {
-    /// Name of the number.
+    /// Name of the parameter.
     pub name: String,
-    /// Change of the result from the number's mean to its 5 percent quantile.
+    /// Change of the result from the parameter's mean to its 5 percent quantile.
     pub low: f64,
-    /// Change of the result from the number's mean to its 95 percent quantile.
+    /// Change of the result from the parameter's mean to its 95 percent quantile.
     pub high: f64,
     /// Standard error of the change between the two quantiles.
     pub error: f64,
 }
 
-/// Sobol indices of a named number.
+/// Sobol indices of a named parameter.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NamedIndex {
-    /// Name of the number.
+    /// Name of the parameter.
     pub name: String,
     /// First-order index and its standard error.
     pub first: [f64; 2],
@@ -106,18 +106,18 @@ pub struct NamedIndex {
     pub total: [f64; 2],
 }
 
-/// Elementary effects of a named number.
+/// Elementary effects of a named parameter.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NamedEffect {
-    /// Name of the number.
+    /// Name of the parameter.
     pub name: String,
-    /// Mean effect.
+    /// Mean of the effects.
     pub mean: f64,
-    /// Mean absolute effect and its standard error.
+    /// Mean of the absolute effects and its standard error.
     pub size: [f64; 2],
     /// Standard deviation of the effects.
     pub spread: f64,
-    /// Number of valid steps.
+    /// Number of valid steps, whose two cases both have a result.
     pub count: usize,
 }
 
@@ -165,7 +165,7 @@ impl Spread {
         }
     }
 
-    /// Returns the quantile at one of [`SHARES`]; NaN for any other probability.
+    /// Returns the quantile for a probability in [`SHARES`]; NaN for any other probability.
     pub fn quantile(&self, share: f64) -> f64 {
         let at = SHARES.iter().position(|s| *s == share);
         at.map_or(f64::NAN, |at| self.quantiles[at])
@@ -184,7 +184,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 impl Summary {
-    /// Summarises the table of a sweep. It holds only two columns in memory at a time, and with `morris` also the varied numbers.
+    /// Summarises the table of a sweep. Only two columns are in memory at a time; with the plan `morris`, all varied parameters are too.
     ///
     /// # Errors
     /// When the table cannot be read.
@@ -268,23 +268,22 @@ impl Summary {
             inputs,
             outputs,
         };
-        summary.find_swings(&table, (ins, outs))?;
+        summary.find_swings(&table, ins, outs)?;
         Ok(summary)
     }
 
-    /// Fits a linear model to every output.
+    /// Fits a linear model to every output, for its linear effects.
     fn find_swings(
         &mut self,
         table: &TableReader,
-        counts: (usize, usize),
+        ins: usize,
+        outs: usize,
     ) -> Result<(), SweepError> {
-        let moving: Vec<usize> = (0..counts.0).filter(|k| self.inputs[*k].sd > 0.0).collect();
-        let mut fits: Vec<Regression> = (0..counts.1)
-            .map(|_| Regression::new(moving.len()))
-            .collect();
+        let moving: Vec<usize> = (0..ins).filter(|k| self.inputs[*k].sd > 0.0).collect();
+        let mut fits: Vec<Regression> = (0..outs).map(|_| Regression::new(moving.len())).collect();
         let (inputs, outputs) = (&self.inputs, &self.outputs);
         let mut numbers = vec![0.0; moving.len()];
-        table.each(counts, |row, values| -> Result<(), ParquetError> {
+        table.each(ins, outs, |row, values| -> Result<(), ParquetError> {
             for (number, k) in numbers.iter_mut().zip(&moving) {
                 *number = (values[*k] - inputs[*k].mean) / inputs[*k].sd;
             }
@@ -296,7 +295,7 @@ impl Summary {
             Ok(())
         })?;
         for (output, fit) in self.outputs.iter_mut().zip(fits) {
-            // The variation of a constant output is round-off, so it gets no fit.
+            // The variation of a nearly constant output is round-off, so such an output gets no fit.
             let varies = output.spread.sd > 1e-13 * output.spread.mean.abs();
             let Some((slopes, explained)) = fit.slopes().filter(|_| varies) else {
                 continue;
@@ -323,7 +322,7 @@ impl Summary {
     }
 }
 
-/// Replaces the numbers in a reason by `...`, so that the same failure of many cases counts as one reason.
+/// Replaces the numbers in a reason by `...`, so that cases that fail for the same reason are counted together.
 fn without_numbers(reason: &str) -> String {
     let words = reason.split(' ').map(|word| {
         let bare = word.trim_end_matches([',', ':', ';']);

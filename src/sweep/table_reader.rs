@@ -1,4 +1,4 @@
-//! Reader of a sweep's table, column by column.
+//! Reader of the table of a sweep, column by column.
 
 use std::fs::File;
 use std::path::Path;
@@ -16,17 +16,17 @@ pub struct TableReader {
 }
 
 impl TableReader {
-    /// Opens a file.
+    /// Opens a table.
     ///
     /// # Errors
-    /// When it cannot be read or is not a Parquet file.
+    /// When the file cannot be read or is not a Parquet file.
     pub fn open(path: &Path) -> Result<Self, ParquetError> {
         Ok(Self {
             reader: SerializedFileReader::new(File::open(path)?)?,
         })
     }
 
-    /// Returns the names of its columns.
+    /// Returns the names of the table's columns.
     pub(crate) fn columns(&self) -> Vec<String> {
         let schema = self.reader.metadata().file_metadata().schema_descr();
         schema
@@ -51,7 +51,7 @@ impl TableReader {
         all.iter().find(|fact| fact.key == key)?.value.as_deref()
     }
 
-    /// Returns all numbers of a column, given by its index; NaN where there is no value.
+    /// Returns all values of the column with index `column`; NaN for a missing value.
     ///
     /// # Errors
     /// When the file cannot be read or the column is not numeric.
@@ -63,7 +63,7 @@ impl TableReader {
         Ok(all)
     }
 
-    /// Passes all texts of a column to `take`, group by group; empty where there is no text.
+    /// Passes all texts of a column to `take`, one row group at a time; a missing text is empty.
     ///
     /// # Errors
     /// When the file cannot be read or the column contains no texts.
@@ -82,13 +82,14 @@ impl TableReader {
         Ok(())
     }
 
-    /// Passes every row to `take`, with its input numbers. The first `inputs` columns after `case` are inputs.
+    /// Passes every row to `take`, with the input values of its case. The first `inputs` columns after `case` are inputs.
     ///
     /// # Errors
-    /// When the file cannot be read, or an error of `take`.
+    /// When the file cannot be read, or when `take` returns an error.
     pub fn each<E: From<ParquetError>>(
         &self,
-        (inputs, outputs): (usize, usize),
+        inputs: usize,
+        outputs: usize,
         mut take: impl FnMut(Row, Vec<f64>) -> Result<(), E>,
     ) -> Result<(), E> {
         for group in 0..self.reader.num_row_groups() {
@@ -178,7 +179,7 @@ impl TableReader {
     }
 }
 
-/// Distributes values over the rows where the definition levels indicate a value.
+/// Appends one element per definition level to `all`: the next value where the level is not 0, and `none` where it is 0.
 fn spread<T: Clone>(levels: &[i16], values: Vec<T>, none: T, all: &mut Vec<T>) {
     if levels.is_empty() {
         all.extend(values);
@@ -255,7 +256,7 @@ mod tests {
         );
         let mut next = 0;
         reader
-            .each((2, 1), |found, inputs| -> Result<(), ParquetError> {
+            .each(2, 1, |found, inputs| -> Result<(), ParquetError> {
                 let expected = row(next);
                 assert_eq!(
                     (found.case, found.status, &found.reason),

@@ -1,4 +1,4 @@
-//! Writer of the table of results: a Parquet file, one row for each case.
+//! Writer of the table of results, a Parquet file with one row for each case.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -15,13 +15,13 @@ use parquet::schema::types::{Type, TypePtr};
 use super::checksum::{GROUPS, Summed, WHOLE, ZEROS};
 use super::row::Row;
 
-/// Number of rows in a row group, which is held in memory until written.
+/// Number of rows in a row group. A row group is held in memory until it is written.
 const GROUP: usize = 8192;
 
-/// Columns of the table.
+/// Names of a table's columns, and the constants written with them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Layout {
-    /// Names of the varied numbers.
+    /// Names of the varied parameters.
     pub inputs: Vec<String>,
     /// Names of the recorded outputs.
     pub outputs: Vec<String>,
@@ -33,7 +33,7 @@ pub struct Layout {
     pub facts: Vec<(String, String)>,
 }
 
-/// Columns besides inputs and outputs: `case` comes first, the others come last.
+/// Columns other than inputs and outputs. `case` is the first column of the table, the others are the last.
 pub(crate) const OTHER_COLUMNS: [&str; 6] = [
     "case",
     "status",
@@ -43,22 +43,22 @@ pub(crate) const OTHER_COLUMNS: [&str; 6] = [
     "inputs_sha256",
 ];
 
-/// Writer of rows in their order. The file appears under its name only when [`finish`](Self::finish) succeeds.
+/// Writer of rows in case order. The file gets its final name only when [`finish`](Self::finish) succeeds.
 pub(crate) struct TableWriter {
     path: PathBuf,
     temporary: PathBuf,
     writer: SerializedFileWriter<Summed>,
-    /// Checksums of the row groups so far.
+    /// Checksums of the row groups written so far.
     sums: Vec<String>,
     layout: Layout,
     rows: Vec<(Row, Vec<f64>)>,
 }
 
 impl TableWriter {
-    /// Creates a file.
+    /// Creates a file under a temporary name.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the file cannot be created.
     pub(crate) fn create(path: &Path, layout: Layout) -> Result<Self, ParquetError> {
         let mut temporary = path.as_os_str().to_owned();
         temporary.push(".tmp");
@@ -87,10 +87,10 @@ impl TableWriter {
         })
     }
 
-    /// Adds a case with its input numbers.
+    /// Adds the row of a case with its input values.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When a row group cannot be written.
     pub(crate) fn add(&mut self, row: Row, inputs: Vec<f64>) -> Result<(), ParquetError> {
         self.rows.push((row, inputs));
         if self.rows.len() == GROUP {
@@ -141,7 +141,7 @@ impl TableWriter {
         group.close()?;
         self.writer.flush()?;
         self.sums.push(self.writer.inner_mut().group());
-        // The buffer of one group is reused for the next.
+        // The buffer of a row group is reused for the next row group.
         self.rows = rows;
         self.rows.clear();
         Ok(())
@@ -150,7 +150,7 @@ impl TableWriter {
     /// Completes the file and moves it to its final name.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When the file cannot be written or renamed.
     pub(crate) fn finish(mut self) -> Result<(), ParquetError> {
         if !self.rows.is_empty() {
             self.write_group()?;

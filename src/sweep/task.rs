@@ -6,10 +6,10 @@ use admire_syntax::text::Source;
 /// Task run for every case.
 #[derive(Clone, Debug)]
 pub enum Task {
-    /// Command file.
+    /// Runs a command file.
     Commands(Source),
-    /// K&C tests of a `kc.toml`.
+    /// Runs the K&C tests of a `kc.toml`.
     Tests(Box<Config>),
-    /// Identification or diagnosis of a study whose deck varies, and how thoroughly the gain of the causes is checked.
+    /// Identification or diagnosis of a study whose deck is varied. The second field says how thoroughly the gain of each cause is checked.
     Study(Box<LoadedStudy>, GainCheck),
 }

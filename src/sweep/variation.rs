@@ -7,36 +7,37 @@ use admire_syntax::{Address, Dataset};
 
 use super::distribution::Distribution;
 
-/// Effect of a varied number on its values in the deck.
+/// Way in which a varied parameter changes its values in the deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Apply {
-    /// The number replaces the values.
+    /// The parameter replaces the values.
     #[default]
     Set,
-    /// The values are multiplied by the number.
+    /// The values are multiplied by the parameter.
     Factor,
-    /// The number is added to the values.
+    /// The parameter is added to the values.
     Offset,
 }
 
-/// Varied number.
+/// Varied parameter of a sweep.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Variation {
-    /// Name, and column of the table.
+    /// Name of the parameter, and of its column in the table.
     pub name: String,
-    /// Addresses of the values in the deck, with their nominal values (angles in radians). NaN where the deck has no value to replace.
+    /// Addresses of the values in the deck, each with its nominal value (angles in radians). The nominal value is NaN if the deck gives
+    /// none.
     pub targets: Vec<(Address, f64)>,
-    /// Effect of the number on the values.
+    /// Way in which the parameter changes the values.
     pub apply: Apply,
-    /// True if set or added numbers are in degrees.
+    /// True if values that are set or added are given in degrees.
     pub degrees: bool,
-    /// Distribution of the number.
+    /// Distribution of the parameter.
     pub distribution: Distribution,
 }
 
 impl Variation {
-    /// Returns the unit of the number; `None` for a factor or dimensionless values.
+    /// Returns the unit of the parameter; `None` for a factor or a dimensionless value.
     pub(crate) fn unit(&self, units: &Units) -> Option<String> {
         let (address, _) = self.targets.first()?;
         let unit = match self.apply {
@@ -47,7 +48,7 @@ impl Variation {
         (!unit.is_empty()).then_some(unit)
     }
 
-    /// Returns the values in the deck for a number of this variation.
+    /// Returns the values in the deck for a given value of the parameter, each with its address.
     pub(crate) fn values(&self, number: f64) -> impl Iterator<Item = (&Address, f64)> {
         let plain = if self.degrees {
             number.to_radians()
@@ -65,10 +66,10 @@ impl Variation {
     }
 }
 
-/// Returns the deck with the numbers of a case, one number for every variation. Markers are moved without rotation.
+/// Returns the deck with the parameter values of a case, one for every variation. Markers are moved without rotation.
 ///
 /// # Errors
-/// A value that cannot be written at its address.
+/// A diagnostic if a value cannot be written at its address.
 pub(crate) fn varied(
     deck: &Dataset,
     variations: &[Variation],
@@ -87,7 +88,7 @@ pub(crate) fn varied(
     if let Ok(bytes) = apply_edits(deck.bytes(), &edits) {
         return Ok(Source::new(deck.source().name(), bytes));
     }
-    // Missing values would all be inserted at the same place, so they are written one after the other.
+    // Missing arguments would all be inserted at the same place, so they are written one after the other.
     let mut deck = deck.clone();
     for (address, value) in &values {
         let edits = deck.set_beside(address, *value, &beside)?;

@@ -9,18 +9,19 @@ use crate::grammar::{
 use crate::text::Span;
 use crate::units::Dimension;
 
-/// Address of an object or of one of its numbers: `BUSHING/12.K.2`, `MARKER/7.QP.1`, `SFORCE/3`, `SFORCE/3.FUNCTION.2`.
+/// Address of an object of a deck, of one of its arguments, or of one value of an argument: `SFORCE/3`, `SFORCE/3.FUNCTION`,
+/// `BUSHING/12.K.2`.
 ///
-/// An index is 1-based; in a function it counts the numbers of the expression text. The kind is the full keyword in capitals.
+/// An index starts at 1. In a FUNCTION argument it counts the literal numbers in the text of the expression: `SFORCE/3.FUNCTION.2`.
 #[derive(Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Address {
-    /// Full keyword in capitals, for objects and for statements without id (`EQUILIBRIUM`).
+    /// Full keyword of the statement in capitals; a statement without id is addressed by its keyword alone (`EQUILIBRIUM`).
     pub kind: String,
-    /// Id; `None` for statements without id.
+    /// Id of the object; `None` for statements without id.
     pub id: Option<u32>,
-    /// Full keyword of the argument in capitals.
+    /// Full keyword of the argument in capitals; `None` if the address refers to the whole statement.
     pub argument: Option<String>,
-    /// Position among the values of the argument, from 1.
+    /// Position among the values of the argument, from 1; `None` if the address gives no index.
     pub index: Option<usize>,
 }
 
@@ -41,14 +42,15 @@ impl fmt::Display for Address {
 }
 
 impl Address {
-    /// Returns the grammar definition of the argument.
+    /// Returns the grammar definition of the addressed argument, or `None` if the address has no argument or one that is not in the
+    /// grammar.
     pub fn definition(&self) -> Option<&'static ArgumentDef> {
         let def = STATEMENTS.iter().find(|def| def.name == self.kind)?;
         let name = self.argument.as_deref()?;
         def.arguments.iter().find(|argument| argument.name == name)
     }
 
-    /// Returns the dimension of the addressed number; dimensionless for numbers inside functions.
+    /// Returns the physical dimension of the addressed value; numbers inside functions count as dimensionless.
     pub fn dimension(&self) -> Dimension {
         match self.definition() {
             Some(def) if def.kind == ValueKind::Real => {
@@ -68,9 +70,10 @@ impl Address {
         })
     }
 
-    /// Builds the address of a statement or command from its definition, its id, and `rest`: `K.2`, `K` or nothing.
+    /// Builds the address of a statement or command from its definition, its id, and `rest`, the part of the address after the id: `K.2`,
+    /// `K` or nothing.
     ///
-    /// `text` is the whole address, for messages.
+    /// `text` is the whole address as typed; it is used only in messages.
     ///
     /// # Errors
     /// Returns `unknown-argument`, `ambiguous-keyword` or `bad-number`, located in a file named `address`.
@@ -86,7 +89,7 @@ impl Address {
     /// Parses an address given in one of three forms; case is ignored.
     ///
     /// - Keyword and id: `BUSHING/12.K.2`; keywords may be abbreviated.
-    /// - View name: `front_arm_bushing.K.2`.
+    /// - View name, which an `adams_view_name` comment gives: `front_arm_bushing.K.2`.
     /// - Default name of an object without a view name: `BUSHING_12.K.2`.
     ///
     /// The object must be in the dataset and the argument in the grammar, but the statement need not contain the argument.
@@ -140,7 +143,7 @@ impl Address {
     }
 }
 
-/// Parses the part after the slash: `12.K.2`.
+/// Parses an address of which only the part after the slash is left: `12.K.2` of `BUSHING/12.K.2`.
 fn with_id(
     def: &'static StatementDef,
     rest: &str,
@@ -182,7 +185,8 @@ fn with_id(
     argument(def, Some(id), rest, text)
 }
 
-/// Resolves an address that begins with a view name; longer names take precedence. Returns `None` if no view name matches.
+/// Resolves an address that begins with a view name. If several view names match, the longest is used. Returns `None` if no view name
+/// matches.
 fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic> {
     let ends = std::iter::once(text.len()).chain(text.rmatch_indices('.').map(|(at, _)| at));
     for end in ends.take(8) {
@@ -199,7 +203,7 @@ fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic>
                 Err(diagnostic) => refused = Some(diagnostic),
             }
         }
-        // If several objects share the name, the one that contains the argument is chosen.
+        // If several objects share the name, the object whose statement contains the argument is chosen.
         if found.len() > 1 {
             let written: Vec<Address> = found
                 .iter()
@@ -234,7 +238,7 @@ fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic>
     Ok(None)
 }
 
-/// Parses the argument part of an address: `K.2`, `K` or nothing.
+/// Parses the part of an address after the id: `K.2`, `K` or nothing.
 pub(super) fn argument(
     def: &'static StatementDef,
     id: Option<u32>,

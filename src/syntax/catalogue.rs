@@ -1,4 +1,4 @@
-//! Index of a file in pieces: where its objects are defined, and which pieces refer to them.
+//! Index of the objects of a file that is split into pieces: which statement defines each object, and which pieces refer to it.
 
 use std::collections::BTreeSet;
 
@@ -6,16 +6,16 @@ use super::hash::QuickMap;
 use super::pieces::Piece;
 use super::{Argument, ObjectId, Reference, Statement};
 
-/// Location of a statement: the key of its piece and its position in that piece.
+/// Location of a statement in a file that is split into pieces: the key of its piece, and its index in that piece.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Place {
-    /// Key of the piece.
+    /// Key of the piece that contains the statement.
     pub piece: u32,
-    /// Index among the statements of the piece.
+    /// Index of the statement in the piece.
     pub at: usize,
 }
 
-/// Index from objects to the pieces that define them or refer to them; independent of the order of the pieces.
+/// Index that lists, for each object, its definitions and the pieces that refer to it. The index is independent of the order of the pieces.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Catalogue {
     defined: QuickMap<ObjectId, Vec<Place>>,
@@ -23,7 +23,7 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// Adds the objects and references of a piece.
+    /// Adds the objects and references of a piece to the index.
     pub fn add(&mut self, piece: &Piece) {
         let key = piece.key();
         for (at, statement) in piece.statements().iter().enumerate() {
@@ -38,7 +38,7 @@ impl Catalogue {
         }
     }
 
-    /// Removes the objects and references of a piece that was added before.
+    /// Removes the objects and references of a piece from the index. The piece must have been added before.
     pub fn remove(&mut self, piece: &Piece) {
         let key = piece.key();
         for statement in piece.statements() {
@@ -57,17 +57,17 @@ impl Catalogue {
         }
     }
 
-    /// The statements that define an object, in no order.
+    /// Returns the locations of the statements that define an object, in no particular order.
     pub fn definitions(&self, object: ObjectId) -> &[Place] {
         self.defined.get(&object).map_or(&[], Vec::as_slice)
     }
 
-    /// The keys of the pieces that refer to an object.
+    /// Iterates over the keys of the pieces that refer to an object.
     pub fn referring(&self, object: ObjectId) -> impl Iterator<Item = u32> + '_ {
         self.referring.get(&object).into_iter().flatten().copied()
     }
 
-    /// Every object that is defined, in no order.
+    /// Iterates over all defined objects and their definitions, in no particular order.
     pub fn objects(&self) -> impl Iterator<Item = (ObjectId, &[Place])> {
         self.defined
             .iter()
@@ -75,7 +75,7 @@ impl Catalogue {
     }
 }
 
-/// Returns all references of a statement, including those inside functions.
+/// Returns all references of a statement to objects, including references inside functions.
 pub fn references(statement: &Statement) -> impl Iterator<Item = Reference> + '_ {
     statement.arguments.iter().flat_map(Argument::references)
 }

@@ -8,7 +8,7 @@ use crate::diagnostic::Checked;
 use crate::grammar::{Lookup, Role, find_statement};
 use crate::text::{Source, Span};
 
-/// An ADAMS/Solver command file (.acf), kept without loss.
+/// An ADAMS/Solver command file (.acf). All of its bytes are kept, including comments and blanks.
 #[derive(Clone, Debug)]
 pub struct CommandFile {
     source: Source,
@@ -36,8 +36,8 @@ pub struct CommandLine {
 }
 
 impl CommandFile {
-    /// Reads a command file from any bytes. The diagnostics are as in [`Dataset::parse`](super::Dataset::parse), for commands instead of
-    /// statements.
+    /// Reads a command file from any bytes. Its diagnostics are of the same kinds as the diagnostics of
+    /// [`Dataset::parse`](super::Dataset::parse), apart from the missing END.
     pub fn parse(source: Source) -> Checked<Self> {
         let bytes = source.bytes();
         let bom = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
@@ -90,7 +90,7 @@ impl CommandFile {
         &self.source
     }
 
-    /// Returns all bytes, exactly as they were read.
+    /// Returns all bytes of the file, exactly as they were read.
     pub fn bytes(&self) -> &[u8] {
         self.source.bytes()
     }
@@ -110,7 +110,7 @@ impl CommandFile {
         &self.lines
     }
 
-    /// Iterates over all tokens, from the first byte to the last.
+    /// Iterates over all tokens of the file; together they cover every byte.
     pub fn tokens(&self) -> impl Iterator<Item = Token> + '_ {
         let bytes = self.bytes();
         let bom = if bytes.starts_with(BOM) { BOM.len() } else { 0 };

@@ -10,7 +10,7 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::Role;
 use crate::text::{Edit, EditConflict, Source, Span, apply_edits};
 
-/// An ADAMS/Solver dataset (.adm), kept without loss: its bytes and the positions of its statements. It is cheap to clone.
+/// An ADAMS/Solver dataset (.adm). All of its bytes are kept, together with the positions of its statements. Cloning is cheap.
 #[derive(Clone, Debug)]
 pub struct Dataset {
     source: Source,
@@ -25,9 +25,10 @@ pub struct Dataset {
 /// Lookup tables of statements, built on first use because a large deck has millions of statements.
 #[derive(Debug, Default)]
 struct Index {
-    /// Ids and indices of the statements of each kind, in increasing order of id. Only the first statement with an id is listed.
+    /// Pairs (id, statement index) for each kind of statement, in increasing order of id. If statements share an id, only the first is
+    /// listed.
     by_id: OnceLock<HashMap<&'static str, Vec<(u32, u32)>>>,
-    /// Indices of the statements of each view name, in lower case.
+    /// Statement indices for each view name; the names are in lower case.
     by_name: OnceLock<HashMap<String, Vec<usize>>>,
 }
 
@@ -95,12 +96,12 @@ impl Dataset {
         &self.source
     }
 
-    /// Returns all bytes, exactly as they were read.
+    /// Returns all bytes of the file, exactly as they were read.
     pub fn bytes(&self) -> &[u8] {
         self.source.bytes()
     }
 
-    /// Returns the first line, without surrounding blanks.
+    /// Returns the title: the first line, without surrounding blanks.
     pub fn title(&self) -> Cow<'_, str> {
         let line = self.source.slice(self.title);
         let bom = if line.starts_with(BOM) { BOM.len() } else { 0 };
@@ -113,7 +114,7 @@ impl Dataset {
         }
     }
 
-    /// Returns the span of the first line, without its line end.
+    /// Returns the span of the title, which is the first line without its line end.
     pub fn title_span(&self) -> Span {
         self.title
     }
@@ -123,7 +124,7 @@ impl Dataset {
         &self.statements
     }
 
-    /// Iterates over all tokens, from the first byte to the last.
+    /// Iterates over all tokens of the file; together they cover every byte.
     pub fn tokens(&self) -> impl Iterator<Item = Token> + '_ {
         let body = Span::new(self.title.end(), self.after_end.start());
         one(TokenKind::Title, self.title)
@@ -163,21 +164,21 @@ impl Dataset {
         }
     }
 
-    /// Returns the indices of the statements with this view name; case is ignored.
+    /// Returns the indices of the statements that have this view name; case is ignored.
     pub(crate) fn named(&self, name: &str) -> &[usize] {
         self.names()
             .get(&name.to_lowercase())
             .map_or(&[], Vec::as_slice)
     }
 
-    /// Iterates over all view names and their statements, in order of appearance.
+    /// Iterates over all statements that have a view name, as pairs of name and statement in order of appearance.
     pub(crate) fn view_names(&self) -> impl Iterator<Item = (Cow<'_, str>, &Statement)> {
         self.statements
             .iter()
             .filter_map(|statement| Some((self.source.text(statement.view_name?), statement)))
     }
 
-    /// Returns the name of a statement: its view name, or kind and id (`PART_2`) if it has none.
+    /// Returns the view name of a statement, or its kind and id (`PART_2`) if it has no view name.
     pub fn name<'s>(&'s self, statement: &Statement) -> Cow<'s, str> {
         if let Some(span) = statement.view_name {
             return self.source.text(span);
@@ -192,7 +193,7 @@ impl Dataset {
         })
     }
 
-    /// Applies edits and reads the resulting dataset.
+    /// Applies edits to the text and parses the edited text as a new dataset.
     ///
     /// # Errors
     /// Returns an error if two edits overlap or an edit lies outside of the file.
@@ -200,7 +201,7 @@ impl Dataset {
         Ok(Self::parse(self.text_after(edits)?))
     }
 
-    /// Applies edits and returns the resulting text without parsing it.
+    /// Applies edits and returns the edited text without parsing it.
     ///
     /// # Errors
     /// Returns an error if two edits overlap or an edit lies outside of the file.
@@ -209,7 +210,7 @@ impl Dataset {
         Ok(Source::new(self.source.name(), bytes))
     }
 
-    /// Replaces this dataset by another text and returns the diagnostics of [`parse`](Self::parse).
+    /// Replaces the content of this dataset by a new text, parses that text, and returns the diagnostics of [`parse`](Self::parse).
     ///
     /// The old statements are released before the new text is parsed, because the statements of a large deck take several times the memory
     /// of its text.

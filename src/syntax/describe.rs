@@ -13,7 +13,7 @@ fn line(out: &mut String, text: &str) {
     out.push('\n');
 }
 
-/// Formats a keyword with its must-type letters in capitals and the other letters in lower case: `BUshing`.
+/// Formats a keyword with its shortest legal abbreviation in capitals and its other letters in lower case: `BUshing`.
 pub fn minimal(name: &str, minimum: usize) -> String {
     let cut = minimum.min(name.len());
     format!("{}{}", &name[..cut], name[cut..].to_ascii_lowercase())
@@ -87,7 +87,7 @@ pub fn function(def: &FunctionDef) -> String {
     text
 }
 
-/// Returns a sentence about which solver handles the statement or function.
+/// Returns a sentence that says which solver handles the statement or function.
 pub fn solved(solved: Solved) -> String {
     match solved {
         Solved::Native(what) => format!("Solved by the built-in solver ({what})."),
@@ -96,7 +96,7 @@ pub fn solved(solved: Solved) -> String {
     }
 }
 
-/// Formats the value of an argument, for example ` = real[3]`; empty for a flag.
+/// Formats the type and count of an argument's value, for example ` = real[3]`; empty for a flag.
 pub fn value(argument: &ArgumentDef) -> String {
     let kind = match argument.kind {
         ValueKind::Flag => return String::new(),
@@ -142,7 +142,7 @@ pub fn details(argument: &ArgumentDef) -> Vec<String> {
             .default
             .iter()
             .map(|value| match argument.dimension {
-                // Angles are shown in degrees.
+                // Angles are shown in degrees, although the grammar holds them in radians.
                 Dimension::ANGLE if *value != 0.0 => spell_like(*value, b"1D"),
                 _ => value.to_string(),
             })

@@ -9,48 +9,48 @@ use super::number::parse_number;
 use super::{Address, Argument, Dataset, Expression, Number, Statement, TokenKind, Value};
 use crate::text::{Source, Span};
 
-/// Tolerance within which two numbers count as equal: |a - b| <= absolute + relative max(|a|, |b|).
+/// Tolerance for comparing numbers: a and b count as equal if |a - b| <= absolute + relative max(|a|, |b|).
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct DiffTolerance {
-    /// Largest difference, in the unit of the number.
+    /// Absolute tolerance, in the unit of the compared numbers.
     pub absolute: f64,
-    /// Relative tolerance, as a fraction of the larger magnitude.
+    /// Relative tolerance, as a fraction of the larger of the two magnitudes.
     pub relative: f64,
 }
 
-/// One difference of one object.
+/// One difference between two versions of an object.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Difference {
-    /// Address of the object or number: `BUSHING/12.K.2`.
+    /// Address of the object or value that differs: `BUSHING/12.K.2`.
     pub address: String,
-    /// View name of the object, if it has one.
+    /// ADAMS/View name of the object, if it has one.
     pub name: Option<String>,
-    /// What is different.
+    /// Kind of the difference, with both values.
     pub change: DiffKind,
 }
 
-/// Kind of a difference.
+/// Kind of a difference between two datasets.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DiffKind {
-    /// Only the second dataset has it.
+    /// The object is only in the second dataset.
     Added,
     /// The object is only in the first dataset.
     Removed,
-    /// A number differs.
+    /// A number differs by more than the tolerance.
     Number {
         /// Value in the first dataset; angles in radians.
         before: f64,
         /// Value in the second dataset; angles in radians.
         after: f64,
-        /// Spelling in the first and second dataset; for a default that is not written, its value.
+        /// Spellings in the first and in the second dataset; a default that is not written is formatted from its value.
         written: [String; 2],
     },
-    /// A text, a function, a word or the number of values differs; `None` if the argument is not written.
+    /// Something other than a number differs: a text, a function, a word, or the number of values.
     Text {
-        /// Text in the first dataset.
+        /// Text in the first dataset; `None` if the argument is not written.
         before: Option<String>,
-        /// Text in the second dataset.
+        /// Text in the second dataset; `None` if the argument is not written.
         after: Option<String>,
     },
 }
@@ -61,8 +61,10 @@ impl DiffTolerance {
     }
 }
 
-/// The differences in order: objects of the first dataset as they appear there, then what only the second one has. A default
-/// that is written out, another order of arguments, another spelling of a number, comments and line breaks are no differences.
+/// Returns the differences between two datasets. The differences of the objects in `before` come first, in the order of these objects.
+/// Objects that only `after` contains follow.
+///
+/// Comments, line breaks, the order of arguments, the spelling of numbers, and whether a default is written out make no difference.
 pub fn diff(before: &Dataset, after: &Dataset, tolerance: DiffTolerance) -> Vec<Difference> {
     let mut found = Vec::new();
     if before.title() != after.title() {
@@ -103,9 +105,10 @@ pub fn diff(before: &Dataset, after: &Dataset, tolerance: DiffTolerance) -> Vec<
     found
 }
 
-/// Returns all statements with a key that identifies their object.
+/// Returns all statements, each with a key that identifies its object.
 ///
-/// The key is the address, or the text of a statement that is not in the grammar. Repeated keys are numbered.
+/// The key is the address of the object, or the whole text of a statement that is not in the grammar. If a key is repeated, a number is
+/// appended to it.
 fn objects(dataset: &Dataset) -> Vec<(String, &Statement)> {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let mut all = Vec::new();
@@ -136,7 +139,7 @@ fn view_name(dataset: &Dataset, statement: &Statement) -> Option<String> {
     Some(dataset.source().text(statement.view_name?).into_owned())
 }
 
-/// The two versions of one object.
+/// The versions of one object in the two datasets.
 struct Pair<'a> {
     before: (&'a Dataset, &'a Statement),
     after: (&'a Dataset, &'a Statement),
@@ -231,7 +234,8 @@ impl Pair<'_> {
         }
     }
 
-    /// Returns the values of an argument, or its defaults if it is not written; `None` if it has neither, or a value is not a number.
+    /// Returns the values of an argument, or its default values if the argument is not written. Returns `None` if there are no values, or
+    /// if a value is not a number.
     fn numbers(statement: &Statement, name: &str, default: &[f64]) -> Option<Vec<Number>> {
         let mut arguments = statement.all(name).peekable();
         if arguments.peek().is_none() {
@@ -262,7 +266,7 @@ impl Pair<'_> {
                 .all(|(a, b)| self.tolerance.same(a.value, b.value))
     }
 
-    /// Returns true if two calls of user subroutines are equal up to layout and the spelling of numbers, within the tolerance.
+    /// Returns true if two calls of user subroutines are equal apart from layout and from numbers that differ within the tolerance.
     fn same_call(&self, old: &str, new: &str) -> bool {
         let numbers = |text: &str| -> Vec<f64> {
             Lexer::new(text.as_bytes(), Span::new(0, text.len()), false)
@@ -285,7 +289,7 @@ impl Pair<'_> {
     }
 }
 
-/// Returns the spelling of a number in the file, or its value if it is not written.
+/// Returns the spelling of a number in the file, or its formatted value if the number is not written.
 fn written(dataset: &Dataset, number: &Number) -> String {
     if number.span.is_empty() {
         return number.value.to_string();
@@ -293,7 +297,7 @@ fn written(dataset: &Dataset, number: &Number) -> String {
     dataset.source().text(number.span).into_owned()
 }
 
-/// Returns the bytes of a function text in capitals, without blanks and with a mark for each number.
+/// Returns the text of a function in capitals, without blanks and with a placeholder for each number.
 ///
 /// The result is bytes because a token may end inside a multi-byte character.
 fn shape(text: &str) -> Vec<u8> {
@@ -310,7 +314,7 @@ fn shape(text: &str) -> Vec<u8> {
     shape
 }
 
-/// Formats the value of an argument in one line, with words in full and in capitals.
+/// Formats the value of an argument in one line; words are written in full and in capitals.
 fn text(source: &Source, argument: &Argument) -> String {
     match &argument.value {
         Value::Flag => String::new(),

@@ -1,4 +1,4 @@
-//! Changes of a dataset as text edits that touch only the bytes that change.
+//! Changes of values in a dataset, as text edits that touch only the bytes that change.
 
 use std::collections::BTreeSet;
 
@@ -20,8 +20,8 @@ impl Dataset {
 
     /// Returns the number that an address refers to, if it is written in the file.
     ///
-    /// This is value `index` of an argument, number `index` of a function's text, or a whole function that is a single number. Without an
-    /// argument name, FUNCTION is used. The index may be omitted if there is only one value.
+    /// The number is value `index` of an argument, literal `index` in the text of a function, or the value of a function that consists of a
+    /// single number. If the address has no argument name, FUNCTION is used. The index may be omitted if there is only one value.
     pub fn number_at(&self, address: &Address) -> Option<Number> {
         let statement = self.find(address)?;
         let name = address.argument.as_deref().unwrap_or("FUNCTION");
@@ -41,7 +41,7 @@ impl Dataset {
         }
     }
 
-    /// Returns the value that an address refers to, or the default of the grammar if the argument is not written.
+    /// Returns the number that an address refers to, or its default in the grammar if the argument is not written.
     pub fn value_at(&self, address: &Address) -> Option<f64> {
         if let Some(number) = self.number_at(address) {
             return Some(number.value);
@@ -58,10 +58,10 @@ impl Dataset {
         }
     }
 
-    /// Returns the edits that set a number to a new value in model units (angles in radians); none if the value is unchanged.
+    /// Returns the edits that set a number to a new value in model units (angles in radians). There are no edits if the value is unchanged.
     ///
-    /// Only the bytes of the number change, and its style is kept. An argument that is not written is added in the style of the file. A
-    /// marker is moved without rotation: its points ZP and XP move along with QP.
+    /// Only the bytes of the number change, and its style is kept. An argument that is not written is added in the style of the file. If QP
+    /// of a marker is set, its points ZP and XP move along, so that the marker does not rotate.
     ///
     /// # Errors
     /// Returns `undefined-id` if the object does not exist, `wrong-type` if the address does not refer to a number, and `out-of-range` for
@@ -70,8 +70,9 @@ impl Dataset {
         self.set_beside(address, value, &BTreeSet::new())
     }
 
-    /// Returns the edits of [`Dataset::set`] as part of several assignments; the points of a marker in `beside` get values of their own and
-    /// do not move.
+    /// Returns the edits of [`Dataset::set`] for one of several assignments made together.
+    ///
+    /// `beside` contains all addresses that are assigned. A point ZP or XP in `beside` gets its own value and does not move along with QP.
     ///
     /// # Errors
     /// Returns the errors of [`Dataset::set`].
@@ -86,7 +87,7 @@ impl Dataset {
         Ok(edits)
     }
 
-    /// Returns the edits that set this number only; the points of a marker do not move along.
+    /// Returns the edits that set only this number; the points ZP and XP of a marker do not move along with QP.
     ///
     /// # Errors
     /// Returns the errors of [`Dataset::set`].
@@ -94,10 +95,10 @@ impl Dataset {
         self.set_spelled(address, value, |old| spell_like(value, old))
     }
 
-    /// Returns the edits that set the whole value at an address to a text typed by a user.
+    /// Returns the edits that set the value at an address to a text typed by a user.
     ///
-    /// A typed number keeps its spelling, with one exception: if only the old number has the degree suffix or an exponent, the new number
-    /// gets it too. The points of a marker move as in [`Dataset::set_beside`].
+    /// A typed number keeps its spelling, with two exceptions. Typed radians that replace degrees are converted to degrees, and a number
+    /// that replaces one with an exponent gets an exponent. The points ZP and XP of a marker move as described at [`Dataset::set_beside`].
     ///
     /// # Errors
     /// Returns the errors of [`Dataset::set`] and [`Dataset::set_text`].
@@ -117,7 +118,7 @@ impl Dataset {
             return Ok(edits);
         };
         let mut edits = self.set_spelled(address, value, |old| {
-            // Radians that replace degrees are converted to degrees, and an exponent is kept, so that the text keeps its unit and style.
+            // An angle in degrees stays in degrees, and an exponent stays an exponent, so that the number keeps its unit and style.
             let in_degrees = !degrees && matches!(old, [.., b'D' | b'd']);
             let has_power = |text: &[u8]| text.iter().any(|byte| matches!(byte, b'E' | b'e'));
             if in_degrees || has_power(old) && !has_power(typed.as_bytes()) {
@@ -130,7 +131,7 @@ impl Dataset {
         Ok(edits)
     }
 
-    /// Returns the edits that set a number to a new value; `spell` formats the value in place of an old spelling.
+    /// Returns the edits that set a number to a new value; `spell` formats the new value in the style of the old spelling.
     fn set_spelled(
         &self,
         address: &Address,
@@ -205,9 +206,9 @@ impl Dataset {
         }
     }
 
-    /// Returns the edits that replace the whole value of an argument by a text: a function, a word or a list.
+    /// Returns the edits that replace the whole value of an argument by a text, which is a function, a word or a list.
     ///
-    /// Without an argument name, FUNCTION is used. An argument that is not written is added.
+    /// If the address has no argument name, FUNCTION is used. An argument that is not written is added.
     ///
     /// # Errors
     /// Returns `undefined-id` if the object does not exist, `bad-expression` for a function that cannot be parsed, `syntax-error` for a
@@ -253,7 +254,7 @@ impl Dataset {
         }
     }
 
-    /// Returns the edits that add a flag, or remove it together with its separator.
+    /// Returns the edits that add a flag to a statement (`on`), or remove it together with its separator.
     ///
     /// # Errors
     /// Returns `undefined-id` if the object does not exist, and `wrong-type` if the address does not refer to a flag.
@@ -287,9 +288,11 @@ impl Dataset {
         }
     }
 
-    /// Returns the edits that add a statement in the style of the file: after the last statement of its kind, or else before END.
+    /// Returns the edits that add a statement in the style of the file: after the last statement of its kind, or before END if there is
+    /// none.
     ///
-    /// A body is inserted after all markers that belong to the preceding body without naming it.
+    /// Markers that name no body belong to the body before them. A new body is therefore inserted only after all such markers of the
+    /// preceding body.
     pub fn add(&self, statement: &NewStatement) -> Vec<Edit> {
         let style = Style::of(self);
         let text = style.statement(statement);
@@ -310,7 +313,7 @@ impl Dataset {
         vec![Edit::new(Span::at(at), self.encoded(&text))]
     }
 
-    /// Returns a statement in the style of this dataset, without a final line end.
+    /// Formats a statement in the style of this dataset, without a final line end.
     pub fn written(&self, statement: &NewStatement) -> Vec<u8> {
         let text = Style::of(self).statement(statement);
         self.encoded(text.trim_end())
@@ -325,7 +328,7 @@ impl Dataset {
         })
     }
 
-    /// Returns the edits that extend a list of numbers up to the addressed position; positions in between get their defaults.
+    /// Returns the edits that extend a list of numbers up to the addressed position; the positions in between get their default values.
     fn extend(
         &self,
         statement: &Statement,
@@ -370,7 +373,7 @@ impl Dataset {
         }])
     }
 
-    /// Returns the edit that adds `NAME = text`, or a flag, at the end of a statement.
+    /// Returns the edit that adds `NAME = text`, or a flag without a value, at the end of a statement.
     pub(super) fn new_argument(
         &self,
         statement: &Statement,
@@ -392,7 +395,7 @@ impl Dataset {
                         .is_some_and(|def| def.kind == ValueKind::Function))
         });
         if is_function {
-            // A function before another argument must end with a backslash, which may already be present.
+            // A function followed by another argument must end with a backslash, which may already be present.
             let rest = &self.bytes()[at..statement.span.end()];
             match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
                 Some(mark) if rest[mark] == b'\\' => at += mark + 1,
@@ -405,7 +408,7 @@ impl Dataset {
         )
     }
 
-    /// Returns the offset after `KEYWORD/id`.
+    /// Returns the offset at which the head `KEYWORD/id` of a statement ends.
     pub(super) fn after_header(&self, statement: &Statement) -> usize {
         if let Some((_, span)) = statement.id {
             return span.end();
@@ -438,12 +441,13 @@ impl Dataset {
         memchr::memrchr2(b'\n', b'\r', &self.bytes()[..at]).map_or(0, |end| end + 1)
     }
 
-    /// Returns the offset after the line end of the line that contains `at`.
+    /// Returns the offset of the line after the line that contains `at`.
     pub(super) fn line_end(&self, at: usize) -> usize {
         super::lines::physical_line(self.bytes(), at).next
     }
 
-    /// Returns the position and text that insert `text` after the line of `at`; a line end is prepended if that line has none.
+    /// Returns the offset and the text of an insertion that puts `text` after the line of `at`. If that line has no line end, the inserted
+    /// text begins with one.
     fn after_line(&self, at: usize, text: &str, style: &Style) -> (usize, String) {
         let next = self.line_end(at);
         let open = !matches!(self.bytes()[..next].last(), None | Some(b'\n' | b'\r'));
@@ -464,7 +468,7 @@ fn argument_def(statement: &Statement, address: &Address) -> Option<&'static Arg
         .find(|argument| argument.name == name)
 }
 
-/// Returns true if the address refers to an id inside a function.
+/// Returns true if the address refers to a number inside a function and this number is an id.
 fn is_id(statement: &Statement, address: &Address) -> bool {
     let name = address.argument.as_deref().unwrap_or("FUNCTION");
     let (Some(argument), Some(index)) = (statement.argument(name), address.index) else {

@@ -1,4 +1,4 @@
-//! Faults of a single statement against the grammar, as data: missing arguments, wrong counts, undefined ids.
+//! Faults of a single statement with respect to the grammar, as data: missing arguments, wrong numbers of values, undefined ids.
 //!
 //! The caller decides how severe each fault is.
 
@@ -7,32 +7,32 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{ArgumentDef, Presence, Solved, StatementDef, ValueKind};
 use crate::text::{Source, Span};
 
-/// Kind of a fault.
+/// Kind of a fault, with the arguments or the id concerned.
 #[derive(Clone, Copy, Debug)]
 pub enum Wrong {
     /// A required argument is missing.
     Missing(&'static ArgumentDef),
-    /// All of the arguments are missing, although one is required.
+    /// None of these arguments is present, although one of them is required.
     NoneOf(&'static [&'static str]),
-    /// Only some of the arguments are present, although all or none are required.
+    /// Some of these arguments are missing, although either all or none must be present.
     Partly(&'static [&'static str]),
     /// The first argument is present without the second, which it requires.
     Without(&'static str, &'static str),
-    /// Two arguments are present that exclude each other.
+    /// Both of these arguments are present, although they exclude each other.
     Both(&'static str, &'static str),
-    /// An argument has a wrong number of values, which is given.
+    /// The argument has this number of values, which the grammar does not allow.
     Count(&'static ArgumentDef, usize),
-    /// No object of this id space has this id.
+    /// No object in this id space has this id.
     Undefined(&'static str, u32),
-    /// An argument is 0 where it must name an object of this id space.
+    /// The argument is 0, although it must give the id of an object in this id space.
     Nothing(&'static ArgumentDef, &'static str),
-    /// A number is not an id where an id is required.
+    /// A number in this argument is not a valid id.
     NoId(&'static ArgumentDef),
-    /// A number has a fraction or is an angle where an integer is required.
+    /// A number in this argument must be an integer, but it has a fraction or a degree suffix.
     NotWhole(&'static ArgumentDef),
 }
 
-/// A fault of a statement.
+/// A fault of a statement with respect to the grammar.
 #[derive(Clone, Copy, Debug)]
 pub struct Fault<'s> {
     /// The faulty statement.
@@ -43,7 +43,7 @@ pub struct Fault<'s> {
 }
 
 impl Statement {
-    /// Passes all faults of the statement to `found`. `defines` tells whether an id space contains an id.
+    /// Passes all faults of the statement to `found`. The function `defines` returns true if an object in an id space has an id.
     pub fn faults<'s>(
         &'s self,
         defines: impl Fn(&'static str, u32) -> bool,
@@ -90,7 +90,7 @@ impl Statement {
         }
     }
 
-    /// Passes the faults of presence to `found`: missing arguments, and arguments that exclude each other.
+    /// Passes only the faults that concern which arguments are present: missing arguments, and arguments that exclude each other.
     pub fn presence_faults<'s>(&'s self, mut found: impl FnMut(Fault<'s>)) {
         let Some(def) = self.def else { return };
         let mut tell = |wrong, place| found(self.fault(wrong, place));
@@ -112,7 +112,7 @@ impl Statement {
         }
     }
 
-    /// Reports violations of one presence rule, with their locations.
+    /// Passes all violations of one presence rule, with their locations, to `tell`.
     fn breaches(&self, rule: &Presence, mut tell: impl FnMut(Wrong, Span)) {
         let place = |name| self.argument(name).map_or(self.keyword, |a| a.name);
         match *rule {
@@ -160,7 +160,7 @@ impl Statement {
         }
     }
 
-    /// Returns the span of keyword and id.
+    /// Returns the span from the keyword to the id.
     pub(crate) fn head(&self) -> Span {
         match self.id {
             Some((_, id)) => self.keyword.join(id),
@@ -169,7 +169,8 @@ impl Statement {
     }
 }
 
-/// Returns the number of values of an argument if it is wrong. Flags with values and unreadable values were already reported by the reader.
+/// Returns the number of values of an argument if the grammar does not allow this number. Flags with values and unreadable values are not
+/// checked, because the parser has already reported them.
 fn wrong_count(argument: &Argument, def: &ArgumentDef) -> Option<usize> {
     let given = match &argument.value {
         _ if def.kind == ValueKind::Flag => return None,
@@ -181,7 +182,7 @@ fn wrong_count(argument: &Argument, def: &ArgumentDef) -> Option<usize> {
     (!fits).then_some(given)
 }
 
-/// Returns true if an argument must not be 0. In other arguments (RM, and J of a REQUEST) 0 means ground or no object.
+/// Returns true if an argument must not be 0. In other arguments, such as RM, or J of a REQUEST, 0 means ground or no object.
 fn needs_object(def: &StatementDef, argument: &ArgumentDef) -> bool {
     let acts = !matches!(def.solved, Solved::NoEffect(_)) && def.name != "REQUEST";
     let attached = ["I", "J", "IFLOAT", "JFLOAT", "JOINT", "JOINTS"];
@@ -202,7 +203,7 @@ fn wrong_id(
 }
 
 impl Fault<'_> {
-    /// Returns the code of the diagnostic.
+    /// Returns the code under which the fault is reported.
     pub(crate) fn code(&self) -> Code {
         match self.wrong {
             Wrong::Missing(_) | Wrong::NoneOf(_) | Wrong::Partly(_) | Wrong::Without(..) => {
@@ -215,8 +216,8 @@ impl Fault<'_> {
         }
     }
 
-    /// Converts the fault into a diagnostic. `source` is the file of the statement; `dataset` is the name that the message uses for the
-    /// dataset of the ids.
+    /// Converts the fault into a diagnostic. `source` is the file of the statement. `dataset` is the name of the dataset that should define
+    /// the ids; the message uses it.
     pub fn diagnostic(&self, source: &Source, dataset: &str) -> Diagnostic {
         let title = self.statement.title(source);
         let written = source.text(self.place);

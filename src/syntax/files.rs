@@ -1,4 +1,4 @@
-//! Files named by a dataset, and the contents of the files that were read.
+//! File names that occur in a dataset, and a collection of the files that were read.
 
 use std::collections::BTreeMap;
 
@@ -13,16 +13,16 @@ pub struct FileReference {
     pub name: String,
     /// Location of the name.
     pub span: Span,
-    /// True if the statement is incomplete without the file, as for a FILE argument. The text of a STRING only looks like a file name.
+    /// True if the statement is incomplete without the file, as for a FILE argument; false if a STRING text only looks like a file name.
     pub needed: bool,
 }
 
-/// File name extensions of Adams/Car property files and of road and tyre files; a STRING text with such an extension names a file.
+/// File name extensions of Adams/Car property files and of road and tyre files. A STRING text with such an extension counts as a file name.
 const ENDINGS: [&str; 8] = ["bus", "spr", "bum", "reb", "dpr", "tir", "rdf", "xml"];
 
-/// Returns all files that a dataset names: FILE arguments, and STRING texts with the extension of a property file.
+/// Returns all file names in a dataset: FILE arguments, and STRING texts with the extension of a property file.
 ///
-/// Adams/Car passes such STRING texts to its subroutines.
+/// Adams/Car passes the texts of such STRING statements to its subroutines.
 pub fn references(dataset: &Dataset) -> Vec<FileReference> {
     let mut found = Vec::new();
     for statement in dataset.statements() {
@@ -55,17 +55,17 @@ pub fn references(dataset: &Dataset) -> Vec<FileReference> {
     found
 }
 
-/// Contents of files, by the name written in a dataset.
+/// Contents of files; the key of each file is its name as written in a dataset.
 #[derive(Clone, Debug, Default)]
 pub struct Files(BTreeMap<String, Source>);
 
 impl Files {
-    /// Adds a file under the name written in a dataset.
+    /// Adds a file; `name` is its name as written in a dataset.
     pub fn add(&mut self, name: impl Into<String>, source: Source) {
         self.0.insert(name.into(), source);
     }
 
-    /// Returns the file with this name.
+    /// Returns the file with this name, which is given as written in a dataset.
     pub fn get(&self, name: &str) -> Option<&Source> {
         self.0.get(name.trim())
     }

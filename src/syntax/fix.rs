@@ -3,19 +3,19 @@ use std::collections::BTreeMap;
 use crate::diagnostic::{Applicability, Diagnostic};
 use crate::text::{Edit, Span};
 
-/// Returns the edits of all fixes for `file` that keep its meaning; `file` is the name of its source.
+/// Returns the edits of all fixes that keep the meaning of the file; `file` is the name of its source.
 ///
-/// If fixes overlap, only the first is taken; the others are found again after the edits.
+/// If fixes overlap, only the first is applied. The problems of the others are found again when the edited file is checked.
 pub fn safe_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
     fixes(diagnostics, file, |how| how == Applicability::Safe)
 }
 
-/// Returns the edits of all fixes, including those that may change the meaning, such as the correction of a misspelt word.
+/// Returns the edits of all fixes, including fixes that may change the meaning, such as the correction of a misspelt word.
 pub fn all_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
     fixes(diagnostics, file, |_| true)
 }
 
-/// Adds a "did you mean" help with the nearest words, and a fix if there is exactly one.
+/// Adds a "did you mean" help with the nearest words. If there is exactly one such word, a fix is added as well.
 pub(super) fn did_you_mean(diagnostic: Diagnostic, span: Span, near: &[&str]) -> Diagnostic {
     let asked = diagnostic.help(format!("did you mean {}?", near.join(" or ")));
     match near {
@@ -48,7 +48,8 @@ fn fixes(
     taken.into_values().collect()
 }
 
-/// Returns true if a span overlaps none of the taken spans; because these are sorted, only the neighbours are checked.
+/// Returns true if a span overlaps none of the spans in `taken`. The spans are sorted and disjoint, so only the two neighbours are
+/// compared.
 fn fits(taken: &BTreeMap<Span, Edit>, span: Span) -> bool {
     let apart = |a: Span, b: Span| a.end() < b.start() || (a.end() == b.start() && !a.is_empty());
     let before = taken.range(..=span).next_back();

@@ -5,14 +5,14 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::ValueKind;
 use crate::text::Source;
 
-/// Returns errors about the markers that a statement refers to; `source` is the file of the statement, `dataset` contains the markers.
+/// Returns errors about fixed or floating markers in a statement; `source` is the file of the statement, and `dataset` defines the markers.
 pub fn floating_faults(
     statement: &Statement,
     source: &Source,
     dataset: &Dataset,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    // A request may measure floating markers; graphics, tyres and markers use them in their own ways.
+    // Requests may measure floating markers. Graphics, tyres and markers use floating markers in their own ways.
     if matches!(
         statement.kind(),
         Some("REQUEST" | "GRAPHICS" | "MARKER" | "TIRE" | "FEMDATA")

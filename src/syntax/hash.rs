@@ -2,7 +2,7 @@
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 
-/// Factory of hashers with a random seed per table, so that no deck can be crafted to make its ids collide.
+/// Builder of hashers. Each hash table gets a random seed, so that no deck can be crafted to make its ids collide.
 #[derive(Clone, Copy, Debug)]
 pub struct QuickState(u64);
 
@@ -23,7 +23,7 @@ impl BuildHasher for QuickState {
     }
 }
 
-/// Hasher that multiplies to 128 bits and combines the two halves by exclusive or.
+/// Hasher that multiplies to a 128-bit product and combines the two halves of the product by exclusive or.
 #[derive(Clone, Copy, Debug)]
 pub struct QuickHasher {
     state: u64,

@@ -1,4 +1,4 @@
-//! Conversion of a dataset to JSON, and of a modified JSON back to edits of the original text.
+//! Export of a dataset to JSON, and import of a modified JSON as edits of the original text.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -11,10 +11,10 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{ArgumentDef, STATEMENTS, ValueKind, nearest};
 use crate::text::Edit;
 
-/// Exports a dataset as JSON: `title`, and `statements` with `kind`, `id`, `name` (the view name) and `arguments`.
+/// Exports a dataset as JSON: `title`, and a list `statements` with `kind`, `id`, `name` (the ADAMS/View name) and `arguments`.
 ///
-/// Numbers are in model units (radians), flags are `true`, functions are texts. A repeated argument is a list of its values. Statements
-/// that are not in the grammar are left out.
+/// Numbers are in model units (angles in radians), flags are `true`, and functions are texts. A repeated argument becomes a list of its
+/// values. Statements that are not in the grammar are left out.
 pub fn export(dataset: &Dataset) -> Json {
     let statements: Vec<Json> = dataset
         .statements()
@@ -74,7 +74,7 @@ fn value(dataset: &Dataset, argument: &Argument) -> Json {
     }
 }
 
-/// Converts a number to JSON, integers without a decimal point: ids are not written as 12.0.
+/// Converts a number to JSON. An integer gets no decimal point, so that an id becomes 12 and not 12.0.
 fn number_json(value: f64) -> Json {
     if value.fract() == 0.0 && value.abs() < 9e15 {
         json!(value as i64)
@@ -83,12 +83,12 @@ fn number_json(value: f64) -> Json {
     }
 }
 
-/// Returns the edits that make the dataset equal to the JSON: changed, new and removed values and statements.
+/// Returns the edits that make the dataset equal to the JSON: they change, add and remove values and statements.
 ///
-/// An exported JSON that was not changed gives no edits. Statements that are not in the grammar stay.
+/// An exported JSON without changes gives no edits. Statements that are not in the grammar stay in the dataset.
 ///
 /// # Errors
-/// Returns one diagnostic for each impossible change, such as a statement without a kind or a value of the wrong type.
+/// Returns one diagnostic for each change that is impossible, such as a statement without a kind or a value of the wrong type.
 pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnostic>> {
     let mut edits = Vec::new();
     let mut diagnostics = Vec::new();
@@ -105,7 +105,7 @@ pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnosti
             "the JSON has no list named statements".into(),
         )]);
     };
-    // Repeated statements are matched in their order.
+    // Repeated statements are paired in their order of appearance.
     let mut places: BTreeMap<(&str, Option<u32>), VecDeque<usize>> = BTreeMap::new();
     for (at, statement) in dataset.statements().iter().enumerate() {
         if let Some(kind) = statement.kind().filter(|kind| *kind != "END") {
@@ -144,7 +144,7 @@ pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnosti
     }
 }
 
-/// Lists the objects and arguments that differ between a dataset and a JSON; empty after a successful import.
+/// Lists the objects and arguments in which a dataset differs from a JSON; the list is empty after a successful import.
 pub fn disagreements(dataset: &Dataset, json: &Json) -> Vec<String> {
     let is = export(dataset);
     let list = |json: &Json| -> Vec<Json> {
@@ -200,9 +200,10 @@ pub fn disagreements(dataset: &Dataset, json: &Json) -> Vec<String> {
     differ
 }
 
-/// Returns true if a value of the dataset equals the wanted value up to spelling.
+/// Returns true if a value of the dataset (`is`) equals the value in the JSON (`wanted`), apart from spelling.
 ///
-/// Examples of equal values: a number and a list of one, a text of numbers and the numbers, an abbreviated word and the full word.
+/// Examples of equal values: a number and a list of only this number; a list of numbers and a text with the same numbers; an abbreviated
+/// word and the full word.
 fn agree(wanted: &Json, is: &Json) -> bool {
     match (wanted, is) {
         (Json::Array(a), Json::Array(b)) if a.len() == b.len() => {
@@ -231,7 +232,7 @@ fn agree(wanted: &Json, is: &Json) -> bool {
     }
 }
 
-/// Returns the keyword and address of the object of a JSON statement.
+/// Returns the statement keyword and the address of the object that a JSON statement describes.
 fn address_of(object: &Json) -> Result<(&'static str, Address), Diagnostic> {
     let kind = object.get("kind").and_then(Json::as_str);
     let Some(kind) = kind.filter(|kind| !kind.is_empty()) else {
@@ -285,7 +286,7 @@ fn definition(object: &Address, name: &str) -> Result<&'static ArgumentDef, Diag
     })
 }
 
-/// Returns the edits for one statement.
+/// Returns the edits that make one statement equal to its JSON.
 fn change(
     dataset: &Dataset,
     statement: &Statement,
@@ -331,7 +332,7 @@ fn change(
     Ok(edits)
 }
 
-/// Returns true if two values are equal, with numbers compared up to the last digits that a JSON reader may lose.
+/// Returns true if two values are equal. Numbers are compared except for their last digits, which a JSON reader may lose.
 fn same(a: &Json, b: &Json) -> bool {
     match (a, b) {
         (Json::Number(a), Json::Number(b)) => match (a.as_f64(), b.as_f64()) {
@@ -376,7 +377,7 @@ fn change_value(
                     index: Some(k + 1),
                     ..address.clone()
                 };
-                // The points ZP and XP of a marker do not move along, because the JSON contains their own values.
+                // The points ZP and XP do not move along with QP of a marker, because the JSON contains their own values.
                 edits.extend(dataset.set_alone(&address, *new)?);
             }
         }
@@ -394,7 +395,7 @@ fn change_value(
         matches!(argument.value, Value::Texts(_)) && start > 0 && dataset.bytes()[start - 1] == b'"'
     });
     let text = match new {
-        // The quotes around the whole list stay in place.
+        // The list as a whole is in quotes, which stay in place.
         Json::Array(items) if quoted && items.iter().all(Json::is_string) => {
             let texts: Vec<&str> = items.iter().filter_map(Json::as_str).collect();
             Some(texts.join("\", \""))
@@ -458,7 +459,7 @@ fn new_statement(object: &Json, address: &Address) -> Result<NewStatement, Diagn
     })
 }
 
-/// Formats a value that is not yet in the dataset; ambiguous texts are quoted.
+/// Formats a value for an argument that is not yet in the dataset; ambiguous texts are put in quotes.
 fn new_text(def: &ArgumentDef, json: &Json) -> Option<String> {
     let text = written(json)?;
     if text.contains(['\n', '\r']) {

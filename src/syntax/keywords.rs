@@ -4,17 +4,18 @@ use crate::grammar::{
     ArgumentDef, Lookup, Role, STATEMENTS, StatementDef, all_nearest, find_argument, find_statement,
 };
 
-/// A keyword that was not found, with similar keywords for the message.
+/// Failure to find a keyword, with similar keywords for the message.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Missed {
-    /// Several keywords match.
+    /// Several keywords match; the list contains them.
     Ambiguous(Vec<&'static str>),
-    /// No keyword matches; holds the nearest ones.
+    /// No keyword matches; the list contains the most similar keywords.
     Unknown(Vec<&'static str>),
 }
 
 impl Missed {
-    /// Returns the highest severity to report: only a warning if no keyword is similar, because this program may lack that keyword.
+    /// Returns the severity with which to report the failure. If no keyword is similar, it is only a warning, because the tables of this
+    /// program may lack the keyword.
     pub(crate) fn severity(&self) -> Severity {
         match self {
             Self::Unknown(near) if near.is_empty() => Severity::Warning,
@@ -25,23 +26,23 @@ impl Missed {
 
 type Found<T> = Result<&'static T, Missed>;
 
-/// Cache of keyword lookups, because decks repeat the same few spellings.
+/// Cache of keyword lookups; it saves time because decks repeat the same few spellings.
 #[derive(Debug)]
 pub(super) struct Keywords {
     role: Role,
-    /// Cache of found arguments, indexed by a hash of statement and spelling; a new entry replaces the old one at its index.
+    /// Cached arguments, at indices given by a hash of statement and spelling; a new entry replaces the old entry at its index.
     recent: Vec<Recent>,
     statements: QuickMap<Vec<u8>, Found<StatementDef>>,
     arguments: QuickMap<&'static str, QuickMap<Vec<u8>, Found<ArgumentDef>>>,
 }
 
-/// A found argument: its statement, its packed spelling and its definition.
+/// A cached argument: its statement, its spelling packed into an integer, and its definition.
 type Recent = Option<(&'static StatementDef, u128, &'static ArgumentDef)>;
 
-/// Number of entries of the cache of found arguments; a power of two.
+/// Number of entries in the cache of arguments; a power of two.
 const PLACES: usize = 256;
 
-/// Packs a word of up to 16 letters, digits and underscores into one number that ignores case.
+/// Packs a word of up to 16 letters, digits and underscores into an integer; words that differ only in case give the same integer.
 fn packed(word: &[u8]) -> Option<u128> {
     const CAPITALS: u128 = u128::from_le_bytes([0xdf; 16]);
     let mut bytes = [0; 16];
@@ -49,15 +50,15 @@ fn packed(word: &[u8]) -> Option<u128> {
     Some(u128::from_le_bytes(bytes) & CAPITALS)
 }
 
-/// Returns the cache index for a spelling of an argument of a statement.
+/// Returns the index in the cache for a spelling of an argument of a statement.
 fn place(statement: &'static StatementDef, spelling: u128) -> usize {
     let mixed = (spelling ^ (spelling >> 64)) as u64 ^ std::ptr::from_ref(statement).addr() as u64;
     (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as usize % PLACES
 }
 
-/// Maximum length of a word that is cached or for which similar keywords are suggested.
+/// Maximum length of words that are cached or for which similar keywords are suggested.
 const LONGEST: usize = 32;
-/// Maximum number of cached spellings, so that a file of nonsense cannot fill the memory.
+/// Maximum number of cached spellings, so that a file full of nonsense words cannot fill the memory.
 const MOST: usize = 4096;
 
 impl Keywords {

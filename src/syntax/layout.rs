@@ -1,10 +1,10 @@
-//! Uniform layout of the statements of a file: line breaks and blanks between words. Nothing else changes.
+//! Uniform layout of the statements in a file: line breaks and blanks between words. Words and comments do not change.
 
 use super::style::Style;
 use super::{Argument, CommandFile, Dataset, Statement, Token, TokenKind};
 use crate::text::{Edit, Source, Span};
 
-/// Returns the edits that give the statements touching a span the prevailing layout of the dataset.
+/// Returns the edits that give all statements touching `span` the layout that prevails in the dataset.
 pub fn layout(dataset: &Dataset, span: Span) -> Vec<Edit> {
     let style = Style::of(dataset);
     let meets = |statement: &&Statement| {
@@ -16,15 +16,17 @@ pub fn layout(dataset: &Dataset, span: Span) -> Vec<Edit> {
         .collect()
 }
 
-/// Returns the edits that give the commands touching a span the prevailing layout of the command file.
+/// Returns the edits that give all commands touching `span` the layout that prevails in the command file.
 pub fn layout_of_commands(file: &CommandFile, span: Span) -> Vec<Edit> {
     layout(&Dataset::of_commands(file), span)
 }
 
-/// Returns the edit of one statement; `None` if its layout is already right or a new layout would lose something, such as a comment inside
-/// it.
+/// Returns the edit that lays out one statement again.
+///
+/// Returns `None` if the statement already has this layout, or if a new layout would lose something, such as a comment inside the
+/// statement.
 fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edit> {
-    // In a STRING, blanks may belong to the text: ADAMS/View writes `STRING =text` but ` = ` everywhere else.
+    // In a STRING, blanks may belong to the text. ADAMS/View writes `STRING =text` there, but ` = ` everywhere else.
     if statement.kind() == Some("STRING") {
         return None;
     }
@@ -62,7 +64,7 @@ fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edi
     Some(Edit::new(statement.span, text))
 }
 
-/// Returns the keyword, slash and id as text, and the offset at which they end.
+/// Returns the keyword, slash and id of a statement as text, and the offset at which they end.
 fn head(source: &Source, statement: &Statement) -> Option<(String, usize)> {
     statement.def?;
     let keyword = source.text(statement.keyword);
@@ -82,8 +84,8 @@ fn head(source: &Source, statement: &Statement) -> Option<(String, usize)> {
     Some((text, end))
 }
 
-/// Returns whether the separator between two arguments contains a backslash; `None` if it contains anything but blanks, line ends and
-/// marks.
+/// Returns true if the separator between two arguments contains a backslash. Returns `None` if the separator contains anything else than
+/// blanks, line ends, commas, `&` and one backslash.
 fn separation(between: &[u8]) -> Option<bool> {
     let mut backslash = false;
     for byte in between {
@@ -96,7 +98,7 @@ fn separation(between: &[u8]) -> Option<bool> {
     Some(backslash)
 }
 
-/// Returns the offset at which an argument ends, including the closing quote of its text.
+/// Returns the offset at which an argument ends; the closing quote of a quoted text belongs to the argument.
 fn end_of(source: &Source, argument: &Argument) -> usize {
     let end = argument.span.end();
     let quoted = source.bytes().get(end) == Some(&b'"');
@@ -117,7 +119,8 @@ enum Written {
     Other,
 }
 
-/// Returns the value of an argument. Multi-line and quoted values stay unchanged; in others, each run of blanks becomes one blank.
+/// Returns the text of an argument's value. Values in quotes or of several lines stay unchanged; in other values, each run of blanks
+/// becomes one blank.
 fn value(source: &Source, argument: &Argument) -> Written {
     let written = source.text(Span::new(argument.name.end(), end_of(source, argument)));
     let Some(value) = written.trim_start().strip_prefix('=') else {
@@ -145,7 +148,7 @@ fn value(source: &Source, argument: &Argument) -> Written {
     Written::Value(text)
 }
 
-/// Returns true if the text parses to the same statement, word by word.
+/// Returns true if `text` parses to the same statement as before, word by word.
 fn means_the_same(dataset: &Dataset, statement: &Statement, text: &str) -> bool {
     let source = dataset.source();
     let alone = Source::new(source.name(), format!("t\n{text}\nEND\n"));
@@ -188,7 +191,7 @@ fn words(source: &Source, span: Span) -> Vec<String> {
         .collect()
 }
 
-/// Returns the words and marks of a statement, without separators.
+/// Returns the words and punctuation marks of a statement, without separators.
 fn spoken(source: &Source, tokens: impl Iterator<Item = Token>) -> Vec<String> {
     tokens
         .filter(|token| {
@@ -210,7 +213,7 @@ mod tests {
         let dataset = Dataset::parse(Source::new("a", text.as_bytes())).value;
         let all = Span::new(0, text.len());
         let edited = dataset.edited(&layout(&dataset, all)).expect("apart").value;
-        // A second run of the layout must change nothing.
+        // Laying out the result again must change nothing.
         assert_eq!(layout(&edited, Span::new(0, edited.bytes().len())), []);
         String::from_utf8(edited.bytes().to_vec()).expect("text")
     }

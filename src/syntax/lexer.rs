@@ -6,20 +6,21 @@ use super::number::number_length;
 use super::{Token, TokenKind};
 use crate::text::Span;
 
-/// Iterator over the tokens of a text, which are not stored. It recognises lines and marks but not statements.
+/// Iterator over the tokens of a text; it reads them one by one and stores none. It recognises words, marks and line ends, but not
+/// statements.
 ///
-/// The run time is linear for any bytes: only the blanks between `&` and its line end are read twice.
+/// The run time is linear in the length of any text: only the blanks between `&` and its line end are read twice.
 #[derive(Clone, Debug)]
 pub(super) struct Lexer<'a> {
     bytes: &'a [u8],
     at: usize,
     end: usize,
-    /// True while only blanks of the line have been read.
+    /// True if only blanks have been read since the start of the line.
     line_start: bool,
 }
 
 impl<'a> Lexer<'a> {
-    /// Creates a lexer for `span` of `bytes`. `line_start` is true if only blanks precede the span on its line.
+    /// Creates a lexer for the part `span` of `bytes`. `line_start` is true if only blanks precede the span on its line.
     pub(crate) fn new(bytes: &'a [u8], span: Span, line_start: bool) -> Self {
         Self {
             bytes,
@@ -35,7 +36,7 @@ impl Lexer<'_> {
     #[inline]
     pub(crate) fn read_into(mut self, tokens: &mut Vec<Token>) {
         loop {
-            // Single blanks are half of the tokens of a deck, so they are skipped quickly.
+            // Half of the tokens of a deck are single blanks, so blanks are skipped in a fast loop.
             while self.at < self.end && is_blank(self.bytes[self.at]) {
                 self.at += 1;
             }
@@ -140,7 +141,7 @@ const fn punctuation(input: &[u8]) -> (usize, TokenKind) {
     (1, TokenKind::Punctuation(input[0]))
 }
 
-/// Returns the number of bytes that a rule consumes from the front, or one if it consumes none.
+/// Returns the number of bytes that a parsing rule consumes at the front of the input, or 1 if it consumes none.
 #[inline]
 fn length<'a, R>(mut rule: R, input: &'a [u8]) -> usize
 where
@@ -149,7 +150,7 @@ where
     rule.parse(input).map_or(1, |(_, taken)| taken.len().max(1))
 }
 
-/// Parses from a quote to the next quote or to the end of the line.
+/// Parses a quoted text, from its opening quote to the next quote or to the end of the line.
 fn quoted(input: &[u8]) -> IResult<&[u8], &[u8], ()> {
     recognize((
         take(1usize),
@@ -159,7 +160,7 @@ fn quoted(input: &[u8]) -> IResult<&[u8], &[u8], ()> {
     .parse(input)
 }
 
-/// Returns true if only blanks and a comment precede the line end.
+/// Returns true if only blanks, or blanks and a comment, remain on the line.
 fn ends_line(rest: &[u8]) -> bool {
     match rest.iter().find(|byte| !is_blank(**byte)) {
         None => true,

@@ -1,4 +1,4 @@
-//! The text of ADAMS datasets (`.adm`) and command files (`.acf`), without loss of a byte.
+//! The text of ADAMS datasets (`.adm`) and command files (`.acf`), which is read and edited without loss of a byte.
 //!
 //! [`Dataset`] and [`CommandFile`] hold a file as tokens and statements with their locations. A change is a list of [`Edit`](text::Edit)s
 //! that touch only the bytes of the changed values. An [`Address`] such as `BUSHING/12.K.2` names one value. [`lint`] checks a dataset, and

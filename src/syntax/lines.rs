@@ -3,21 +3,21 @@ use memchr::memchr2;
 use super::lexer::is_blank;
 use crate::text::Span;
 
-/// Physical lines joined by continuation marks: one statement, or several separated by semicolons.
+/// Physical lines joined by continuation marks. A logical line contains one statement, or several separated by semicolons.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct LogicalLine {
-    /// Span from the first non-blank byte to the end of the last physical line, without its line end.
+    /// Span from the first non-blank byte to the end of the last physical line; the last line end is not included.
     pub span: Span,
-    /// Name in the last `adams_view_name` comment before the line.
+    /// Name given by the last `adams_view_name` comment before the logical line.
     pub view_name: Option<Span>,
 }
 
-/// One physical line.
+/// One line of a file, between two line ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct PhysicalLine {
     /// Span of the line without its line end.
     pub span: Span,
-    /// Offset after the line end.
+    /// Offset of the next physical line.
     pub next: usize,
 }
 
@@ -35,11 +35,12 @@ pub(super) fn physical_line(bytes: &[u8], start: usize) -> PhysicalLine {
     }
 }
 
-/// Returns the logical lines from `start` on. If `ends` is true (a dataset), reading stops at an END line, whose end is returned too.
+/// Returns the logical lines from offset `start` on. If `ends` is true (in a dataset), reading stops at an END line, and the end of that
+/// line is returned too.
 ///
-/// The rules follow guide/formats.md 1.3. A line that begins with a comma, or that follows a line ending with `&`, is a continuation;
-/// blank and comment lines may lie between. After a line that ends with a comma, the next line is also a continuation unless it begins like
-/// a statement.
+/// The rules follow guide/formats.md 1.3. A line is a continuation if it begins with a comma, or if the line before it ends with `&`; blank
+/// lines and comment lines may lie in between. After a line that ends with a comma, the next line is also a continuation, unless it begins
+/// like a statement.
 pub(super) fn logical_lines(
     bytes: &[u8],
     start: usize,
@@ -83,7 +84,7 @@ pub(super) fn logical_lines(
     (lines, None)
 }
 
-/// How a line may be continued by the next one.
+/// Ending of a line, which determines whether the next line continues it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Open {
     No,
@@ -104,7 +105,7 @@ impl Open {
         }
     }
 
-    /// Returns true if a line, given from its first non-blank byte, continues a line with this ending.
+    /// Returns true if the next line continues a line with this ending. `content` is the next line from its first non-blank byte on.
     fn reaches(self, content: &[u8]) -> bool {
         match self {
             Self::No => content[0] == b',',
@@ -114,7 +115,7 @@ impl Open {
     }
 }
 
-/// Returns true if the first line of `next` that is neither blank nor a comment continues the last line of `before`.
+/// Returns true if the last line of `before` is continued by the first line of `next` that is neither blank nor a comment.
 pub(super) fn continues(before: &[u8], next: &[u8]) -> bool {
     let start = memchr::memrchr2(b'\n', b'\r', before).map_or(0, |end| end + 1);
     let content = |line: &[u8]| line.iter().position(|byte| !is_blank(*byte));
@@ -131,7 +132,8 @@ pub(super) fn continues(before: &[u8], next: &[u8]) -> bool {
     false
 }
 
-/// Returns the offset of the comment of a line; an exclamation point inside quotes does not start a comment.
+/// Returns the offset at which the comment of a line starts, or the length of the line if it has none. An exclamation mark inside quotes
+/// does not start a comment.
 pub(super) fn comment_start(content: &[u8]) -> usize {
     let mut quoted = false;
     content
@@ -156,7 +158,7 @@ pub(super) fn is_end(content: &[u8]) -> bool {
             .is_none_or(|byte| is_blank(*byte) || matches!(byte, b'!' | b';' | b'/'))
 }
 
-/// Returns true if a line begins with a word and a slash, or is END; no argument after a comma looks like this.
+/// Returns true if a line begins with a word and a slash, or is END. No argument at the start of a line looks like this.
 fn begins_statement(content: &[u8]) -> bool {
     let word = content
         .iter()
@@ -166,7 +168,7 @@ fn begins_statement(content: &[u8]) -> bool {
     (word > 0 && content[0].is_ascii_alphabetic() && after == Some(&b'/')) || is_end(content)
 }
 
-/// Returns the span of NAME in `adams_view_name='NAME'`.
+/// Returns the span of NAME in the comment text `adams_view_name='NAME'`.
 fn name_in_comment(comment: &[u8]) -> Option<Span> {
     const KEY: &[u8] = b"adams_view_name='";
     let quote = memchr::memchr(b'\'', comment)?;

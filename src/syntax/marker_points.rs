@@ -1,4 +1,4 @@
-//! Update of the points that define a marker's axes when the marker moves.
+//! Update of the points ZP and XP, which define the axes of a marker, when the marker moves.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,14 +6,14 @@ use super::{Address, Dataset, Statement};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::text::Edit;
 
-/// Arguments with the points on the z axis and in the x-z plane of a MARKER, in the same frame as QP (`state_marker`).
+/// Arguments of a MARKER that give a point on its z axis and a point in its x-z plane, in the same frame as QP (`state_marker`).
 const POINTS: [&str; 2] = ["ZP", "XP"];
 
 impl Dataset {
     /// Returns the edits that shift ZP and XP of a marker by the change of its QP, so that the marker keeps its orientation.
     ///
-    /// `values` are the new values of QP from the index of the address on. Points that get their own values in `beside` stay. For any other
-    /// address there are no edits.
+    /// `values` are the new values of QP, beginning with the addressed component. A point whose address is in `beside` gets its own value
+    /// and is not shifted. If `address` is not the QP of a marker, there are no edits.
     ///
     /// # Errors
     /// Returns the errors of [`Dataset::set`].
@@ -55,7 +55,7 @@ impl Dataset {
     }
 }
 
-/// Origins and axis points (QP, ZP, XP) of the markers of a deck whose axes are given by points, by marker id.
+/// Points QP, ZP and XP of all markers in a deck whose axes are given by points; the key is the marker id.
 #[derive(Clone, Debug)]
 pub struct MarkerPoints(BTreeMap<u32, [Option<Point>; 3]>);
 
@@ -79,8 +79,9 @@ impl MarkerPoints {
         Self(markers.filter_map(each).collect())
     }
 
-    /// Compares the marker points with the changed deck: a note for each marker whose points moved along, a warning for each marker that
-    /// rotates.
+    /// Compares these marker points with the marker points of the changed deck.
+    ///
+    /// Returns a note for each moved marker whose points moved along, and a warning for each moved marker that rotates.
     pub fn moved(&self, after: &Dataset) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for (id, [origin, points @ ..]) in Self::of(after).0 {
@@ -114,7 +115,7 @@ impl MarkerPoints {
     }
 }
 
-/// Relative rounding error of sums of decimal numbers with fifteen digits.
+/// Relative rounding error in a sum of decimal numbers with fifteen digits.
 const ROUND_OFF: f64 = 1e-14;
 
 fn difference(a: &Point, b: &Point) -> Point {
@@ -125,12 +126,12 @@ fn largest(point: &Point) -> f64 {
     point.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// Returns true if the address is the origin (QP) of a marker.
+/// Returns true if the address refers to the origin QP of a marker.
 fn moves_marker(address: &Address) -> bool {
     address.kind == "MARKER" && address.argument.as_deref() == Some("QP")
 }
 
-/// Rounds to fifteen digits, because sums of decimal numbers are not exact in binary.
+/// Rounds a value to fifteen digits, because sums of decimal numbers are not exact in binary.
 fn fifteen_digits(value: f64) -> f64 {
     format!("{value:.14e}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! Changes of titles and view names as edits of a dataset.
+//! Changes of the title and of ADAMS/View names, as edits of a dataset.
 
 use super::statements::BOM;
 use super::style::Style;
@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::{Edit, Span};
 
 impl Dataset {
-    /// Returns the edits that replace the title, which is the first line without surrounding blanks.
+    /// Returns the edits that replace the title. The title is the first line without its surrounding blanks.
     pub(super) fn set_title(&self, text: &str) -> Result<Vec<Edit>, Diagnostic> {
         let line = self.title_span();
         if text.contains(['\n', '\r']) {
@@ -28,10 +28,10 @@ impl Dataset {
         Ok(vec![Edit::new(Span::new(start, end), self.encoded(text))])
     }
 
-    /// Returns the edit that changes, removes or adds the view name of a statement; `None` if it already has that name.
+    /// Returns the edit that changes, removes or adds the ADAMS/View name of a statement; `None` if the statement already has that name.
     ///
     /// # Errors
-    /// Returns `syntax-error` for a name that the comment cannot hold.
+    /// Returns `syntax-error` for a name that cannot be written in the comment.
     pub(super) fn rename(
         &self,
         statement: &Statement,

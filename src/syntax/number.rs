@@ -1,9 +1,9 @@
 //! Parsing of numbers in the spelling of the dataset language (guide/formats.md 1.6).
 
-/// Parses a number literal; returns its value, and whether it has the degree suffix `D`. A value in degrees is converted to radians.
+/// Parses a number literal. Returns its value, converted to radians if the number is in degrees, and true if it has the degree suffix `D`.
 ///
-/// The form is: an optional sign, digits with an optional point, an optional exponent `E` with an optional sign, an optional `D`. `D` is
-/// never an exponent. Returns `None` for anything else, and for numbers too large for a double.
+/// A number consists of an optional sign, digits with an optional point, an optional exponent `E` with an optional sign, and an optional
+/// `D`. The letter `D` never begins an exponent. Returns `None` for any other text and for numbers too large for a double.
 pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
     let (digits, degrees) = match text.split_last() {
         Some((b'D' | b'd', front)) => (front, true),
@@ -13,7 +13,7 @@ pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
         let value = if degrees { value.to_radians() } else { value };
         return Some((value, degrees));
     }
-    // The standard parser also accepts words (inf, nan); numbers of the dataset language contain only these bytes.
+    // Rust's parser also accepts words such as `inf` and `nan`, so other bytes are rejected first.
     if !digits
         .iter()
         .all(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b'E' | b'e'))
@@ -25,15 +25,16 @@ pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
     value.is_finite().then_some((value, degrees))
 }
 
-/// Parses an unsigned number exactly, if its digits form an integer up to 2^53 and its power of ten is at most 10^22.
+/// Parses an unsigned number exactly, if its digits form an integer up to 2^53 and the power of ten lies between 10^-22 and 10^22.
 ///
-/// Both are exact doubles, so a single multiplication or division rounds correctly (Clinger 1990). Returns `None` for other texts.
+/// The integer and the power of ten are then exact doubles, so that one multiplication or division is correctly rounded (Clinger 1990).
+/// Returns `None` for other texts.
 fn plain(text: &[u8]) -> Option<f64> {
     const POWERS: [f64; 23] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
         1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
     ];
-    // 18 digits, a point and `E+005`; longer texts would overflow the integers below.
+    // The longest accepted text has 18 digits, a point and an exponent such as `E+005`; the integers below cannot overflow then.
     if text.len() > 24 {
         return None;
     }
@@ -65,7 +66,7 @@ fn plain(text: &[u8]) -> Option<f64> {
     })
 }
 
-/// Parses an exponent such as `E+05`; an empty text gives zero.
+/// Parses an exponent such as `E+05`; an empty text gives the exponent 0.
 fn exponent(text: &[u8]) -> Option<i32> {
     let Some((_, rest)) = text.split_first() else {
         return Some(0);
@@ -84,7 +85,7 @@ fn exponent(text: &[u8]) -> Option<i32> {
     Some(if negative { -value } else { value })
 }
 
-/// Returns the length of the unsigned number at the start of `text`, including the degree suffix; 0 if there is no number.
+/// Returns the length of the unsigned number at the start of `text`, including the degree suffix, or 0 if `text` begins with no number.
 #[inline]
 pub(crate) fn number_length(text: &[u8]) -> usize {
     let after_digits = |mut at: usize| {

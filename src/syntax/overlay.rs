@@ -1,4 +1,4 @@
-//! Redefinition of statements by later ones: arguments given again replace the old ones, and all others stay.
+//! Redefinition of a statement by later statements: arguments that are given again replace the old ones, and all other arguments stay.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use super::{Argument, Number, Shared, Statement, Value};
 use crate::grammar::{Presence, StatementDef};
 use crate::text::{Source, Span};
 
-/// Arguments of commands that are not data of the statement.
+/// Arguments that control a command and are not data of the redefined statement.
 const COMMAND_WORDS: [&str; 2] = ["DEFAULT", "LIST"];
 
 /// A statement and the text from which it was parsed.
@@ -16,11 +16,11 @@ struct Layer {
     source: Source,
 }
 
-/// A statement with its later redefinitions, as layers. Each argument is in one layer only.
+/// A statement with its later redefinitions, as layers. An argument that was redefined is kept only in its latest layer.
 #[derive(Clone, Debug)]
 pub struct Overlay {
     first: Layer,
-    /// Layers of redefinitions, the earliest first.
+    /// Layers of the redefinitions, in the order in which they were made.
     above: Vec<Layer>,
 }
 
@@ -38,8 +38,8 @@ impl Overlay {
 
     /// Adds a later statement or command as a layer.
     ///
-    /// Its arguments replace earlier arguments of the same name, earlier arguments that they exclude, and all arguments that must appear
-    /// together with a replaced one. DEFAULT removes all earlier arguments.
+    /// Each new argument replaces earlier arguments of the same name and earlier arguments that it excludes. If a replaced argument belongs
+    /// to a group that must appear together, the whole group is replaced. DEFAULT removes all earlier arguments.
     pub fn put(&mut self, later: &Statement, source: &Source) {
         let all = later.has("DEFAULT");
         let gone = |old: &Argument| {
@@ -63,9 +63,9 @@ impl Overlay {
         }
     }
 
-    /// Returns one statement with all current arguments and with the keyword and id of `command`, the latest redefinition.
+    /// Returns the redefined statement with all its current arguments, under the keyword and id of `command`, the latest redefinition.
     ///
-    /// Only the definitions and values of its arguments may be used, because their spans refer to several texts.
+    /// Only the definitions and values of the arguments may be used: their spans refer to different source texts.
     pub fn under(&self, command: &Statement) -> Statement {
         let arguments = self.stated().arguments();
         Statement {
@@ -74,7 +74,7 @@ impl Overlay {
         }
     }
 
-    /// Returns the current state of the statement.
+    /// Returns a view of the statement with all redefinitions applied.
     pub fn stated(&self) -> Stated<'_> {
         Stated {
             statement: &self.first.statement,
@@ -118,7 +118,7 @@ fn replaces(def: Option<&StatementDef>, new: &Argument, old: &Argument) -> bool 
         })
 }
 
-/// Returns true if two arguments exclude each other in a statement.
+/// Returns true if the grammar lets only one of two different arguments appear in a statement.
 pub fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
     a != b
         && def.presence.iter().any(|presence| match presence {
@@ -129,7 +129,7 @@ pub fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
         })
 }
 
-/// A read-only view of a statement in its current state, with or without redefinitions.
+/// A read-only view of a statement with all its redefinitions applied, if there are any.
 #[derive(Clone, Copy)]
 pub struct Stated<'a> {
     statement: &'a Statement,
@@ -138,7 +138,7 @@ pub struct Stated<'a> {
 }
 
 impl<'a> Stated<'a> {
-    /// Returns a view of a statement without redefinitions.
+    /// Returns a view of a statement that has no redefinitions.
     pub fn plain(statement: &'a Statement, source: &'a Source) -> Self {
         Self {
             statement,
@@ -152,17 +152,17 @@ impl<'a> Stated<'a> {
         self.statement.number()
     }
 
-    /// Returns the view name of the statement, if the file gives one.
+    /// Returns the ADAMS/View name of the statement, if the file gives one.
     pub fn view_name(&self) -> Option<Cow<'a, str>> {
         Some(self.source.text(self.statement.view_name?))
     }
 
-    /// Returns the location of the statement's keyword.
+    /// Returns the source text and the span of the statement's keyword.
     pub fn keyword(&self) -> (&'a Source, Span) {
         (self.source, self.statement.keyword)
     }
 
-    /// Returns the location of the keyword of the latest redefinition, or of the statement itself if there is none.
+    /// Returns the location of the keyword in the latest redefinition, or in the statement itself if there is no redefinition.
     pub fn latest_keyword(&self) -> (&'a Source, Span) {
         self.above.last().map_or(self.keyword(), |layer| {
             (&layer.source, layer.statement.keyword)
@@ -196,18 +196,18 @@ impl<'a> Stated<'a> {
         self.found(name).map(|(argument, _)| argument)
     }
 
-    /// Iterates over all arguments with this keyword, in order: a SPLINE has several Y.
+    /// Iterates over all arguments with this full keyword, from the earliest layer to the latest; a SPLINE may have several Y.
     pub fn all<'n>(&self, name: &'n str) -> impl Iterator<Item = &'a Argument> + use<'a, 'n> {
         let arguments = self.arguments().map(|(argument, _)| argument);
         arguments.filter(move |argument| argument.kind() == Some(name))
     }
 
-    /// Returns true if the statement has an argument with this keyword.
+    /// Returns true if the statement has an argument with this full keyword.
     pub fn has(&self, name: &str) -> bool {
         self.found(name).is_some()
     }
 
-    /// Returns the given words that occur in the latest layer with any of them.
+    /// Finds the latest layer that contains any of the given arguments, and returns the given arguments that it contains.
     pub fn latest<'n>(
         &self,
         words: &'n [&'static str],
@@ -242,7 +242,7 @@ impl<'a> Stated<'a> {
         Some(argument.texts(source))
     }
 
-    /// Returns the choices of an argument as full words in capitals.
+    /// Returns the choice words of an argument, spelled out and in capitals.
     pub fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
         let (argument, source) = self.found(name)?;
         Some(argument.choices(source))
@@ -262,9 +262,9 @@ impl<'a> Stated<'a> {
             })
     }
 
-    /// Returns true for a FRICTION whose stiction also acts in statics, that is, without INACTIVE and without EFFECT=SLIDING.
+    /// Returns true for a FRICTION whose stiction also acts in statics: it has neither INACTIVE nor EFFECT=SLIDING.
     ///
-    /// The page `state_friction` gives no default for INACTIVE, and ALL for EFFECT.
+    /// The page `state_friction` gives no default for INACTIVE; for EFFECT it gives the default ALL.
     pub fn sticks_in_statics(&self) -> bool {
         let slides_only = self
             .choices("EFFECT")

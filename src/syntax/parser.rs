@@ -8,32 +8,33 @@ use crate::diagnostic::{Applicability, Code, Diagnostic, Severity};
 use crate::grammar::{ArgumentDef, Role, StatementDef, ValueKind, find_statement};
 use crate::text::{Edit, Source, Span};
 
-/// Maximum number of diagnostics per statement, so that a statement full of nonsense is not reported word by word.
+/// Maximum number of diagnostics per statement; without a limit, every word of a garbled statement might be reported.
 const MOST_COMPLAINTS: usize = 50;
 
-/// Maximum number of diagnostics kept per parser, which reads a few thousand lines, so that a file of nonsense cannot fill the memory.
+/// Maximum number of diagnostics kept by one parser, which reads a few thousand lines; without a limit, a garbled file might fill the
+/// memory.
 const MOST_OF_A_PARSER: usize = 500;
 
-/// Parser of logical lines into statements, based on the grammar tables; `value.rs` parses the values.
+/// Parser that turns logical lines into statements with the help of the grammar tables. Values of arguments are parsed in `value.rs`.
 pub(super) struct StatementParser<'a> {
     pub(super) source: &'a Source,
     pub(super) keywords: Keywords,
     pub(super) diagnostics: Vec<Diagnostic>,
-    /// Number and highest severity of the diagnostics that were not kept.
+    /// Number of the diagnostics that were not kept, and their highest severity.
     pub(super) dropped: (usize, Severity),
     role: Role,
     complaints: usize,
-    /// Definition of the preceding statement; a line that lacks its leading comma may hold an argument of it.
+    /// Definition of the preceding statement. A line that lacks its leading comma may contain an argument of this statement.
     pub(super) before: Option<&'static StatementDef>,
-    /// True once a parsed statement has determined `before`.
+    /// True once this parser has read the keyword of a statement; `before` then describes that statement.
     pub(super) knows_before: bool,
-    /// Buffer for the tokens of a line, reused.
+    /// Buffer for the tokens of one line; it is reused for all lines.
     tokens: Vec<Token>,
-    /// Buffer for a list of numbers, reused.
+    /// Buffer for one list of numbers; it is reused for all lists.
     pub(super) list: Vec<Number>,
-    /// Buffer for the arguments of a statement, reused.
+    /// Buffer for the arguments of one statement; it is reused for all statements.
     found: Vec<Argument>,
-    /// Numbers of all statements since the last [`close`](Self::close).
+    /// Numbers in all statements parsed since the last [`close`](Self::close).
     pub(super) all_numbers: Pool<Number>,
     all_arguments: Pool<Argument>,
 }
@@ -57,17 +58,17 @@ impl<'a> StatementParser<'a> {
         }
     }
 
-    /// Ends a group of lines; the arguments of statements parsed since the previous call become visible only now.
+    /// Ends a group of lines. The arguments of statements parsed since the previous call are empty until this call.
     pub(crate) fn close(&mut self) {
         self.all_numbers.close();
         self.all_arguments.close();
     }
 
-    /// Parses a logical line into one statement, or several separated by semicolons. A semicolon belongs to the statement before it.
+    /// Parses a logical line into one statement, or into several if it contains semicolons. A semicolon belongs to the statement before it.
     pub(crate) fn line(&mut self, line: LogicalLine, statements: &mut Vec<Statement>) {
         let mut tokens = std::mem::take(&mut self.tokens);
         tokens.clear();
-        // Blanks are not needed as tokens, because spans show which tokens are separate.
+        // Blank tokens are left out; gaps between spans show which tokens are separated.
         Lexer::new(self.source.bytes(), line.span, true).read_into(&mut tokens);
         if memchr::memchr(b';', self.source.slice(line.span)).is_none() {
             if let Some(start) = tokens.iter().position(|token| !token.kind.is_trivia()) {
@@ -109,7 +110,7 @@ impl<'a> StatementParser<'a> {
         self.tokens = tokens;
     }
 
-    /// Parses one statement from its tokens, the first of which is not trivia.
+    /// Parses one statement from its tokens. The first token must not be trivia.
     fn statement(&mut self, tokens: &[Token], view_name: Option<Span>) -> Statement {
         self.complaints = 0;
         let last = tokens
@@ -166,7 +167,7 @@ impl<'a> StatementParser<'a> {
         statement
     }
 
-    /// Returns the argument of the preceding statement with which a line begins that lacks its comma: `QP = 1, 2, 3`.
+    /// If a line lacks its leading comma and begins with an argument of the preceding statement (`QP = 1, 2, 3`), returns that argument.
     fn lost_comma(&mut self, tokens: &[Token]) -> Option<&'static ArgumentDef> {
         let before = self.before?;
         let typed = self.source.slice(tokens[0].span);
@@ -176,7 +177,7 @@ impl<'a> StatementParser<'a> {
             .map(|token| token.kind);
         match mark {
             Some(TokenKind::Punctuation(b'=')) => self.keywords.argument(before, typed).ok(),
-            // A flag, alone or before other arguments. END is excluded because it ends a dataset.
+            // The argument may be a flag, alone or before other arguments. END is excluded because it ends a dataset.
             None | Some(TokenKind::Punctuation(b','))
                 if !typed.eq_ignore_ascii_case(b"END")
                     && self.keywords.statement(typed).is_err() =>
@@ -188,7 +189,7 @@ impl<'a> StatementParser<'a> {
         }
     }
 
-    /// Reports a line that lacks the comma of a continuation line.
+    /// Reports a line that should begin with a comma because it continues the preceding statement.
     fn without_comma(&mut self, argument: &'static ArgumentDef, name: Span) {
         let before = self.before.map_or("", |before| before.name);
         let diagnostic = Diagnostic::error(
@@ -236,13 +237,13 @@ impl<'a> StatementParser<'a> {
                         .is_some_and(|def| def.name == "RESULTS");
                 let assigned = self.role == Role::Dataset && is_assigned(self.source, span);
                 let diagnostic = if of_datasets {
-                    // RESULTS takes effect when the dataset is read; as a command it is ignored.
+                    // RESULTS takes effect only in a dataset; in a command file it is ignored.
                     Diagnostic::warning(
                         Code::UnknownStatement,
                         format!("{typed} is not a {noun}; it has effect in a dataset"),
                     )
                 } else if near.is_empty() && assigned {
-                    // A word followed by an equals sign cannot begin a statement, whether or not ADAMS has such a keyword.
+                    // A word followed by an equals sign cannot begin a statement, even if ADAMS has a statement with this keyword.
                     Diagnostic::error(
                         Code::UnknownStatement,
                         format!("{typed} is not a statement"),
@@ -345,7 +346,7 @@ impl<'a> StatementParser<'a> {
             value,
         };
         let end = match &argument.value {
-            // The pool does not show the numbers yet; the list contains the same ones.
+            // The numbers of the value are still hidden in the pool, but `list` contains the same numbers.
             Value::Numbers(_) => self.list.last().map_or(0, |number| number.span.end()),
             _ => argument.value_span().end(),
         };
@@ -393,7 +394,7 @@ impl<'a> StatementParser<'a> {
         None
     }
 
-    /// Returns true if no more diagnostics are kept, and then counts one of this severity as dropped.
+    /// Returns true if the maximum number of diagnostics is reached; one diagnostic of this severity is then counted as dropped.
     fn is_full(&mut self, severity: Severity) -> bool {
         let full = self.diagnostics.len() >= MOST_OF_A_PARSER;
         if full {
@@ -402,7 +403,7 @@ impl<'a> StatementParser<'a> {
         full
     }
 
-    /// Adds a diagnostic with its location.
+    /// Adds a diagnostic, located at `span`, unless a maximum number is reached.
     pub(super) fn complain(&mut self, diagnostic: Diagnostic, span: Span, label: &str) {
         self.complaints += 1;
         if self.complaints <= MOST_COMPLAINTS && !self.is_full(diagnostic.severity) {
@@ -412,7 +413,7 @@ impl<'a> StatementParser<'a> {
     }
 }
 
-/// Cursor over the tokens of one statement; it skips blanks, comments, line ends and `&`.
+/// Cursor over the tokens of one statement. It skips trivia: blanks, comments and line ends.
 pub(super) struct Cursor<'t> {
     tokens: &'t [Token],
     at: usize,
@@ -440,7 +441,7 @@ impl<'t> Cursor<'t> {
         self.at += 1;
     }
 
-    /// Consumes the mark if it is the next token.
+    /// Consumes the punctuation mark if it is the next token; returns true if it was.
     pub(crate) fn take_mark(&mut self, mark: u8) -> bool {
         let there = self
             .peek()
@@ -485,7 +486,7 @@ impl<'t> Cursor<'t> {
         }
     }
 
-    /// Skips an unreadable value up to a separator outside of parentheses; returns its span, which may be empty.
+    /// Skips an unreadable value, up to the next separator outside of parentheses. Returns the span of the value, which may be empty.
     pub(crate) fn skip_value(&mut self) -> Span {
         let mut span: Option<Span> = None;
         let mut depth = 0usize;
@@ -504,7 +505,7 @@ impl<'t> Cursor<'t> {
         span.unwrap_or(Span::at(self.place(self.at)))
     }
 
-    /// Returns the offset at which the last significant token before a position ends.
+    /// Returns the offset of the end of the last significant token before a cursor position.
     pub(crate) fn place(&self, position: usize) -> usize {
         self.tokens[..position.min(self.tokens.len())]
             .iter()
@@ -512,17 +513,17 @@ impl<'t> Cursor<'t> {
             .map_or(0, |token| token.span.end())
     }
 
-    /// Returns the position of the cursor, for [`go_back`](Self::go_back).
+    /// Returns the position of the cursor, which [`go_back`](Self::go_back) accepts.
     pub(crate) const fn position(&self) -> usize {
         self.at
     }
 
-    /// Moves the cursor back to a position.
+    /// Moves the cursor back to an earlier position.
     pub(crate) const fn go_back(&mut self, position: usize) {
         self.at = position;
     }
 
-    /// Returns the tokens from a position to the cursor.
+    /// Returns the tokens between an earlier position and the cursor.
     pub(crate) fn since(&self, position: usize) -> &'t [Token] {
         &self.tokens[position..self.at]
     }
@@ -533,7 +534,7 @@ impl<'t> Cursor<'t> {
     }
 }
 
-/// Returns true if the first byte after a word and blanks is an equals sign.
+/// Returns true if an equals sign follows the word, with only blanks in between.
 fn is_assigned(source: &Source, word: Span) -> bool {
     let mut rest = source.bytes()[word.end()..].iter();
     rest.find(|byte| !matches!(byte, b' ' | b'\t')) == Some(&b'=')

@@ -15,15 +15,16 @@ const ANY_CASE: MatchOptions = MatchOptions {
 };
 
 impl Address {
-    /// Returns true if a text is a pattern: `*` matches any text, `?` one character, `[1-5]` one of several characters.
+    /// Returns true if a text is a pattern: it contains `*` (any text), `?` (any character) or brackets such as `[1-5]` (one of several
+    /// characters).
     pub fn is_pattern(text: &str) -> bool {
         text.contains(['*', '?', '['])
     }
 
-    /// Returns all addresses that match a pattern, in the order of the dataset; a text that is not a pattern is a single address.
+    /// Returns all addresses that match a pattern, in the order of the dataset. A text that is not a pattern is parsed as a single address.
     ///
-    /// A pattern matches ids (`BUSHING/*`, `BUSHING/1?`) or view names (`front_*`). The index after the argument may be `*` for all values.
-    /// A view name matches only if its statement contains the argument.
+    /// A pattern matches ids (`BUSHING/*`, `BUSHING/1?`) or ADAMS/View names (`front_*`). An index `*` after the argument matches all of
+    /// its values. An object matches by its name only if its statement contains the argument.
     ///
     /// # Errors
     /// Returns the errors of [`Address::parse`], and `undefined-id` if nothing matches.
@@ -33,7 +34,7 @@ impl Address {
             return Ok(vec![Self::parse(text, dataset)?]);
         }
         let (whole, places) = match text.strip_suffix(".*") {
-            // A final star matches the values of an argument, if an argument precedes it.
+            // A final star denotes all values of an argument, provided that an argument precedes it.
             Some(before) if before.contains('.') => (before, true),
             _ => (text, false),
         };
@@ -77,14 +78,14 @@ fn compiled(pattern: &str, text: &str) -> Result<Pattern, Diagnostic> {
     })
 }
 
-/// Returns the addresses that match a pattern without a final star for values.
+/// Returns the addresses that match a pattern; a final star for all values was already removed from the pattern.
 fn objects(text: &str, dataset: &Dataset) -> Result<Vec<Address>, Diagnostic> {
     if let Some((keyword, rest)) = text.split_once('/')
         && let Lookup::Found(def) = find_statement(keyword.trim().as_bytes(), Role::Dataset)
     {
         let (ids, rest) = rest.split_once('.').unwrap_or((rest, ""));
         let ids = compiled(ids, text)?;
-        // An error in the argument is reported even if no id matches.
+        // The argument is parsed even if no id matches, so that an error in it is reported.
         argument(def, None, rest, text)?;
         return dataset
             .statements()
@@ -118,7 +119,7 @@ fn objects(text: &str, dataset: &Dataset) -> Result<Vec<Address>, Diagnostic> {
     Ok(Vec::new())
 }
 
-/// Returns the address of each value of an argument.
+/// Returns one address for each value of an argument.
 fn every_place(address: &Address, dataset: &Dataset) -> Vec<Address> {
     let name = address.argument.as_deref().unwrap_or("FUNCTION");
     let count = dataset.find(address).map_or(0, |statement| {

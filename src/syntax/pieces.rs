@@ -1,6 +1,6 @@
-//! A dataset or a command file in pieces of whole lines; an edit parses only the pieces it touches again.
+//! A dataset or a command file that is split into pieces of whole lines. After an edit, only the pieces it touches are parsed again.
 //!
-//! Together, the pieces contain exactly what [`Dataset::parse`] or [`CommandFile::parse`] reads from all bytes at once.
+//! Together, the pieces contain exactly the statements that [`Dataset::parse`] or [`CommandFile::parse`] reads from all bytes at once.
 //!
 //! [`Dataset::parse`]: super::Dataset::parse
 
@@ -17,10 +17,10 @@ use crate::diagnostic::Diagnostic;
 use crate::grammar::{Role, StatementDef};
 use crate::text::{Source, Span};
 
-/// Number of logical lines per piece; an edit usually touches two pieces.
+/// Number of logical lines in a piece. An edit usually touches two pieces.
 const LINES: usize = 48;
 
-/// Consecutive whole lines of a file, parsed separately; spans count from the first byte of the piece.
+/// Consecutive whole lines of a file, parsed on their own. Spans in a piece are offsets from its first byte.
 #[derive(Debug)]
 pub struct Piece {
     key: u32,
@@ -28,7 +28,7 @@ pub struct Piece {
     statements: Vec<Statement>,
     diagnostics: Vec<Diagnostic>,
     line_ends: usize,
-    /// Definition of the statement before the piece; a line that lacks its leading comma may hold an argument of it.
+    /// Definition of the statement before the piece. A line that lacks its leading comma may contain an argument of this statement.
     before: Option<&'static StatementDef>,
     after: Option<&'static StatementDef>,
     ends: bool,
@@ -36,12 +36,12 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Returns the key of the piece, which is unique in the history of the file.
+    /// Returns the key of the piece. Keys are unique: a piece that replaces another piece gets a new key.
     pub fn key(&self) -> u32 {
         self.key
     }
 
-    /// Returns the bytes of the piece, under the name of the file.
+    /// Returns the bytes of the piece as a source with the name of the file.
     pub fn source(&self) -> &Source {
         &self.source
     }
@@ -51,7 +51,7 @@ impl Piece {
         &self.statements
     }
 
-    /// Returns the parser's diagnostics of the piece.
+    /// Returns the diagnostics that the parser reported for the piece.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
@@ -75,7 +75,7 @@ impl Piece {
         }
     }
 
-    /// Parses a piece of a dataset from offset `start` on; no line outside of the piece may continue its lines.
+    /// Parses a piece of a dataset from its offset `start` on. No line after the piece may be a continuation of its last line.
     fn body(
         name: &Arc<str>,
         bytes: Vec<u8>,
@@ -106,37 +106,38 @@ impl Piece {
     }
 }
 
-/// Counts the line ends in some bytes: LF, CR LF or a single CR.
+/// Counts the line ends in `bytes`; a line ends at LF, CR LF or a single CR.
 fn line_ends(bytes: &[u8]) -> usize {
     memchr::memchr2_iter(b'\n', b'\r', bytes)
         .filter(|at| bytes[*at] == b'\n' || bytes.get(at + 1) != Some(&b'\n'))
         .count()
 }
 
-/// A dataset or command file in pieces.
+/// A dataset or command file that is split into pieces.
 #[derive(Clone, Debug)]
 pub struct Pieces {
     name: Arc<str>,
     role: Role,
     all: Vec<Arc<Piece>>,
-    /// Number of pieces up to END. Later pieces are parsed too, because they count again when END is removed.
+    /// Number of pieces up to the piece with END. The pieces after END are parsed as well, because they become part of the dataset if END
+    /// is deleted.
     live: usize,
     /// Byte offset and line number (from 0) at which each piece begins; the last entry is the end of the file.
     starts: Vec<(usize, usize)>,
     next_key: u32,
 }
 
-/// Effect of an edit on the pieces.
+/// Pieces that an edit removed and added.
 #[derive(Clone, Debug)]
 pub struct Change {
-    /// Removed pieces, which were adjacent.
+    /// Removed pieces; they were next to each other in the file.
     pub removed: Vec<Arc<Piece>>,
-    /// Indices of the added pieces.
+    /// Indices of the pieces that take their place.
     pub added: Range<usize>,
 }
 
 impl Pieces {
-    /// Parses a dataset, or a command file if the role is `Role::Command`.
+    /// Splits a text into pieces and parses them: a command file if the role is `Role::Command`, a dataset otherwise.
     pub fn parse(source: &Source, role: Role) -> Self {
         let mut pieces = Self {
             name: source.name().into(),
@@ -165,17 +166,17 @@ impl Pieces {
         &self.all
     }
 
-    /// Returns the pieces that belong to the dataset: those up to END.
+    /// Returns the pieces up to and including the piece with END; only these belong to the dataset.
     pub fn live(&self) -> &[Arc<Piece>] {
         &self.all[..self.live]
     }
 
-    /// Returns the byte offset of piece `at`.
+    /// Returns the byte offset at which the piece with index `at` begins.
     pub fn start(&self, at: usize) -> usize {
         self.starts[at].0
     }
 
-    /// Returns the number (from 0) of the first line of piece `at`.
+    /// Returns the number (from 0) of the first line of the piece with index `at`.
     pub fn first_line(&self, at: usize) -> usize {
         self.starts[at].1
     }
@@ -185,7 +186,7 @@ impl Pieces {
         self.start(self.all.len())
     }
 
-    /// Returns the first lines of a command file, which name its dataset.
+    /// Returns the prompt-style first lines of a command file, which name its dataset and output files.
     pub fn head(&self) -> Option<Head> {
         self.all.first()?.head
     }
@@ -204,13 +205,15 @@ impl Pieces {
         Source::new(Arc::clone(&self.name), self.bytes())
     }
 
-    /// Returns the index of the piece that contains an offset; the last piece for the end of the file, `None` for an empty file.
+    /// Returns the index of the piece that contains a byte offset. For the end of the file, this is the last piece. Returns `None` for an
+    /// empty file.
     pub fn at(&self, offset: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(start, _)| *start <= offset);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
     }
 
-    /// Returns the index of the piece that contains a line (from 0); the last piece for lines beyond the end, `None` for an empty file.
+    /// Returns the index of the piece that contains a line (from 0). For lines beyond the end, this is the last piece. Returns `None` for
+    /// an empty file.
     pub fn at_line(&self, line: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(_, first)| *first <= line);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
@@ -221,10 +224,10 @@ impl Pieces {
         self.live().last().is_some_and(|piece| piece.ends)
     }
 
-    /// Replaces the bytes of a span, which must lie in the file, and parses the affected pieces again.
+    /// Replaces the bytes of a span, which must lie in the file, and parses again all pieces that the edit affects.
     pub fn edit(&mut self, span: Span, replacement: &[u8]) -> Change {
         let count = self.all.len();
-        // The piece before is parsed again too, because its last line may now be continued.
+        // The preceding piece is parsed again too, because the edited text may continue its last line.
         let touched = self.starts[..count]
             .partition_point(|(start, _)| *start < span.start())
             .saturating_sub(1);
@@ -249,7 +252,7 @@ impl Pieces {
             if let Some(new) = self.read(first, &bytes, next.map(Arc::as_ref)) {
                 break new;
             }
-            // The range grows by a factor of two, so that a file whose pieces all change is parsed a few times only.
+            // The range doubles in each round, so that each line is parsed only a few times even if the edit changes all pieces.
             let more = (last - first).max(1).min(count - last);
             for piece in &self.all[last..last + more] {
                 bytes.extend_from_slice(piece.source.bytes());
@@ -275,9 +278,9 @@ impl Pieces {
         Change { removed, added }
     }
 
-    /// Finds the first END again after the pieces from `first` on have changed.
+    /// Determines again which piece contains END, after the pieces from index `first` on have changed.
     fn renew_live(&mut self, first: usize) {
-        // END comes before the changed pieces.
+        // An END before the changed pieces stays the first END.
         if self.live <= first && self.all[..self.live].last().is_some_and(|piece| piece.ends) {
             return;
         }
@@ -285,7 +288,10 @@ impl Pieces {
         self.live = end.map_or(self.all.len(), |end| first + end + 1);
     }
 
-    /// Parses bytes that begin at piece `first` into pieces. Returns `None` if the piece `next` after them continues their last line.
+    /// Splits bytes into pieces, of which the first gets the index `first`.
+    ///
+    /// Returns `None` if the following piece `next` must be parsed again as well, because it continues the last line of the bytes or the
+    /// statement before it has changed.
     fn read(&self, first: usize, bytes: &[u8], next: Option<&Piece>) -> Option<Vec<Piece>> {
         let name = &self.name;
         if self.role == Role::Command {
@@ -300,9 +306,9 @@ impl Pieces {
         let mut new: Vec<Piece> = Vec::new();
         let mut lines: Vec<LogicalLine> = Vec::new();
         let mut from = 0;
-        // Logical lines are determined up to END, and then again after it.
+        // Logical lines end at END; the text after it is split in the same way.
         while from < bytes.len() {
-            // The title precedes the first statements.
+            // Only at the start of the file, the title precedes the first statement.
             let title = match (first, from) {
                 (0, 0) => physical_line(bytes, 0).next,
                 _ => from,
@@ -376,7 +382,7 @@ mod tests {
             "{typed:?}"
         );
         assert_eq!((counted(&pieces), pieces.has_end()), (2501, true));
-        // Typing after END changes nothing in the dataset.
+        // An edit after END changes nothing in the dataset.
         let behind = pieces.size() - 200;
         pieces.edit(Span::at(behind), b"PART/2\n");
         assert_eq!(counted(&pieces), 2501);

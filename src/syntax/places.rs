@@ -1,4 +1,4 @@
-//! Locations of objects in a dataset.
+//! Locations for diagnostics that name an object of a dataset.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::Dataset;
 use crate::diagnostic::Diagnostic;
 
 impl Dataset {
-    /// Adds the location of its object's statement to every diagnostic that names an object but has no location.
+    /// Adds a location to each diagnostic that names an object but has no location: the statement of that object.
     pub fn locate(&self, diagnostics: &mut [Diagnostic]) {
         let is_lost = |found: &Diagnostic| found.labels.is_empty() && found.object.is_some();
         if !diagnostics.iter().any(is_lost) {

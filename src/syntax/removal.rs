@@ -1,15 +1,16 @@
-//! Removal of statements and arguments from a dataset, with their comments and separators.
+//! Removal of statements and arguments from a dataset, together with the comments and separators that belong to them.
 
 use super::{Address, Argument, Dataset, Statement, Value};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::text::{Edit, Span};
 
 impl Dataset {
-    /// Returns the edits that remove a statement with the comments that name it, or only one of its arguments.
+    /// Returns the edits that remove a statement and the comments with its name, or only one of its arguments if the address gives one.
     ///
     /// # Errors
-    /// Returns `undefined-id` if the statement does not exist and `unknown-argument` if the argument is not written. Returns
-    /// `missing-argument` if markers after a body belong to it without naming it; without that body they would belong to another one.
+    /// Returns `undefined-id` if the statement does not exist, and `unknown-argument` if the argument is not written. Returns
+    /// `missing-argument` if the statement is a body to which later markers belong without naming it; after its removal they would belong
+    /// to the preceding body.
     pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
         let at = self
             .position(&address.kind, address.id)
@@ -31,7 +32,8 @@ impl Dataset {
         }
     }
 
-    /// Returns the indices of the markers that belong to a body without naming it: those after it, up to the next body.
+    /// Returns the indices of the markers that belong to a body without naming it: markers that name no body, between this body and the
+    /// next.
     pub(super) fn carried(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
         let statements = self.statements();
         let behind = if statements[body].carries_markers() {
@@ -47,7 +49,7 @@ impl Dataset {
             .map(move |(k, _)| body + 1 + k)
     }
 
-    /// Returns the error that a body cannot be removed because of a marker.
+    /// Returns the error that a body cannot be removed because the given marker belongs to it without naming it.
     pub(super) fn stranded(&self, body: usize, marker: usize) -> Diagnostic {
         let (body, marker) = (&self.statements()[body], &self.statements()[marker]);
         let address = Address::of(body).map_or_else(String::new, |address| address.to_string());
@@ -61,7 +63,7 @@ impl Dataset {
         )
     }
 
-    /// Returns the edit that removes a statement with the comments that name it.
+    /// Returns the edit that removes a statement and the comments with its name.
     pub(super) fn without_statement(&self, statement: &Statement) -> Edit {
         let start = self.line_start(statement.span.start());
         let line_end = self.line_end(statement.span.end());
@@ -93,7 +95,7 @@ impl Dataset {
         Edit::new(Span::new(from, line_end), "")
     }
 
-    /// Returns the edit that removes an argument with its separator.
+    /// Returns the edit that removes an argument and the separator before it.
     pub(super) fn without(&self, statement: &Statement, argument: &Argument) -> Edit {
         let before = statement
             .arguments
@@ -107,7 +109,8 @@ impl Dataset {
             .position(|byte| !byte.is_ascii_whitespace())
             .filter(|at| rest[*at] == b'\\');
         match backslash {
-            // A backslash only ends a function, so it is removed with the function unless another function precedes it.
+            // A backslash ends a function. It is removed with the argument, unless the argument before it is a function that now needs the
+            // backslash.
             Some(at) if !after_function => {
                 let start = argument.span.start();
                 Edit::new(Span::new(start, argument.span.end() + at + 1), "")

@@ -1,4 +1,4 @@
-//! Renumbering of objects, including all references in arguments, functions and commands.
+//! Renumbering of objects: new ids for their statements and for all references to them in arguments, functions and commands.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -8,19 +8,20 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{STATEMENTS, ValueKind};
 use crate::text::{Edit, Source, Span};
 
-/// New ids by id space (`marker`, `part`, `bushing`) and old id; objects without an entry keep their ids.
+/// New ids; the key is id space (`marker`, `part`, `bushing`) and old id. Objects without an entry keep their ids.
 pub type Renumbering = BTreeMap<(&'static str, u32), u32>;
 
-/// Edits of a renumbering.
+/// Edits that carry out a renumbering.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct RenumberingEdits {
-    /// Edits of the dataset.
+    /// Edits of the text of the dataset.
     pub dataset: Vec<Edit>,
-    /// Edits of each command file, in the given order.
+    /// Edits of each command file, in the order in which the files were given.
     pub commands: Vec<Vec<Edit>>,
 }
 
-/// Assigns the ids `first`, `first + step`, ... to all statements of a kind (full keyword in capitals) in order of appearance.
+/// Assigns the ids `first`, `first + step`, ... to all statements of a kind, in order of appearance. `kind` is the full keyword in
+/// capitals.
 pub fn in_order(dataset: &Dataset, kind: &str, first: u32, step: u32) -> Renumbering {
     let mut renumbering = Renumbering::new();
     let mut next = first;
@@ -39,9 +40,9 @@ pub fn in_order(dataset: &Dataset, kind: &str, first: u32, step: u32) -> Renumbe
     renumbering
 }
 
-/// Returns the edits that give objects new ids.
+/// Returns the edits that give objects new ids, in the dataset and in the command files that belong to it.
 ///
-/// Numbers in USER calls, and in arrays read by subroutines, may be ids as well; they are reported and not changed.
+/// Numbers in USER calls and in arrays for subroutines may be ids as well. Such numbers are reported but not changed.
 ///
 /// # Errors
 /// Returns `duplicate-id` if two objects would get the same id.
@@ -95,7 +96,7 @@ fn refuse_duplicates(dataset: &Dataset, renumbering: &Renumbering) -> Result<(),
     Ok(())
 }
 
-/// Adds the edits of the statement's own id and of the ids in its arguments and functions.
+/// Adds the edits of one statement: of its own id, and of the ids in its arguments and functions.
 fn references(
     source: &Source,
     statement: &Statement,
@@ -137,7 +138,7 @@ fn references(
     }
 }
 
-/// Adds the edits of ID and RANGE in ACTIVATE and DEACTIVATE, whose id space is given by the object kind in the same command.
+/// Adds the edits of ID and RANGE in an ACTIVATE or DEACTIVATE command. Their id space follows from the kind of object in the same command.
 fn activation(
     dataset: &Dataset,
     command: &Statement,
@@ -187,7 +188,7 @@ fn activation(
     }
     let text = match (ids.first(), ids.last()) {
         (Some(first), Some(last)) if !intruders => format!("RANGE={first},{last}"),
-        // The new ids of the objects are not contiguous, so a RANGE would include others.
+        // Other objects have ids between the new ids, so a RANGE would include them; the ids are listed instead.
         _ => {
             let list: Vec<String> = ids.iter().map(u32::to_string).collect();
             format!("ID={}", list.join(","))
@@ -196,13 +197,13 @@ fn activation(
     edits.push(Edit::new(argument.span, text));
 }
 
-/// Formats a new id; an old id with leading zeros keeps its width.
+/// Formats a new id. If the old id has leading zeros, the new id gets the same width.
 fn spelled(new: u32, old: &[u8]) -> String {
     let width = if old.starts_with(b"0") { old.len() } else { 0 };
     format!("{new:0width$}")
 }
 
-/// Collects USER calls and arrays with numbers that may be ids; a number counts only if it is an old id that changes.
+/// Collects the USER calls and arrays that contain numbers which may be ids. Only a number equal to an old id that changes is considered.
 fn unknowable(
     source: &Source,
     statement: &Statement,
@@ -233,7 +234,7 @@ fn unknowable(
     }
 }
 
-/// Returns one warning about all collected places; only the first few are shown.
+/// Returns a single warning about all collected places; it shows only the first few of them.
 fn one_warning(places: &[(Arc<str>, Span)]) -> Vec<Diagnostic> {
     const SHOWN: usize = 4;
     let Some((file, first)) = places.first() else {

@@ -2,9 +2,9 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-/// A slice of a list that is shared by many owners.
+/// A slice of a list that several owners share.
 ///
-/// A deck has millions of lists of two or three values; separate allocations would take longer than parsing them.
+/// A deck has millions of lists with two or three values; allocating each of them separately would take longer than parsing them.
 pub struct Shared<T> {
     list: Option<Arc<OnceLock<Box<[T]>>>>,
     start: u32,
@@ -70,7 +70,7 @@ impl<T> FromIterator<T> for Shared<T> {
     }
 }
 
-/// A growing list whose slices are given out while it grows; they appear empty until the list is closed.
+/// A growing list that hands out slices of itself. The slices appear empty until the list is closed.
 pub(super) struct Pool<T> {
     list: Arc<OnceLock<Box<[T]>>>,
     open: Vec<T>,
@@ -84,14 +84,14 @@ impl<T> Pool<T> {
         }
     }
 
-    /// Adds values and returns the slice that contains them.
+    /// Appends values to the list and returns the slice that contains them.
     pub(crate) fn share(&mut self, values: impl IntoIterator<Item = T>) -> Shared<T> {
         let start = self.open.len();
         self.open.extend(values);
         if self.open.len() == start {
             return Shared::default();
         }
-        // A pool holds the values of a few hundred lines; a file with more than 2^32 values does not fit into memory.
+        // A list holds the values of a few hundred lines, so 32 bits suffice; a file with more than 2^32 values does not fit into memory.
         let small = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
         Shared {
             list: Some(Arc::clone(&self.list)),
@@ -100,10 +100,10 @@ impl<T> Pool<T> {
         }
     }
 
-    /// Closes the list, so that the slices given out so far show their values.
+    /// Closes the list: all slices handed out so far now show their values.
     pub(crate) fn close(&mut self) {
         let list = std::mem::take(&mut self.list);
-        // The list was just created or taken, so it cannot already be set.
+        // The list was created by the previous call or by `new`, so it cannot be set already.
         let _ = list.set(self.open.drain(..).collect());
     }
 }

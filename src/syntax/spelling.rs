@@ -1,10 +1,10 @@
 use super::number::parse_number;
 
-/// Formats a number with the fewest digits that read back as the same double, in the style of an old spelling.
+/// Formats a number in the style of an old spelling, with the fewest digits that read back as the same double.
 ///
-/// The style comprises exponent letter, sign and width, decimal point, leading zero, plus sign and degree suffix. `value` is in radians
-/// even with the suffix; the text is then in degrees. If no number of degrees reads back as the same double, the suffix is dropped and the
-/// text is in radians.
+/// The style comprises the exponent letter, sign and width, the decimal point, the leading zero, the plus sign and the degree suffix.
+/// `value` is always in radians; if the old spelling has the degree suffix, the text is in degrees. If no text in degrees reads back as the
+/// same double, the suffix is dropped and the text is in radians.
 pub fn spell_like(value: f64, old: &[u8]) -> String {
     let mut style = NumberSpelling::of(old);
     let value = if value == 0.0 { 0.0 } else { value };
@@ -36,17 +36,17 @@ pub fn spell_like(value: f64, old: &[u8]) -> String {
     format!("{sign}{text}{suffix}")
 }
 
-/// How a number was spelled.
+/// Style in which a number is written.
 struct NumberSpelling {
     plus: bool,
     /// True if the mantissa has a decimal point.
     point: bool,
-    /// True if the mantissa ends with the point: `1.`
+    /// True if the mantissa ends with the decimal point: `1.`
     bare_point: bool,
-    /// True if the mantissa begins with the point: `.5`
+    /// True if the mantissa begins with the decimal point: `.5`
     no_leading_zero: bool,
     exponent: Option<Exponent>,
-    /// Degree suffix: `D`, `d` or empty.
+    /// Degree suffix of the number: `D`, `d` or empty.
     suffix: &'static str,
 }
 
@@ -94,7 +94,7 @@ impl NumberSpelling {
         }
     }
 
-    /// Returns the text after the digits of an integer mantissa.
+    /// Returns the text that follows the digits of a whole mantissa: a point, `.0` or nothing.
     const fn end(&self) -> &'static str {
         match (self.point, self.bare_point) {
             (true, true) => ".",
@@ -118,7 +118,7 @@ impl NumberSpelling {
     }
 
     fn scientific(&self, digits: &str, exponent: i32) -> String {
-        // ADAMS/View writes a sign and two digits.
+        // The default is the style of ADAMS/View: an exponent with its sign and at least two digits.
         let (letter, plus, width) = self.exponent.as_ref().map_or(('E', true, 2), |style| {
             (style.letter, style.plus, style.width)
         });
@@ -137,7 +137,7 @@ impl NumberSpelling {
     }
 }
 
-/// Splits a number such as `1.25e-7` into its digits, without point and leading zeros, and the power of ten of the first digit.
+/// Splits a number such as `1.25e-7` into its digits, without the point and without final zeros, and the power of ten of its first digit.
 fn decimal(scientific: &str) -> (String, i32) {
     let (mantissa, exponent) = scientific
         .split_once('e')
@@ -155,9 +155,9 @@ fn decimal(scientific: &str) -> (String, i32) {
     )
 }
 
-/// Returns the fewest digits of degrees that read back as this value in radians.
+/// Returns the shortest text of digits, in degrees, that reads back as this value in radians.
 ///
-/// Returns `None` if there is no such number: neighbouring doubles in degrees may be up to two doubles apart in radians.
+/// Returns `None` if no such text exists: neighbouring doubles in degrees may be up to two doubles apart in radians.
 fn degree_digits(radians: f64) -> Option<(String, i32)> {
     let reads_back = |text: &str| {
         parse_number(format!("{text}D").as_bytes()).is_some_and(|(value, _)| value == radians)
@@ -204,7 +204,7 @@ mod tests {
         ] {
             let spelled = spell_like(value, old.as_bytes());
             if old == "1e-5" {
-                // The width of the old exponent was one digit.
+                // The old exponent has one digit, so the new exponent has one as well.
                 assert_eq!(spelled, "1e-7");
             } else {
                 assert_eq!(spelled, new, "{value} like {old}");

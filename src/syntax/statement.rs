@@ -5,20 +5,20 @@ use super::{Expression, Number, Shared};
 use crate::grammar::{ArgumentDef, Choice, StatementDef, ValueKind, find_choice};
 use crate::text::{Source, Span};
 
-/// One statement or command.
+/// One statement of a dataset, or one command of a command file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Statement {
     /// Definition of the statement; `None` if it is not in the grammar.
     pub def: Option<&'static StatementDef>,
-    /// Keyword as typed.
+    /// Span of the keyword as typed.
     pub keyword: Span,
-    /// Id and its location.
+    /// Id of the statement and the span of the id; `None` if no id is written.
     pub id: Option<(u32, Span)>,
-    /// Span from the keyword to the last byte of the statement, without comments and line ends after it.
+    /// Span from the keyword to the last byte of the statement. Comments and line ends after the statement are not included.
     pub span: Span,
     /// Arguments in the order they are written.
     pub arguments: Shared<Argument>,
-    /// Name in the `adams_view_name` comment before the statement.
+    /// Span of the name in the `adams_view_name` comment before the statement.
     pub view_name: Option<Span>,
 }
 
@@ -27,34 +27,34 @@ pub struct Statement {
 pub struct Argument {
     /// Definition of the argument; `None` if it is not in the grammar.
     pub def: Option<&'static ArgumentDef>,
-    /// Keyword as typed.
+    /// Span of the keyword as typed.
     pub name: Span,
     /// Span from the keyword to the end of the value.
     pub span: Span,
-    /// The value.
+    /// Value after the equals sign.
     pub value: Value,
 }
 
-/// Value after the equals sign of an argument.
+/// Value of an argument.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Value {
-    /// No value: the argument is a flag.
+    /// No value: the argument consists of its keyword.
     Flag,
     /// Numbers, integers or ids.
     Numbers(Shared<Number>),
-    /// One or several choices, as spans of their words.
+    /// One or several words that the argument allows, as spans.
     Words(Vec<Span>),
-    /// One or several texts, as spans without quotes.
+    /// One or several texts, as spans that exclude the quotes.
     Texts(Vec<Span>),
     /// A FUNCTION expression.
     Function(Arc<Expression>),
-    /// `USER(...)`: the span of the whole call.
+    /// A call `USER(...)` of a user subroutine; the span covers the whole call.
     User(Span),
     /// A value that does not fit the grammar; a diagnostic gives the reason.
     Malformed(Span),
 }
 
-/// Arguments with which a MARKER can name its body or geometry.
+/// Arguments by which a MARKER names the body or geometry it is on.
 pub(super) const OWNERS: [&str; 6] = [
     "PART",
     "POINT_MASS",
@@ -64,7 +64,7 @@ pub(super) const OWNERS: [&str; 6] = [
     "SURFACE",
 ];
 
-/// Reason why a marker without any of [`OWNERS`] cannot be added: the preceding body would own it by accident.
+/// End of the error message for a new marker without any of [`OWNERS`]. Such a marker would belong to whatever body precedes it.
 pub(super) const NO_OWNER: &str = "does not say what it is on: PART=id, or another body";
 
 impl Statement {
@@ -73,7 +73,7 @@ impl Statement {
         self.def.map(|def| def.name)
     }
 
-    /// Returns true for END, after which nothing belongs to the dataset.
+    /// Returns true for an END statement; nothing after it belongs to the dataset.
     pub(crate) fn is_end(&self, source: &Source) -> bool {
         source.slice(self.keyword).eq_ignore_ascii_case(b"END")
     }
@@ -83,17 +83,17 @@ impl Statement {
         self.id.map(|(id, _)| id)
     }
 
-    /// Returns true for a body that owns the markers after it, up to the next body, if they name none (`state_marker`).
+    /// Returns true for a body to which markers may belong without naming it: markers that follow it and name no body (`state_marker`).
     pub fn carries_markers(&self) -> bool {
         matches!(self.kind(), Some("PART" | "POINT_MASS" | "FLEX_BODY"))
     }
 
-    /// Returns true for a MARKER that names no owner; it belongs to the preceding body.
+    /// Returns true for a MARKER that names no body or geometry; it belongs to the preceding body.
     pub fn follows_body(&self) -> bool {
         self.kind() == Some("MARKER") && !OWNERS.iter().any(|owner| self.has(owner))
     }
 
-    /// Returns the last argument with this full keyword (in capitals), which is the one that counts.
+    /// Returns the last argument with this full keyword (in capitals). If an argument is repeated, its last occurrence counts.
     pub fn argument(&self, name: &str) -> Option<&Argument> {
         self.arguments
             .iter()
@@ -101,7 +101,8 @@ impl Statement {
             .find(|argument| argument.def.is_some_and(|def| def.name == name))
     }
 
-    /// Iterates over the arguments with this keyword that count: the last one, or all of them if each adds a row.
+    /// Iterates over the arguments with this full keyword that count: only the last occurrence, or all occurrences if each of them adds a
+    /// row.
     pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
         let adds = self.def.is_some_and(|def| def.adds_rows(name));
         let last = self.argument(name);
@@ -109,29 +110,29 @@ impl Statement {
             .filter(move |argument| adds || last.is_some_and(|last| std::ptr::eq(last, *argument)))
     }
 
-    /// Iterates over all arguments with this keyword in order, whether they count or not.
+    /// Iterates over all arguments with this full keyword, in order, including occurrences that do not count.
     pub(super) fn every<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
         self.arguments
             .iter()
             .filter(move |argument| argument.def.is_some_and(|def| def.name == name))
     }
 
-    /// Returns true if the statement has an argument with this keyword.
+    /// Returns true if the statement has an argument with this full keyword.
     pub fn has(&self, name: &str) -> bool {
         self.argument(name).is_some()
     }
 
-    /// Returns the numbers of an argument; empty if it is absent or has no numbers.
+    /// Returns the numbers of the argument with this full keyword; empty if the argument is absent or has no numbers.
     pub fn numbers(&self, name: &str) -> &[Number] {
         self.argument(name).map_or(&[], Argument::numbers)
     }
 
-    /// Returns the first number of an argument.
+    /// Returns the first number of the argument with this full keyword, if there is one.
     pub fn first(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().map(|number| number.value)
     }
 
-    /// Returns the text of an argument, if it is present.
+    /// Returns the text of the argument with this full keyword, if the argument is present and has a text.
     pub fn text<'s>(&self, name: &str, source: &'s Source) -> Option<Cow<'s, str>> {
         self.argument(name)?.text(source)
     }
@@ -179,7 +180,7 @@ impl Argument {
         }
     }
 
-    /// Returns the first text or word, or the text of a function.
+    /// Returns the first text or word of the argument, or the text of its function.
     pub fn text<'s>(&self, source: &'s Source) -> Option<Cow<'s, str>> {
         match &self.value {
             Value::Words(spans) | Value::Texts(spans) => {
@@ -191,7 +192,7 @@ impl Argument {
         }
     }
 
-    /// Returns the choices of the argument as full words in capitals; unknown words are left out.
+    /// Returns the words of the argument, spelled out and in capitals; words that the grammar does not contain are left out.
     pub fn choices(&self, source: &Source) -> Vec<&'static str> {
         let (Value::Words(spans), Some(known)) = (&self.value, self.choice_table()) else {
             return Vec::new();
@@ -211,8 +212,9 @@ impl Argument {
     }
 }
 
-/// Joins a text of several lines into one line. Each line end becomes a blank, with a `&` before it and a comma after it; comment lines are
-/// dropped.
+/// Joins a text of several lines into one line.
+///
+/// Each line end becomes a blank, together with a `&` before it and a comma after it. Comment lines are dropped.
 pub(super) fn without_continuation(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split(['\n', '\r']) {

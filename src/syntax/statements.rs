@@ -1,4 +1,4 @@
-//! Parsing of logical lines into statements, for datasets and command files.
+//! Parsing of the logical lines of a dataset or command file into statements.
 
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ use crate::text::{Source, Span};
 /// The byte order mark that some editors write at the start of a file.
 pub(super) const BOM: &[u8] = b"\xef\xbb\xbf";
 
-/// Returns one token for a span, or none if the span is empty.
+/// Yields one token with this kind and span, or no token if the span is empty.
 pub(super) fn one(kind: TokenKind, span: Span) -> impl Iterator<Item = Token> {
     (!span.is_empty())
         .then_some(Token { kind, span })
@@ -29,10 +29,10 @@ pub(super) fn starts_line(bytes: &[u8], offset: usize) -> bool {
         .is_none_or(|byte| matches!(byte, b'\n' | b'\r'))
 }
 
-/// Maximum number of diagnostics kept per file; further ones are only counted.
+/// Maximum number of diagnostics kept for one file; the rest is only counted.
 const MOST_COMPLAINTS: usize = 10_000;
 
-/// Parses logical lines into statements; long files are parsed on all processors.
+/// Parses logical lines into statements. Long files are parsed in parallel on all processors.
 pub(super) fn parse_lines(
     source: &Source,
     lines: &[LogicalLine],
@@ -42,7 +42,7 @@ pub(super) fn parse_lines(
     (statements, diagnostics)
 }
 
-/// Parses logical lines that follow the statement `before`; also returns the definition of the last statement.
+/// Parses logical lines that follow a statement with the definition `before`. Also returns the definition of the last statement.
 pub(super) fn parse_lines_after(
     source: &Source,
     lines: &[LogicalLine],
@@ -54,7 +54,7 @@ pub(super) fn parse_lines_after(
     Option<&'static StatementDef>,
 ) {
     const CHUNK: usize = 4096;
-    // The values of this many lines fit into the cache.
+    // The numbers and arguments of this many lines fit into the processor cache.
     const GROUP: usize = 256;
     let read = |(at, chunk): (usize, &[LogicalLine])| {
         let mut parser = StatementParser::new(source, role);
@@ -110,16 +110,16 @@ pub(super) fn parse_lines_after(
     (statements, diagnostics, after)
 }
 
-/// Returns the definition of the last statement of some lines, or `otherwise` if they do not determine it.
+/// Returns the definition of the last statement in some lines, or `otherwise` if the lines contain no keyword.
 ///
-/// The next line may be a continuation of that statement whose comma is missing.
+/// The next line may be a continuation of that statement whose leading comma is missing.
 pub(super) fn statement_before(
     source: &Source,
     lines: &[LogicalLine],
     role: Role,
     otherwise: Option<&'static StatementDef>,
 ) -> Option<&'static StatementDef> {
-    // Lines without a keyword determine nothing; a file with many such lines in a row is nonsense.
+    // Only this many lines are searched, because a long run of lines without a keyword is no sensible deck.
     const MOST: usize = 16;
     for line in lines.iter().rev().take(MOST) {
         let mut parser = StatementParser::new(source, role);

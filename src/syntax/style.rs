@@ -3,15 +3,16 @@ use super::{Dataset, Statement};
 use crate::grammar::{STATEMENTS, ValueKind};
 use crate::text::Span;
 
-/// The prevailing style of statements in a file, used for new statements and arguments.
+/// Style that prevails among the statements of a file. New statements and arguments are written in this style.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Style {
-    /// Line end, `\n` or `\r\n`.
+    /// Line end of the file, `\n` or `\r\n`.
     pub line_end: &'static str,
     layout: Layout,
-    /// True for ` = `, false for `=`.
+    /// True if equals signs are surrounded by blanks (` = `), false if they are not (`=`).
     spaced: bool,
-    /// True if the first argument of a statement without id follows the slash: `UNITS/FORCE = NEWTON`. ADAMS/View puts it on the next line.
+    /// True if the first argument of a statement without id directly follows the slash: `UNITS/FORCE = NEWTON`. ADAMS/View writes it on the
+    /// next line.
     pub behind_slash: bool,
 }
 
@@ -20,14 +21,14 @@ pub(super) struct Style {
 enum Layout {
     /// Each argument has its own line, which begins with a comma.
     Comma,
-    /// Each argument has its own line, and the line before ends with `&`.
+    /// Each argument has its own line, and the preceding line ends with `&`.
     Ampersand,
-    /// All arguments are on one line.
+    /// All arguments are on the line of the keyword.
     OneLine,
 }
 
 impl Style {
-    /// Returns the prevailing style of a dataset, from its first 200 statements with arguments.
+    /// Returns the style that prevails among the first 200 statements with arguments in a dataset.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let sample = dataset
             .statements()
@@ -59,7 +60,7 @@ impl Style {
             Some(at) if text[..at].trim_ascii_end().ends_with(b"&") => Layout::Ampersand,
             Some(_) => Layout::Comma,
         };
-        // A statement without arguments has no layout; the layout of ADAMS/View is assumed: one argument per line, with blanks around `=`.
+        // A statement without arguments shows no layout. The layout of ADAMS/View is then assumed: one argument per line.
         let layout = if statement.arguments.is_empty() {
             Layout::Comma
         } else {
@@ -75,7 +76,7 @@ impl Style {
         }
     }
 
-    /// Formats `, NAME = value` with the separator from the argument before.
+    /// Formats an argument and the separator before it: `, NAME = value`.
     pub(crate) fn argument(&self, name: &str, value: Option<&str>) -> String {
         let lead = match self.layout {
             Layout::Comma => format!("{}, ", self.line_end),
@@ -89,15 +90,15 @@ impl Style {
         }
     }
 
-    /// Formats the comment line that names the statement below it.
+    /// Formats the comment line that gives an ADAMS/View name to the statement below it.
     pub(crate) fn name_comment(&self, name: &str) -> String {
-        // ADAMS/View centres the comment on column 41.
+        // ADAMS/View centres the text of the comment on column 41.
         let comment = format!("adams_view_name='{name}'");
         let pad = " ".repeat(40usize.saturating_sub(comment.len().div_ceil(2)).max(1));
         format!("!{pad}{comment}{}", self.line_end)
     }
 
-    /// Formats a whole statement with its name comment and line ends.
+    /// Formats a whole statement, with the comment of its name and with line ends.
     pub(crate) fn statement(&self, new: &NewStatement) -> String {
         let mut text = String::new();
         let end = self.line_end;
@@ -112,7 +113,7 @@ impl Style {
         let last = new.arguments.len().saturating_sub(1);
         for (at, (name, value)) in new.arguments.iter().enumerate() {
             text.push_str(&self.argument(name, value.as_deref()));
-            // A function would continue on the next line; a backslash ends it before the next argument.
+            // Without a backslash at its end, the function would continue with the next argument.
             if at < last && is_function(&new.kind, name) && !text.ends_with('\\') {
                 text.push('\\');
             }
@@ -122,7 +123,7 @@ impl Style {
     }
 }
 
-/// Returns true if most statements without id have their first argument after the slash and not on the next line.
+/// Returns true if most statements without id have their first argument on the line of the keyword.
 fn most_stand_behind_slash(dataset: &Dataset) -> bool {
     let all = dataset.statements().iter();
     let told = all.filter_map(|statement| is_behind_slash(dataset, statement));

@@ -1,4 +1,4 @@
-//! References from statements of a dataset to other objects, and the body of every marker.
+//! References from statements of a dataset to other objects, and the body that carries each marker.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,10 +6,10 @@ use super::{Argument, Dataset, Number, Statement, Value};
 use crate::grammar::ValueKind;
 use crate::text::{Edit, Span};
 
-/// A reference to an object by its id, in an argument or in a function. A zero is not a reference; it means ground or no object.
+/// A reference to an object by its id, in an argument or in a function. An id of zero means ground or no object and is not a reference.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Reference {
-    /// Id space of the object: `marker`, `part`, `joint`.
+    /// Id space of the object, for example `marker`, `part` or `joint`.
     pub space: &'static str,
     /// Id of the object.
     pub id: u32,
@@ -17,7 +17,7 @@ pub struct Reference {
     pub span: Span,
 }
 
-/// An object by id space and id.
+/// Identity of an object: its id space and its id.
 pub type ObjectId = (&'static str, u32);
 
 impl Argument {
@@ -46,7 +46,7 @@ impl Argument {
 }
 
 impl Statement {
-    /// Itself as an object, if it has an id.
+    /// Returns the object that the statement defines, if the statement has an id.
     pub fn object(&self) -> Option<ObjectId> {
         Some((self.def?.id?, self.number()?))
     }
@@ -60,7 +60,7 @@ impl Statement {
     }
 }
 
-/// The body of every marker, including markers that name none.
+/// The body that carries each marker, including markers that name no body.
 #[derive(Clone, Debug, Default)]
 pub struct Topology {
     bodies: BTreeMap<u32, ObjectId>,
@@ -92,13 +92,15 @@ impl Topology {
         Self { bodies }
     }
 
-    /// The body a marker is on.
+    /// Returns the body that carries a marker, if the marker exists and has a body.
     pub fn body(&self, marker: u32) -> Option<ObjectId> {
         self.bodies.get(&marker).copied()
     }
 
-    /// The bodies an element is attached to: those of the markers its arguments name, in their order, and bodies it names
-    /// itself. What functions measure does not count.
+    /// Returns the bodies to which an element is attached, each of them once, in the order of its arguments.
+    ///
+    /// These are the bodies of the markers that its arguments name, and bodies that its arguments name directly. Markers in functions are
+    /// not considered, because they are only measured.
     pub fn attached(&self, statement: &Statement) -> Vec<ObjectId> {
         let mut found = Vec::new();
         for argument in &statement.arguments {
@@ -120,19 +122,20 @@ impl Topology {
     }
 }
 
-/// Statements and arguments that must be removed together.
+/// Statements and arguments that are removed together.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Removal {
-    /// Indices of the statements.
+    /// Indices of the removed statements.
     pub statements: BTreeSet<usize>,
-    /// Arguments of statements that stay, as indices of statement and argument.
+    /// Removed arguments of statements that stay, as pairs (index of the statement, index of the argument).
     pub arguments: BTreeSet<(usize, usize)>,
 }
 
 impl Dataset {
-    /// Returns all dependents of some removed statements: markers on a body, elements on markers, motions of joints, and so on.
+    /// Returns the statements in `removed` together with everything that depends on them: markers on a body, elements on markers, motions
+    /// of joints, and so on.
     ///
-    /// A body or a statement without id only loses the argument that refers to a removed object.
+    /// A body, or a statement without id, is not removed itself. It only loses the arguments that refer to removed objects.
     pub fn dependents(&self, removed: BTreeSet<usize>) -> Removal {
         let topology = Topology::of(self);
         let mut removal = Removal {
@@ -181,7 +184,7 @@ impl Dataset {
         removal
     }
 
-    /// Returns the edits of a removal.
+    /// Returns the edits that carry out a removal.
     pub fn removal_edits(&self, removal: &Removal) -> Vec<Edit> {
         let statements = removal
             .statements

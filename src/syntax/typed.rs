@@ -1,4 +1,4 @@
-//! Parsing of statements typed by a user, to be added to a dataset in its own style.
+//! Parsing of statements that a user typed and that are to be added to a dataset in its own style.
 
 use super::lines::logical_lines;
 use super::statement::{NO_OWNER, without_continuation};
@@ -9,11 +9,11 @@ use crate::grammar::Role;
 use crate::text::{Source, Span};
 
 impl NewStatement {
-    /// Parses the statements of a text without a title line, such as `MARKER/99, PART=2, QP=1,2,3`, in any spelling that a dataset may
-    /// have.
+    /// Parses statements from a text without a title line, such as `MARKER/99, PART=2, QP=1,2,3`, in any spelling that is legal in a
+    /// dataset.
     ///
-    /// Values are kept as typed, and continuation lines are joined. Errors are unknown statements or arguments, unreadable values, and a
-    /// MARKER that names no body. If there is an error, the returned list is empty.
+    /// Values are kept as typed, and continuation lines are joined. Unknown statements or arguments, unreadable values, and a MARKER that
+    /// names no body are errors. If there is an error, the returned list is empty.
     pub fn read(source: &Source) -> Checked<Vec<Self>> {
         let (lines, _) = logical_lines(source.bytes(), 0, false);
         let (statements, mut diagnostics) = parse_lines(source, &lines, Role::Dataset);
@@ -76,7 +76,7 @@ impl NewStatement {
     }
 }
 
-/// Returns the text between the equals sign and the next argument.
+/// Returns the text between the equals sign of an argument and the next argument; `None` if there is no equals sign.
 fn value(argument: &Argument, end: usize, source: &Source) -> Option<String> {
     let typed = source.text(Span::new(argument.name.end(), end));
     let typed = without_continuation(&typed);

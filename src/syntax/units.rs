@@ -1,6 +1,6 @@
-//! Units of a dataset, and physical dimensions of its numbers.
+//! Units of a dataset, and physical dimensions of its values.
 
-/// Exponents of force, mass, length, time and angle.
+/// Physical dimension, given by the exponents of force, mass, length, time and angle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Dimension {
     /// Exponent of force.
@@ -11,12 +11,12 @@ pub struct Dimension {
     pub length: i8,
     /// Exponent of time.
     pub time: i8,
-    /// Exponent of plane angle (in radians internally).
+    /// Exponent of plane angle; angles are in radians internally.
     pub angle: i8,
 }
 
 impl Dimension {
-    /// Dimension of a pure number.
+    /// Dimension of a dimensionless number.
     pub const NONE: Self = Self::new(0, 0, 0, 0, 0);
     /// Dimension of length.
     pub const LENGTH: Self = Self::new(0, 0, 1, 0, 0);
@@ -43,14 +43,14 @@ impl Dimension {
     }
 }
 
-/// A unit with its ADAMS keyword, its spelling in results files, and its size in SI units.
+/// A unit: its keyword in ADAMS, its spelling in results files, and its size in SI units.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Unit {
     /// Full keyword of the UNITS statement, in capitals.
     pub keyword: &'static str,
     /// Spelling in results files, for example `mm`.
     pub word: &'static str,
-    /// Size in SI units (N, kg, m, s).
+    /// Size of the unit in SI units (N, kg, m or s).
     pub si: f64,
 }
 
@@ -120,7 +120,7 @@ pub const TIME_UNITS: &[Unit] = &[
     unit("DAY", "day", 86400.0),
 ];
 
-/// Units of a dataset.
+/// Units of a dataset, and whether the dataset states them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Units {
     /// Unit of force.
@@ -131,14 +131,14 @@ pub struct Units {
     pub length: Unit,
     /// Unit of time.
     pub time: Unit,
-    /// Units consistency factor: Force * UCF = Mass * Acceleration (guide/formats.md 2.15).
+    /// Units consistency factor UCF, defined by force * UCF = mass * acceleration (guide/formats.md 2.15).
     pub ucf: f64,
-    /// True if the dataset states its units.
+    /// True if the dataset contains a UNITS statement.
     pub stated: bool,
 }
 
 impl Units {
-    /// Creates stated units and computes their consistency factor.
+    /// Creates the units of a dataset that states them, and computes their consistency factor.
     pub fn new(force: Unit, mass: Unit, length: Unit, time: Unit) -> Self {
         let ucf = force.si * time.si * time.si / (mass.si * length.si);
         Self {
@@ -151,7 +151,7 @@ impl Units {
         }
     }
 
-    /// Returns the size of the unit of a dimension in SI units (N, kg, m, s, rad).
+    /// Returns the size in SI units (N, kg, m, s, rad) of the unit that a dimension has in this dataset.
     pub fn si(&self, dimension: Dimension) -> f64 {
         let powers = [
             (self.force.si, dimension.force),
@@ -163,8 +163,8 @@ impl Units {
         product.iter().product()
     }
 
-    /// Returns the name of the unit of a dimension, as spelled in results files, for example `newton-mm`, `mm/sec**2`; empty for a pure
-    /// number.
+    /// Returns the name of the unit that a dimension has in this dataset, spelled as in results files, for example `newton-mm` or
+    /// `mm/sec**2`. The name of a dimensionless unit is empty.
     pub fn name(&self, dimension: Dimension) -> String {
         let parts = [
             (self.force.word, dimension.force),
@@ -193,7 +193,7 @@ impl Units {
     }
 }
 
-/// Returns a unit in its usual short form: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
+/// Returns the usual short form of a unit that is spelled as in results files: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
 pub fn short_unit(unit: &str) -> String {
     let starts = |word: &str| unit.starts_with(word) || unit.contains(&format!("/{word}"));
     if starts("newton") || starts("knewton") {
@@ -204,8 +204,8 @@ pub fn short_unit(unit: &str) -> String {
 }
 
 impl Default for Units {
-    /// Returns the units of a dataset without UNITS: ADAMS computes with UCF = 1, and results are named as millimetres, newtons, kilograms,
-    /// seconds.
+    /// Returns the units that ADAMS assumes for a dataset without UNITS. ADAMS computes with UCF = 1, and results files name millimetres,
+    /// newtons, kilograms and seconds.
     fn default() -> Self {
         Self {
             ucf: 1.0,

@@ -10,7 +10,7 @@ use crate::grammar::{
 };
 use crate::text::{Edit, Span};
 
-/// Error: a list of numbers could not be parsed.
+/// Error that a list of numbers could not be parsed.
 struct NotNumbers;
 
 impl StatementParser<'_> {
@@ -94,7 +94,7 @@ impl StatementParser<'_> {
         let rest = bad.map_or(rest, |token| token.span.join(rest));
         let span = match (last, first) {
             (Some(last), _) => {
-                // Text directly after a number, without a comma, is reported together with the number.
+                // A text that follows a number without a comma is reported together with that number.
                 let between = self.source.slice(Span::new(last.end(), rest.start()));
                 if between.contains(&b',') {
                     rest
@@ -126,7 +126,7 @@ impl StatementParser<'_> {
             diagnostic = diagnostic.help("commas separate values");
         }
         self.complain(diagnostic, span, "");
-        // Numbers after the fault belong to the same value; they are neither arguments nor further faults.
+        // Numbers after the fault still belong to the value; they must not be parsed as arguments or reported again.
         loop {
             let end = cursor.position();
             let more = cursor.skip_commas()
@@ -144,7 +144,8 @@ impl StatementParser<'_> {
         }
     }
 
-    /// Parses numbers separated by commas, up to a separator without a following number. On an error the cursor stays at the fault.
+    /// Parses numbers separated by commas, up to the first separator that is not followed by a number. After an error the cursor is at the
+    /// fault.
     fn numbers(&mut self, cursor: &mut Cursor) -> Result<Shared<Number>, NotNumbers> {
         self.list.clear();
         loop {
@@ -167,7 +168,7 @@ impl StatementParser<'_> {
         }
     }
 
-    /// Parses `[+|-] number [D]`.
+    /// Parses a number with an optional sign and an optional degree suffix: `[+|-] number [D]`.
     fn number(&self, cursor: &mut Cursor) -> Option<Number> {
         let first = cursor.peek()?;
         let signed = matches!(first.kind, TokenKind::Punctuation(b'+' | b'-'));
@@ -201,7 +202,7 @@ impl StatementParser<'_> {
         })
     }
 
-    /// Parses words joined by colons. They may be enclosed in parentheses, as on the documentation page of FRICTION.
+    /// Parses words joined by colons. Parentheses around them are accepted, because the documentation page of FRICTION shows them.
     fn choice(
         &mut self,
         def: &'static ArgumentDef,
@@ -256,7 +257,7 @@ impl StatementParser<'_> {
         self.complain(diagnostic, span, "");
     }
 
-    /// Parses a FUNCTION up to a backslash or a comma outside of parentheses; a line end alone does not end it.
+    /// Parses a FUNCTION up to a backslash or a comma outside of parentheses. A line end alone does not end the function.
     fn function(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -336,7 +337,7 @@ impl StatementParser<'_> {
                 .is_some_and(|token| token.kind == TokenKind::Punctuation(b'('))
     }
 
-    /// Returns true if the tokens begin with `KEYWORD =` and the statement has that keyword.
+    /// Returns true if the tokens begin with `KEYWORD =` and KEYWORD is an argument of the statement.
     fn is_assignment(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -355,9 +356,9 @@ impl StatementParser<'_> {
             })
     }
 
-    /// Returns true if the tokens after a comma begin the next argument and do not continue a text.
+    /// Returns true if the tokens after a comma begin the next argument, false if they continue the current text.
     ///
-    /// This holds for any word with an equals sign, and for a flag of the statement with nothing after it.
+    /// The next argument is either any word with an equals sign, or a flag of the statement with nothing after it.
     fn is_next_argument(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -383,9 +384,9 @@ impl StatementParser<'_> {
         }
     }
 
-    /// Parses free text: quoted texts between commas, or unquoted text up to the end of the line or the next argument.
+    /// Parses free text: either quoted texts separated by commas, or unquoted text up to the end of the line or the next argument.
     ///
-    /// With `list`, unquoted text is split at colons and commas.
+    /// If `list` is true, unquoted text is split at colons and commas.
     fn texts(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -402,7 +403,7 @@ impl StatementParser<'_> {
                     at = token.span.end();
                 }
                 Some(token) if token.kind == TokenKind::Continuation && texts.is_empty() => {
-                    // The value is on the next line, unless that line begins the next argument; then the text is empty.
+                    // The text begins on the next line, unless that line begins the next argument; in that case the text is empty.
                     let position = cursor.position();
                     cursor.advance();
                     if !self.is_next_argument(statement, cursor.rest()) {
@@ -418,7 +419,7 @@ impl StatementParser<'_> {
                 }
                 None => break,
             }
-            // After a comma the list continues.
+            // After a comma, another text of the list may follow.
             let end = cursor.position();
             let several = list || self.source.bytes().get(at.wrapping_sub(1)) == Some(&b'"');
             if !several || !cursor.skip_commas() || self.is_next_argument(statement, cursor.rest())
@@ -472,26 +473,26 @@ impl StatementParser<'_> {
             }
             passed = index + 1;
         }
-        // After a colon at the end of a line, the next text is on the next line.
+        // If the line ends with a colon, the next text of the list begins on the next line.
         texts.extend(item.filter(|span| !(continued && span.is_empty())));
         cursor.go_back(cursor.position() + passed);
         end
     }
 
-    /// Returns true for a colon that separates texts, as opposed to the pair in `library::subroutine`.
+    /// Returns true for a single colon, which separates texts; the double colon in `library::subroutine` belongs to a text.
     fn is_single_colon(&self, span: Span) -> bool {
         let bytes = self.source.bytes();
         bytes.get(span.end()) != Some(&b':')
             && (span.start() == 0 || bytes[span.start() - 1] != b':')
     }
 
-    /// Returns the span inside the quotes.
+    /// Returns the span of a quoted text without its quotes.
     fn unquoted(&self, span: Span) -> Span {
         let closed = span.len() > 1 && self.source.bytes()[span.end() - 1] == b'"';
         Span::new(span.start() + 1, span.end() - usize::from(closed))
     }
 
-    /// Parses the value of an unknown argument: numbers if possible, otherwise a text up to the next separator.
+    /// Parses the value of an unknown argument: as numbers if possible, otherwise as text up to the next separator.
     fn unknown_value(&mut self, cursor: &mut Cursor) -> Value {
         cursor.skip_continuation();
         let start = cursor.position();
@@ -503,7 +504,7 @@ impl StatementParser<'_> {
     }
 }
 
-/// Returns true if a number in the text has a FORTRAN exponent: `1.5D3`, `1D+05`.
+/// Returns true if a number in the text has an exponent in FORTRAN style: `1.5D3`, `1D+05`.
 fn has_d_exponent(text: &[u8]) -> bool {
     text.windows(3).any(|three| {
         (three[0].is_ascii_digit() || three[0] == b'.')
@@ -512,7 +513,7 @@ fn has_d_exponent(text: &[u8]) -> bool {
     })
 }
 
-/// Parses the word of a choice, which may begin with digits as in 3DBEAM.
+/// Parses one word of a choice; it may begin with digits, as 3DBEAM does.
 fn choice_word(cursor: &mut Cursor) -> Option<Span> {
     let is_piece = |token: &Token| matches!(token.kind, TokenKind::Word | TokenKind::Number);
     let mut span = cursor.peek().filter(is_piece)?.span;

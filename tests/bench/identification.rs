@@ -270,11 +270,11 @@ fn trial(setting: Setting, seed: u64, bounds: &[f64], start: Start, beside: bool
     for (k, parameter) in found.fit.parameters.iter().enumerate() {
         // Intervals use the profile likelihood wherever the command would use it.
         let interval = if bounds[k] < KNOWN && sds[k] > POOR_NORMAL_LN_SD {
-            let of = (k, &found.covariance);
             profile_interval(
                 &mut found.problem,
                 &found.minimum,
-                of,
+                k,
+                &found.covariance,
                 &priors,
                 &scale,
                 &held,

@@ -97,7 +97,7 @@ fn a_table_in_latin_1_has_the_names_of_the_deck() {
 fn settings_that_are_not_utf_8_are_refused_at_the_byte() {
     let bytes = b"# \xe4\n\xe4";
     let there = Span::new(2, 3);
-    let test_rig = kc::Config::read(&Source::new("kc.toml", &bytes[..]), (1.0, 1.0));
+    let test_rig = kc::Config::read(&Source::new("kc.toml", &bytes[..]), 1.0, 1.0);
     assert!(test_rig.value.is_none());
     assert_eq!(test_rig.diagnostics[0].labels[0].span, there);
     let wrong = check::Settings::parse(&Source::new("admire.toml", &bytes[..])).unwrap_err();

@@ -199,7 +199,7 @@ fn tables() {
 
 /// Checks that settings are read or that an error is reported.
 pub fn settings(bytes: &[u8]) {
-    let read = Config::read(&Source::new("kc.toml", bytes), (1.0, 1.0));
+    let read = Config::read(&Source::new("kc.toml", bytes), 1.0, 1.0);
     assert_inside(&read.diagnostics, "kc.toml", bytes);
     assert!(
         read.value.is_some() || read.has_errors(),

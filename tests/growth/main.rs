@@ -214,7 +214,7 @@ fn study(bytes: &[u8]) {
 }
 
 fn settings(bytes: &[u8]) {
-    Config::read(&Source::new("kc.toml", bytes), (1.0, 1.0));
+    Config::read(&Source::new("kc.toml", bytes), 1.0, 1.0);
 }
 
 fn rules(bytes: &[u8]) {

@@ -27,7 +27,7 @@ fn wheel_centre_toe_and_camber() {
         };
         let mut chain = bench.chain(HELD).unwrap();
         let found = bench
-            .observe(HELD, &mut chain, (&inputs, None), "state")
+            .observe(HELD, &mut chain, &inputs, None, "state")
             .unwrap();
         let readings = found.axle.readings(&Given::default());
         let of = |path: &str| readings.iter().find(|r| r.path() == path).unwrap().value;
@@ -66,7 +66,7 @@ fn caster_and_kingpin_of_the_drawing() {
     let mut bench = axle.bench();
     let mut chain = bench.chain(HELD).unwrap();
     let found = bench
-        .observe(HELD, &mut chain, (&Inputs::default(), None), "design")
+        .observe(HELD, &mut chain, &Inputs::default(), None, "design")
         .unwrap();
     // Lower ball joint (-267, -750, 130), upper (-307, -675, 555).
     let (caster, kingpin) = ((-40.0_f64 / 425.0).atan(), (75.0_f64 / 425.0).atan());
@@ -102,7 +102,7 @@ fn the_instant_axis_is_the_line_of_the_ball_joints() {
             ..Inputs::default()
         };
         let found = bench
-            .observe(HELD, &mut chain, (&inputs, None), "steered")
+            .observe(HELD, &mut chain, &inputs, None, "steered")
             .unwrap();
         found.axle.wheels.map(|wheel| {
             let wheel = wheel.unwrap();

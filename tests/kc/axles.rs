@@ -22,7 +22,7 @@ impl Axle {
         let model = Model::lower(&dataset).value;
         let source = Source::new("kc.toml", toml.as_bytes());
         let si = (model.units.length.si, model.units.force.si);
-        let config = Config::read(&source, (1e-3 / si.0, 1.0 / si.1));
+        let config = Config::read(&source, 1e-3 / si.0, 1.0 / si.1);
         assert!(config.diagnostics.is_empty(), "{:?}", config.diagnostics);
         Self {
             dataset,
@@ -34,8 +34,8 @@ impl Axle {
 
     #[track_caller]
     pub fn bench(&self) -> Bench<'_> {
-        let deck = (&self.dataset, &self.files, &self.model);
-        Bench::new(&self.config, deck).unwrap_or_else(|why| panic!("{why:?}"))
+        Bench::new(&self.config, &self.dataset, &self.files, &self.model)
+            .unwrap_or_else(|why| panic!("{why:?}"))
     }
 }
 

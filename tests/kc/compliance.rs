@@ -73,7 +73,7 @@ fn the_matrix_is_the_derivative_of_the_statics() {
         ] {
             let mut chain = bench.chain(LOADED).unwrap();
             let centre = bench
-                .observe(LOADED, &mut chain, (&base, None), name)
+                .observe(LOADED, &mut chain, &base, None, name)
                 .unwrap();
             let c = centre.axle.compliance.unwrap();
             for loaded in Side::BOTH {
@@ -86,7 +86,7 @@ fn the_matrix_is_the_derivative_of_the_statics() {
                                 inputs.loads[loaded.index()][k] += h;
                                 let mut chain = chain.clone();
                                 bench
-                                    .observe(LOADED, &mut chain, (&inputs, None), name)
+                                    .observe(LOADED, &mut chain, &inputs, None, name)
                                     .unwrap()
                             },
                             step,
@@ -128,7 +128,7 @@ fn moments_come_with_loads_at_the_patch() {
             let mut drive = Drive::default();
             drive.loads[0][k] = 1.0;
             let seen = bench
-                .observe(LOADED, &mut chain, (&base, Some(&drive)), name)
+                .observe(LOADED, &mut chain, &base, Some(&drive), name)
                 .unwrap();
             let contacts = seen.axle.contacts().unwrap();
             let d = contacts[0] - seen.axle.wheels[0].unwrap().wheel.centre;
@@ -186,7 +186,7 @@ fn a_sweep_of_the_load_at_the_patch_has_the_slopes_of_the_columns_at_zero_camber
         let mut at = |load: f64| {
             let mut inputs = loads(0.0, 0.0, load, 0.0);
             inputs.vertical_at_patch = true;
-            bench.observe(LOADED, &mut chain, (&inputs, Some(&Drive::default())), name)
+            bench.observe(LOADED, &mut chain, &inputs, Some(&Drive::default()), name)
         };
         let camber = |seen: &Observation| -seen.axle.wheels[0].unwrap().wheel.spin.z.asin();
         let ends = [1500.0, 7500.0].map(|load| at(load).ok().map(|seen| camber(&seen)));
@@ -245,7 +245,7 @@ fn locked_and_free() {
             (base.vertical_at_patch, base.plane_at_patch) = (at_patch, at_patch);
             let mut chain = bench.chain(LOADED).unwrap();
             let free = bench
-                .observe(LOADED, &mut chain, (&base, None), name)
+                .observe(LOADED, &mut chain, &base, None, name)
                 .unwrap();
             let mut held_inputs = base;
             for side in Side::BOTH {
@@ -259,7 +259,7 @@ fn locked_and_free() {
                 let mut drive = Drive::default();
                 drive.loads[0][k] = 1.0;
                 let held = bench
-                    .observe(HELD, &mut held_chain, (&held_inputs, Some(&drive)), name)
+                    .observe(HELD, &mut held_chain, &held_inputs, Some(&drive), name)
                     .unwrap();
                 let (a, b) = (free.axle.compliance.unwrap(), held.axle.compliance.unwrap());
                 let apart = scaled(&Compliance {
@@ -321,7 +321,7 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
             ..Drive::default()
         };
         let centre = bench
-            .observe(HELD, &mut chain, (&base, Some(&drive)), name)
+            .observe(HELD, &mut chain, &base, Some(&drive), name)
             .unwrap();
         let read = |seen: &Observation, path: &str| {
             let all = seen.axle.readings(&given);
@@ -338,7 +338,7 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
                         ..base
                     };
                     of(&bench
-                        .observe(HELD, &mut chain.clone(), (&inputs, None), name)
+                        .observe(HELD, &mut chain.clone(), &inputs, None, name)
                         .unwrap())
                 };
                 (at(h) - at(-h)) / (2.0 * h)
@@ -464,7 +464,7 @@ fn symmetry_shows_conservative_forces() {
         ..Inputs::default()
     };
     let seen = bench
-        .observe(HELD, &mut chain, (&inputs, None), "springs")
+        .observe(HELD, &mut chain, &inputs, None, "springs")
         .unwrap();
     let c = seen.axle.compliance.unwrap();
     assert!(c.c(3, 3) > 1e-3);

@@ -61,7 +61,7 @@ fn run(path: PathBuf) -> Run {
         road: Road::Rig,
     };
     let names = ["whl_wheel", "whr_wheel"].map(str::to_string);
-    let mut replay = Replay::new(reader.catalogue(), (&names, &[]), false, options).unwrap();
+    let mut replay = Replay::new(reader.catalogue(), &names, &[], false, options).unwrap();
     let mut steps = Vec::new();
     let mut rolls = false;
     while let Some(step) = reader.next_step().unwrap() {
@@ -173,7 +173,7 @@ fn steer_axes_of_real_results() {
                 let (scrub, trail) = axis.scrub_and_trail(side, &contact, &state.normal, steer);
                 assert!((scrub - of("scrub_radius.@")).abs() < LENGTH);
                 assert!((trail - of("caster_moment_arm.@")).abs() < LENGTH);
-                let lead = axis.hub_lead(side, (scrub, trail));
+                let lead = axis.hub_lead(side, scrub, trail);
                 assert!((lead - of("hub_lead.@")).abs() < LENGTH);
             }
         });

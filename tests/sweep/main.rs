@@ -69,7 +69,8 @@ impl Bench {
         let mut rows = Vec::new();
         table
             .each(
-                (inputs, columns.outputs.len()),
+                inputs,
+                columns.outputs.len(),
                 |row, numbers| -> Result<(), parquet::errors::ParquetError> {
                     rows.push((row, numbers));
                     Ok(())

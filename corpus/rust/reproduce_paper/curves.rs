@@ -13,7 +13,8 @@ use admire_study::noise::Noise;
 use admire_study::settings::SpinAxis;
 use admire_study::wheel::SpinDirection;
 
-/// Replaces the mark readings by predictions of the reference deck, with Gaussian noise.
+/// Replaces the mark readings of a study by predictions of its reference deck, with added Gaussian noise. (Marks are measured points on
+/// parts.)
 pub(super) fn read_reference(
     study: &mut LoadedStudy,
     sigma: f64,
@@ -58,13 +59,13 @@ pub(super) fn reference(
     Ok((Model::lower(dataset).value, dataset))
 }
 
-/// Identifies by the iteration of the paper with the study's settings.
+/// Identifies the stiffnesses by the iteration of the paper, with the study's settings.
 pub(super) fn by_loop(study: &LoadedStudy) -> Result<Fit, IdentifyError> {
     let mut quiet = |_: usize, _: &[f64], _: f64| ControlFlow::Continue(());
     regression::identify(&study.problem(), &mut NativeBackend::new(), &mut quiet)
 }
 
-/// Identifies by the global fit with the study's settings; returns the fit and the number of sweeps.
+/// Identifies the stiffnesses by the global fit, with the study's settings. Returns the fit and the number of sweeps that it needed.
 pub(super) fn by_fit(study: &LoadedStudy) -> Result<(Fit, usize), IdentifyError> {
     let problem = study.problem();
     let prepared = Prepared::new(&problem)?;
@@ -73,7 +74,7 @@ pub(super) fn by_fit(study: &LoadedStudy) -> Result<(Fit, usize), IdentifyError>
     Ok((fit, sweeps))
 }
 
-/// Wheel of a study: the one in its settings, else the marker WC with its y axis.
+/// Wheel of a study. It is the wheel in the study's settings if there is one, or else the marker WC with the spin axis y.
 pub(super) struct Wheel {
     marker: MarkerIx,
     spin: SpinDirection,
@@ -103,14 +104,14 @@ impl Wheel {
         Ok(Self { marker, spin })
     }
 
-    /// Returns camber and steer in degrees.
+    /// Returns camber and steer of the wheel in degrees.
     fn angles(&self, model: &Model, poses: &[Pose]) -> [f64; 2] {
         let reading = self.spin.reading(&marker_pose(model, poses, self.marker));
         [reading.camber_deg, reading.steer_deg]
     }
 }
 
-/// Returns camber and steer over one load of a programme, with the unknowns set to `values`.
+/// Returns the curves of camber and steer over one load of a programme (sequence of load cases), with the unknowns set to `values`.
 pub(super) fn wheel_curves(
     (study, wheel): (&LoadedStudy, &Wheel),
     values: &[f64],
@@ -139,7 +140,8 @@ pub(super) fn wheel_curves(
     Ok(curves.map(Curve::since_zero))
 }
 
-/// Returns the study's loads with only `name` varied over `values` and the vertical load fixed at `vertical`.
+/// Returns a programme of load cases in which the load `name` takes the given values. The vertical load is fixed at `vertical`; all other
+/// loads are zero.
 pub(super) fn ramp(
     study: &LoadedStudy,
     name: &'static str,

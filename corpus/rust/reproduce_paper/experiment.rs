@@ -9,18 +9,19 @@ use admire_identify::{Fit, LoadedStudy, Status};
 use admire_session::backend::LoadProgramme;
 use admire_study::settings::{Slope, Weights};
 
-/// Nominal stiffnesses of table 3, rotational ones per degree. Ktx of A is printed as 1300, while the text says 13 000.
+/// Nominal stiffnesses of the paper's table 3, rotational stiffnesses per degree. The table prints Ktx of bushing A as 1300, but the text
+/// says 13 000.
 const NOMINAL: [[f64; 6]; 2] = [
     [13000.0, 13000.0, 1370.0, 11000.0, 11000.0, 4000.0],
     [310.0, 2400.0, 180.0, 4500.0, 1100.0, 1600.0],
 ];
-/// Identified stiffnesses of table 3; 10000 where the start was kept.
+/// Identified stiffnesses of the paper's table 3. The value 10000 marks a stiffness that kept its initial value.
 const IDENTIFIED: [[f64; 6]; 2] = [
     [7298.0, 10000.0, 10000.0, 10000.0, 6831.0, 5066.0],
     [365.0, 500.0, 10000.0, 10000.0, 3404.0, 4823.0],
 ];
 
-/// Number of stages: iteration, fit, curves.
+/// Number of progress stages: iteration, fit, curves.
 pub(super) const STAGES: usize = 3;
 
 pub(super) fn section(
@@ -131,14 +132,14 @@ pub(super) fn section(
             "The paper measured a real axle; ours is a virtual rig whose bushing has dry friction and whose tie rod yields, the two \
              effects the paper names. How much of each its axle had is not printed."
                 .to_string(),
-            "ReproducedCurves 11 has no numbers: only which model lies nearer to the rig, and that the rig has hysteresis no model shows, can \
+            "Figure 11 has no numbers: only which model lies nearer to the rig, and that the rig has hysteresis no model shows, can \
              be compared."
                 .to_string(),
         ],
     })
 }
 
-/// Returns table 3 for one bushing, rotational stiffnesses per degree.
+/// Returns table 3 for one bushing, with rotational stiffnesses per degree.
 fn stiffnesses(
     (at, bushing): (usize, &str),
     nominal: &[f64],
@@ -182,7 +183,7 @@ fn stiffnesses(
     }
 }
 
-/// Returns the measured steer curve of the cases whose label begins with `start`, and these cases as a programme of their own.
+/// Returns the measured steer curve over the load cases whose label begins with `start`, and these load cases as a separate programme.
 fn loop_of(
     study: &LoadedStudy,
     start: &str,
@@ -206,7 +207,7 @@ fn loop_of(
     (curve.points.len() > 2).then_some((curve, programme, column))
 }
 
-/// Returns the largest difference between readings at the same load.
+/// Returns the largest difference between two readings at the same load.
 fn hysteresis(curve: &Curve) -> f64 {
     let mut widest = 0.0_f64;
     for (at, (load, angle)) in curve.points.iter().enumerate() {
@@ -229,7 +230,7 @@ fn finding(letter: &str, apart: &[f64], width: f64) -> String {
         }
     };
     format!(
-        "ReproducedCurves 11-{letter}: the loop's model is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees), the \
+        "Figure 11-{letter}: the loop's model is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees), the \
          fit's is {} ({by_fit:.4}); the rig's hysteresis of {width:.4} degrees no model has, as in the paper.",
         nearer(by_loop),
         nearer(by_fit)

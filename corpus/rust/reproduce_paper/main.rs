@@ -1,4 +1,4 @@
-//! Runs the three validations of the paper again and prints its figures beside ours; `admire reproduce` writes the page too.
+//! Repeats the three validations of the paper and prints the paper's results beside ours. `admire reproduce` also writes a report page.
 //!
 //! `cargo run --release --example reproduce_paper`
 

@@ -7,11 +7,11 @@ use super::{
 use admire_identify::LoadedStudy;
 use admire_study::settings::{Slope, Weights};
 
-/// ReproducedCurves 7: K identified over K reference of bushing A; its Krx was kept at the start.
+/// Figure 7 of the paper: ratio of identified to reference stiffness for bushing A. Its Krx kept its initial value.
 const PAPER_A: [f64; 6] = [1.01, 0.89, 0.86, 0.91, 0.84, 0.89];
 const PAPER_ITERATIONS: usize = 24;
 
-/// Number of stages: iteration and fit.
+/// Number of progress stages: iteration and fit.
 pub(super) const STAGES: usize = 2;
 
 pub(super) fn section(

@@ -1,4 +1,4 @@
-//! Section 4.3: an axle with twelve bushings and an additional camber mobility, with noise on the marks.
+//! Section 4.3: an axle with twelve bushings and an additional camber mobility, with noise on the marks (measured points).
 
 use super::curves::{Wheel, by_fit, by_loop, ramp, read_reference, wheel_curves};
 use super::{
@@ -8,12 +8,13 @@ use super::{
 use admire_identify::{Fit, LoadedStudy};
 use admire_study::settings::{Slope, Weights};
 
-/// Printed number of iterations to a step test of 0.05.
+/// Number of iterations printed in the paper, to a step test of 0.05.
 const PAPER_ITERATIONS: usize = 50;
-/// Printed number of stiffnesses, out of 48, that kept their start.
+/// Number of stiffnesses, out of 48, that kept their initial value according to the paper.
 const PAPER_UNIDENTIFIABLE: usize = 17;
 
-/// Number of stages: five runs of the iteration, two fits, the curves. The iteration has three variants with and without noise, minus one.
+/// Number of progress stages: five runs of the iteration, two fits, and the curves. The iteration has three variants with and without
+/// noise, one of which is left out.
 pub(super) const STAGES: usize = 8;
 
 pub(super) fn section(
@@ -166,7 +167,8 @@ pub(super) fn section(
     })
 }
 
-/// Checks the order of the curves in figure 9: without noise closest to the reference, then with noise, and the initial model farthest away.
+/// Checks the order of the curves in figure 9 of the paper. There the fit without noise is closest to the reference, then the fit with
+/// noise; the initial model is farthest away.
 fn ordering(curves: &[Curve], angle: &str) -> String {
     let reference = &curves[1];
     let mut order: Vec<(f64, &str)> = curves
@@ -197,7 +199,7 @@ fn ordering(curves: &[Curve], angle: &str) -> String {
         (false, false) => "not the paper's order",
     };
     format!(
-        "ReproducedCurves 9, {angle}, from nearest to the reference to farthest: {}: {verdict} (without noise, with noise, initial).",
+        "Figure 9, {angle}, from nearest to the reference to farthest: {}: {verdict} (without noise, with noise, initial).",
         names.join(", ")
     )
 }

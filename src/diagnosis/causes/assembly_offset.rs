@@ -1,7 +1,7 @@
-//! `assembly-offset`: the two sides of a bushing are displaced from each other, relative to the deck, in every load case.
+//! `assembly-offset`: the two sides of a bushing are displaced from each other in every load case, compared with the deck.
 //!
-//! A translational offset is a random effect of every bushing, and a finding if it exceeds its tolerance group. A rotational offset is a
-//! separate effect.
+//! The translational offset of every bushing is a random effect. It becomes a finding if it exceeds its tolerance group. A rotational offset
+//! is a separate effect.
 
 use super::super::candidate_effect::{
     CandidateEffect, EffectParameter, Parametrisation, SIX, Sensitivity, number,
@@ -10,7 +10,7 @@ use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
-/// Adds a translational and a rotational offset of every bushing.
+/// Adds candidates for a translational and a rotational offset of every bushing.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {

@@ -1,6 +1,6 @@
 //! `body-compliance`: the ground-side attachment of a joint or spring yields.
 //!
-//! For a bushing, this compliance is part of the identified stiffness.
+//! For a bushing, the compliance of its attachment is part of the identified stiffness.
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
@@ -12,11 +12,11 @@ use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use crate::settings::SPLIT_STIFFNESS_N_PER_MM;
 
-/// Form of an attachment that holds a link, which is a part with two ends. Along the link it is indistinguishable from compliance of the
-/// link.
+/// Name of the form in which the attachment holds a link: a part with exactly two attachments. Along the link, such a compliance is
+/// indistinguishable from compliance of the link.
 pub(super) const IN_LINE: &str = "holds a link";
 
-/// Adds the compliance of every joint and spring with one side on ground, equal in all directions.
+/// Adds candidates for the compliance of the ground-side attachment of joints and springs, equal in all directions.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let model = survey.model;
     let Some(ground) = model.ground() else {
@@ -45,12 +45,12 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     (slot, shifts.iter().map(|s| s[k]).collect())
                 })
                 .collect();
-            let place = (model.markers[marker.0].qp, [0.0; 3]);
             let ground = model.parts[ground.0].header.id;
             let (bushing, _, changes) = survey.split(
                 ground,
                 id,
-                place,
+                own.qp,
+                [0.0; 3],
                 [SPLIT_STIFFNESS_N_PER_MM * per_length; 3],
             );
             let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));

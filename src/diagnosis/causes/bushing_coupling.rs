@@ -9,7 +9,7 @@ use super::super::candidate_effect::{
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 
-/// Pairs of coupled components, with their names.
+/// Pairs of coupled components with their names. Components 0 to 2 are translations, components 3 to 5 rotations.
 const PAIRS: [(usize, usize, &str); 15] = [
     (0, 1, "x-y"),
     (0, 2, "x-z"),
@@ -28,7 +28,7 @@ const PAIRS: [(usize, usize, &str); 15] = [
     (4, 5, "ry-rz"),
 ];
 
-/// Adds a coupling between every pair of components of every bushing.
+/// Adds candidates for a coupling between every pair of components of every bushing.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (at, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
@@ -100,8 +100,8 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
     }
 }
 
-/// Returns the growth of a coupling in the model with the deflection. The energy `k u_a u_b` gains the terms `c u_a u_b^3` and `d u_a^3 u_b`.
-/// They are the next terms of an energy that is even in the deflections.
+/// Returns the term by which a coupling in the model grows with the deflection. The energy `k u_a u_b` gains the terms `c u_a u_b^3` and `d
+/// u_a^3 u_b`. These are the next terms of an energy that is even in the deflections.
 pub(crate) fn growth(
     survey: &OperatingPoints<'_>,
     constant: &CandidateEffect,
@@ -124,7 +124,7 @@ pub(crate) fn growth(
         return None;
     }
     let [u, v] = [a, b].map(|axis| survey.deflection_function(pair, axis));
-    // Force texts along a and b for each of the two energy terms.
+    // Functions of the forces along a and b, for each of the two energy terms.
     let terms = [
         [format!("-0.0*{v}**3"), format!("-0.0*3*{u}*{v}**2")],
         [format!("-0.0*3*{u}**2*{v}"), format!("-0.0*{u}**3")],

@@ -1,11 +1,11 @@
-//! `bushing-orientation`: the bushing is mounted with a rotation of both sides together, so that no preload arises.
+//! `bushing-orientation`: the bushing is mounted with a rotation. Both sides rotate together, so that no preload arises.
 
 use super::super::candidate_effect::{CandidateEffect, SIX};
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
-/// Adds the rotation of every bushing about each of its axes alone, and about all of them.
+/// Adds candidates for the rotation of every bushing: about each of its axes alone, and about all axes together.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for bushing in &survey.model.bushings {
         if !bushing.header.active {

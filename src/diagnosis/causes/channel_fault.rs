@@ -1,4 +1,4 @@
-//! `channel-fault`: the gain, the zero or a single value of a channel is wrong.
+//! `channel-fault`: the gain, the zero or a single value of a measuring channel is wrong.
 
 use admire_identify::global::Row;
 
@@ -8,7 +8,7 @@ use super::super::candidate_effect::{
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 
-/// Adds the gain, the zero and each single reading of every channel.
+/// Adds candidates for a wrong gain, a wrong zero and each single wrong reading of every channel.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let measurement = survey.measurement;
     for (channel, info) in measurement.channels.iter().enumerate() {
@@ -34,8 +34,9 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
         let off = |name: &str, rows: Vec<(usize, f64)>| {
             EffectParameter::linear(name, size, Sensitivity::Rows(rows))
         };
-        // A reading is (1 + gain) times the truth plus a zero, with the fit's prediction as the truth. A factor on the reading itself could
-        // explain anything by making the reading vanish. A channel that is a single number has neither gain nor zero.
+        // A reading is (1 + gain) times the true value plus the zero; the fit's prediction is taken as the true value. A factor on the
+        // reading itself could explain anything, by making the reading vanish. A summary channel has a single value, and therefore neither a
+        // gain nor a zero.
         if info.summary.is_some() {
             for (at, ..) in &read {
                 put("value", off("value", vec![(*at, -1.0 / info.sigma)]));

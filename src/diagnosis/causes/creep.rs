@@ -1,4 +1,5 @@
-//! `creep`: rubber flows from case to case. The force is `F = -K (u - c)`, where `c` covers a fraction of its distance to `u` in every case.
+//! `creep`: rubber flows from case to case. The force is `F = -K (u - c)` with the deflection `u`. In every case, `c` covers a fraction of
+//! its distance to `u`.
 
 use admire_identify::global::Evolution;
 use admire_solver::mechanics::Vec6;
@@ -11,10 +12,10 @@ use super::super::cause::Cause;
 use super::super::operating_points::{OperatingPoints, statement};
 use crate::settings::START_CREEP_RATES;
 
-/// Names of the first guesses of the rate.
+/// Names of the first guesses of the creep rate.
 const FORMS: [&str; 3] = ["slow", "middle", "fast"];
 
-/// Adds creep of every component of every bushing.
+/// Adds candidates for creep in every component of every bushing.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let bushings = survey.model.bushings.iter().enumerate();
     for (k, bushing) in bushings.filter(|(_, bushing)| bushing.header.active) {
@@ -56,7 +57,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     |id, value: String| statement("VARIABLE", id, &[("FUNCTION", value)]);
                 let new = [
                     variable(place, "0.0".to_string()),
-                    // The prior mean of the parameter is added to this value.
+                    // The prior mean of the creep rate is added to this zero.
                     variable(flow, "0.0".to_string()),
                 ];
                 let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));

@@ -1,4 +1,4 @@
-//! `dry-friction`: rate-independent hysteresis, so that the response depends on the order of the loads.
+//! `dry-friction`: rate-independent hysteresis. The response depends on the order of the loads.
 //!
 //! Elasto-slip law: a spring in series with a slider, which moves once the spring is stretched by more than its slip length `F / k`. The
 //! position of the slider before the first case is unknown. Each case then passes its slider position on to the next.
@@ -17,7 +17,7 @@ use crate::settings::{START_FRICTION_FORCES, START_SLIP_LENGTHS};
 
 use super::super::operating_points::statement;
 
-/// First guesses, each with its name: indices of the slip length and of the force in the first case.
+/// Forms of the law with different first guesses: index in `START_SLIP_LENGTHS`, index in `START_FRICTION_FORCES`, and name.
 const FORMS: [(usize, usize, &str); 9] = [
     (0, 0, "short, free at first"),
     (0, 1, "short, pushed at first"),
@@ -30,15 +30,16 @@ const FORMS: [(usize, usize, &str); 9] = [
     (2, 2, "long, pulled at first"),
 ];
 
-/// Turns a slider into the further term `index` of an existing friction. Parallel sliders that slip one after the other form a law with a gradual
-/// limit. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
+/// Turns the candidate `h`, a slider, into the further term `index` of an existing friction law. Parallel sliders that slip one after the
+/// other form a law with a gradual limit. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
 pub(crate) fn further_slider(survey: &OperatingPoints<'_>, h: &mut CandidateEffect, index: usize) {
     h.term = Term::Further(index);
     h.ln_prior = libm::log(survey.priors().gradual_friction / FORMS.len() as f64);
 }
 
-/// Returns terms that make the limit of each friction in the model larger in one direction and smaller in the other. A constant force
-/// parallel to a slider is equivalent to a slider with another anchor, whose limits differ from their mean by that force.
+/// Returns, for each friction in the model, a term that makes the friction limit larger in one direction and smaller in the other. The term
+/// is a constant force parallel to the slider. With this force, the slider is equivalent to a slider with another anchor, whose two limits
+/// differ from their mean by the force.
 pub(crate) fn by_direction(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     let chosen = &survey.fitted.effects;
     let of = |(at, h): (usize, &CandidateEffect)| {
@@ -75,8 +76,8 @@ pub(crate) fn by_direction(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect>
     chosen.iter().enumerate().filter_map(of).collect()
 }
 
-/// Returns the force in each case as a fraction of the limit, for given displacements. The spring has slip length `length` and starts at
-/// `anchor`.
+/// Returns the friction force in each case as a fraction of its limit, for the displacements `u`. The spring has the slip length `length`.
+/// Before the first case it is unstretched at `anchor`.
 fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
     u.iter()
         .map(|&u| {
@@ -87,7 +88,7 @@ fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Adds friction in every component of every bushing, and in the free motions of joints.
+/// Adds candidates for friction in every component of every bushing, and in the free motions of joints.
 pub(crate) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
@@ -125,7 +126,8 @@ pub(crate) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
     }
 }
 
-/// Adds a friction as the GFORCE `F max(-1, min(1, (anchor - u) / L))`. The anchor is a VARIABLE that each case passes on to the next.
+/// Adds candidates for friction at one site. The law is the GFORCE `F max(-1, min(1, (anchor - u) / L))` with limit `F` and slip length `L`.
+/// The anchor is a VARIABLE, which each case passes on to the next.
 fn put(
     survey: &OperatingPoints<'_>,
     address: &str,
@@ -163,7 +165,7 @@ fn put(
     for (share, first, form) in FORMS {
         let (share, first) = (START_SLIP_LENGTHS[share], START_FRICTION_FORCES[first]);
         let length = share * range;
-        // The force on I opposes the stretch.
+        // The force on marker I opposes the stretch.
         let start = u[0] - first * length;
         let wrench = pattern(u, length, start)
             .into_iter()

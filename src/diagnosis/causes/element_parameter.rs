@@ -8,7 +8,7 @@ use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::model::SpringKind;
 
-/// Adds rates and preloads of springs, and stiffnesses of bushings that are not identified.
+/// Adds candidates for wrong rates and preloads of springs, and for wrong stiffnesses of bushings that the study does not identify.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (member, address, group, unit) in survey.numbers_of_the_deck() {
         let sd = match group {
@@ -29,7 +29,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
     free_lengths(survey, out);
 }
 
-/// Adds the free lengths of preloaded springs. A wrong free length shifts the force by a constant, as a preload does.
+/// Adds candidates for wrong free lengths of preloaded springs. A wrong free length shifts the force by a constant, as a wrong preload does.
 fn free_lengths(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (_, address, group, force) in survey.numbers_of_the_deck() {
         if group != EffectGroup::Preloads {

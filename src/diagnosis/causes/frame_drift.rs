@@ -1,4 +1,4 @@
-//! `frame-drift`: the measuring frame moved in one load case.
+//! `frame-drift`: the measuring frame moved in a single load case.
 
 use admire_solver::mechanics::Vec3;
 
@@ -7,16 +7,17 @@ use super::super::cause::Cause;
 use super::super::frame::by_frame;
 use super::super::operating_points::OperatingPoints;
 
-/// Adds for every load case with marks a shift of the frame and a rotation about the centroid of the marks.
+/// Adds a candidate for every load case with at least four marks: a shift of the measuring frame, and a rotation about the centroid of the
+/// marks.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let measurement = survey.measurement;
     for (case, read) in measurement.cases.iter().enumerate() {
-        // Three marks are too few to test a rigid motion in six parameters.
+        // Three marks are too few to test a rigid motion, which has six parameters.
         if read.marks.len() < 4 {
             continue;
         }
         let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
-        let columns = by_frame(survey.rows(), case, &places, (survey.sigma(), 1.0));
+        let columns = by_frame(survey.rows(), case, &places, survey.sigma(), 1.0);
         let numbers = columns.into_iter().enumerate().map(|(k, rows)| {
             let sd = if k < 3 {
                 survey.priors().frame_shift_mm * survey.millimetre()

@@ -1,6 +1,6 @@
 //! `free-play`: a joint of a part with two joints has play along the line through them.
 //!
-//! The part is split at one of its ends. Within the play a weak spring holds it, beyond the play a stiff contact.
+//! The part is split at one of its ends. A weak spring holds the end within the play, and a stiff contact holds it beyond the play.
 
 use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
@@ -9,7 +9,7 @@ use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use super::link_compliance::link_ends;
 
-/// Adds free play at both ends of every movable part with exactly two attachments.
+/// Adds candidates for free play at both ends of every movable part with exactly two attachments.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let per_length = survey.newton() / survey.millimetre();
     let sd = survey.priors().free_play_mm * survey.millimetre();
@@ -26,9 +26,9 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
         let contact = survey.priors().contact_stiffness_n_per_mm * per_length;
         let half = format!("{contact:E}*(MAX(0.0,{measure}-0.0)");
         let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
-        let (force, added) = survey.force_between(pair, (end.part, floating), &[(2, &text)]);
+        let (force, added) = survey.force_between(pair, end.part, floating, &[(2, &text)]);
         changes.extend(added.into_iter().map(Change::Add));
-        // The first literal is the contact stiffness. The last literal of each of the two terms is half of the play.
+        // The first literal is the contact stiffness. Each of the two terms ends with half of the play as its last literal.
         let first = admire_syntax::Expression::parse_str(&format!("{half})"));
         let first = first.map_or(0, |e| e.literals.len());
         let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k)), 0.5);

@@ -1,7 +1,8 @@
 //! `hardpoint-error`: the location of a connection point differs from the deck.
 //!
-//! Either a point of the car is displaced: all parts that meet there move together, and nothing is strained. Or one side of it is displaced:
-//! a part made wrong, assembled under strain. For a bushing the second is `assembly-offset`.
+//! In the form `point`, a hardpoint of the car is displaced: all parts that meet there move together, and nothing is strained. In the form
+//! `part`, only one side is displaced: a part was made wrong and is assembled under strain. For a bushing, a displaced side is
+//! `assembly-offset`.
 
 use super::super::candidate_effect::{CandidateEffect, EffectParameter, SIX, Sensitivity, number};
 use super::super::cause::Cause;
@@ -10,7 +11,8 @@ use admire_identify::tolerance::EffectGroup;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
-/// Adds the displacement of every point, in all directions and along each one alone, and of every end of a joint, primitive or spring.
+/// Adds candidates for the displacement of every hardpoint, in all directions together and along each axis alone, and of every end of a
+/// joint, primitive or spring.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let model = survey.model;
     for point in survey.points() {
@@ -50,7 +52,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
     let mut seen = Vec::new();
     for (header, i, j) in joints.chain(primitives).chain(springs) {
         for marker in [i, j] {
-            // Where no other marker coincides, the end is the point itself.
+            // If no other marker coincides with this end, the end is a hardpoint by itself.
             let alone = survey
                 .points()
                 .iter()

@@ -1,7 +1,7 @@
 //! `link-compliance`: a part deforms along the line through its two joints.
 //!
-//! The part is split at one of its ends by a bushing that yields along the line only. Both ends are candidates; the positions of the marks
-//! decide between them.
+//! The part is split at one of its ends by a bushing that yields only along the line. Each end is a separate candidate; the positions of the
+//! marks distinguish the two.
 
 use admire_solver::mechanics::{Mat3, Vec3, psi_theta_phi};
 use admire_syntax::Address;
@@ -21,13 +21,13 @@ pub(super) struct LinkEnd {
     pub form: &'static str,
     /// Id of the marker of the part at this end.
     pub marker: u32,
-    /// Position of the end on the part.
+    /// Position of the end in the axes of the part.
     place: Vec3,
-    /// Unit vector along the line, away from the other end, in axes of the part.
+    /// Unit vector along the line, pointing away from the other end, in the axes of the part.
     outward: Vec3,
     /// The vector `outward` in the axes in which the marker's QP is given.
     written: Vec3,
-    /// Force along the line in each case, positive in tension.
+    /// Axial force in each case, positive in tension.
     pub tension: Vec<f64>,
 }
 
@@ -68,7 +68,7 @@ pub(super) fn link_ends(survey: &OperatingPoints<'_>) -> Vec<LinkEnd> {
 }
 
 impl LinkEnd {
-    /// Returns the changes of the marker's position if the end moves outward by `by(tension)` in each case.
+    /// Returns the changes of the marker's QP coordinates in each case, if the end moves outward by `by(tension)`.
     pub(super) fn moved(&self, by: impl Fn(f64) -> f64) -> Vec<(Address, Vec<f64>)> {
         let column = |k: usize| {
             let shift = self.tension.iter().map(|n| by(*n) * self.written[k]);
@@ -78,8 +78,9 @@ impl LinkEnd {
         (0..3).map(column).collect()
     }
 
-    /// Moves the end to a new part. A bushing with its z axis along the line connects it to the old part, with `stiffness` along the line and
-    /// rigid across it. Returns the ids of the bushing and its markers, and the changes.
+    /// Splits the end off into a new part. A bushing with its z axis along the line connects the new part to the old part; it has the
+    /// stiffness `stiffness` along the line and is rigid across it. Returns the ids of the bushing and of its two markers, and the changes
+    /// of the deck.
     pub(super) fn split(
         &self,
         survey: &OperatingPoints<'_>,
@@ -94,12 +95,18 @@ impl LinkEnd {
         let y = axis.cross(&x).normalize();
         let R = Mat3::from_columns(&[y.cross(&axis), y, axis]);
         let rigid = RIGID_STIFFNESS_N_PER_MM * survey.newton() / survey.millimetre();
-        let place = (self.place, psi_theta_phi(&R));
-        survey.split(self.part, self.marker, place, [rigid, rigid, stiffness])
+        let stiffnesses = [rigid, rigid, stiffness];
+        survey.split(
+            self.part,
+            self.marker,
+            self.place,
+            psi_theta_phi(&R),
+            stiffnesses,
+        )
     }
 }
 
-/// Adds the compliance of every movable part with exactly two attachments, at either end.
+/// Adds candidates for the compliance of every movable part with exactly two attachments, one at each end.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let per_length = survey.newton() / survey.millimetre();
     for end in link_ends(survey) {

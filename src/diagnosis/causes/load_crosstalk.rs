@@ -1,4 +1,4 @@
-//! `load-crosstalk`: the rig applies a fraction of one load along another.
+//! `load-crosstalk`: the rig applies a fraction of one load along another load.
 
 use super::super::candidate_effect::CandidateEffect;
 use super::super::cause::Cause;
@@ -6,7 +6,7 @@ use super::super::operating_points::OperatingPoints;
 use super::load_gain::growing;
 use admire_identify::tolerance::EffectGroup;
 
-/// Adds constant and growing cross-talk for every ordered pair of loads.
+/// Adds candidates for constant and growing cross-talk, for every ordered pair of loads.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let loads = survey.loads();
     for to in loads {
@@ -20,12 +20,12 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     [(member, "fraction".to_string())],
                     survey.priors().load_crosstalk,
                 ));
-                let pair = (&to.target, &from.target);
                 out.push(growing(
                     survey,
                     Cause::LoadCrosstalk,
                     &address,
-                    pair,
+                    &to.target,
+                    &from.target,
                     survey.priors().load_crosstalk,
                 ));
             }

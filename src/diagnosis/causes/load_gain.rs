@@ -6,7 +6,7 @@ use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 use admire_syntax::Address;
 
-/// Adds a constant and a growing gain error of every load of the study.
+/// Adds candidates for a constant gain error and a growing gain error of every load.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for load in survey.loads() {
         let address = load.target.to_string();
@@ -22,20 +22,22 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 survey,
                 Cause::LoadGain,
                 &address,
-                (&load.target, &load.target),
+                &load.target,
+                &load.target,
                 survey.priors().load_gain,
             ));
         }
     }
 }
 
-/// Returns an error along `to` that grows with the square of the load `from`. Its parameter is the error at the largest load, as a fraction
-/// of it.
+/// Returns a candidate for an error along the load `to` that grows with the square of the load `from`. Its parameter is the error at the
+/// largest load, as a fraction of that load.
 pub(super) fn growing(
     survey: &OperatingPoints<'_>,
     cause: Cause,
     address: &str,
-    (to, from): (&Address, &Address),
+    to: &Address,
+    from: &Address,
     sd: f64,
 ) -> CandidateEffect {
     let values = survey.load_values(from);

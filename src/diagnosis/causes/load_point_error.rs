@@ -5,7 +5,7 @@ use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
-/// Adds the displacement of every point where a load acts, along each axis alone and in all directions.
+/// Adds candidates for the displacement of every point where a load acts: along each axis alone, and in all directions together.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for marker in &survey.model.markers {
         let address = format!("MARKER/{}", marker.header.id);

@@ -1,6 +1,8 @@
-//! Catalogue of causes, one file per cause: its possible sites in the deck, its first-order effect, and its extension of the deck.
+//! Catalogue of causes, with one file per cause. Each file defines the possible sites of its cause in the deck, its first-order effect, and
+//! its extension of the deck.
 //!
-//! Depends on the deck, the measurement and the state of every load case at the fit. Independent of the comparison of hypotheses.
+//! The files depend on the deck, the measurement, and the state of every load case at a fit. They are independent of the comparison of
+//! candidates.
 
 mod assembly_offset;
 mod body_compliance;
@@ -48,7 +50,7 @@ pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     frame_drift::hypotheses(survey, &mut out);
     channel_fault::hypotheses(survey, &mut out);
     let class = |h: &CandidateEffect| match h.cause {
-        // A compliant link and its compliant attachments form one class, because the data often cannot tell them apart.
+        // A compliant link and its compliant attachments form one class, because the readings often cannot distinguish them.
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),
     };

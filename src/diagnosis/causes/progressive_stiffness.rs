@@ -1,4 +1,4 @@
-//! `progressive-stiffness`: force grows faster than linearly with a deflection.
+//! `progressive-stiffness`: the force in a bushing component grows faster than linearly with the deflection.
 
 use admire_solver::mechanics::Vec6;
 
@@ -8,14 +8,14 @@ use super::super::candidate_effect::{
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 
-/// Powers of the deflection in addition to the linear term. The force is odd in the deflection.
+/// Forms of the law: name, and powers of the deflection that are added to the linear term. Every added force is odd in the deflection.
 const FORMS: [(&str, &[i32]); 3] = [
     ("cubic", &[3]),
     ("quadratic", &[2]),
     ("cubic and quintic", &[3, 5]),
 ];
 
-/// Adds a progressive law in every component of every bushing.
+/// Adds candidates for a progressive law in every component of every bushing.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
@@ -42,7 +42,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 let text = terms.concat();
                 let (gforce, changes) =
                     survey.vector_force((bushing.i, bushing.j), &[(axis, &text)]);
-                // Each term has the same number of literals: its factor, its marker ids, and its power if written as one.
+                // All terms have the same number of literals: the factor, the marker ids, and the power if it is written as a literal.
                 let each = admire_syntax::Expression::parse_str(&text)
                     .map_or(0, |text| text.literals.len())
                     / powers.len();

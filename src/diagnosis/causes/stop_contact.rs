@@ -1,4 +1,4 @@
-//! `stop-contact`: a one-sided spring engages past a clearance along a joint or spring.
+//! `stop-contact`: a one-sided spring engages past a clearance in the travel of a joint or spring.
 
 use admire_solver::mechanics::Vec6;
 use admire_solver::model::{JointKind, MarkerIx};
@@ -11,7 +11,8 @@ use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use crate::settings::START_CLEARANCES;
 
-/// Names of the first guesses of the clearance, from the lower and from the upper end of the displacement range.
+/// Names of the first guesses of the clearance. `above` is measured from the lower end of the displacement range, `below` from the upper
+/// end.
 const FORMS: [(&str, &str); 4] = [
     ("above 0.25", "below 0.25"),
     ("above 0.50", "below 0.50"),
@@ -19,7 +20,7 @@ const FORMS: [(&str, &str); 4] = [
     ("above 0.85", "below 0.85"),
 ];
 
-/// Adds stops at both ends of the travel of sliding joints, and of springs along their length.
+/// Adds candidates for stops at both ends of the travel of sliding joints, and of springs along their length.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
         if !matches!(
@@ -102,22 +103,22 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
 struct Travel<'a> {
     /// Address of the joint or spring.
     address: &'a str,
-    /// Statement of the added force.
+    /// Kind of the statement of the added force.
     kind: &'a str,
-    /// Argument of it that holds the function.
+    /// Argument of this statement that holds the function of the force.
     argument: &'a str,
     pair: (MarkerIx, MarkerIx),
-    /// Displacement in each case.
+    /// Displacement along the travel in each case.
     u: &'a [f64],
-    /// Wrench of a unit force in each case.
+    /// Wrench of a unit force along the travel, in each case.
     directions: &'a [Vec6],
-    /// ADAMS function of the displacement.
+    /// ADAMS function that measures the displacement.
     measure: &'a str,
-    /// Id and statements of the force with a function.
+    /// Returns the id and the statements of the added force, given the function of the force.
     statements: &'a dyn Fn(&str) -> (u32, Vec<NewStatement>),
 }
 
-/// Adds stops at both ends of a travel. A positive force acts along its directions.
+/// Adds candidates for stops at both ends of a travel. A positive force acts along the directions of the travel.
 fn stops(survey: &OperatingPoints<'_>, travel: &Travel<'_>, out: &mut Vec<CandidateEffect>) {
     let Travel {
         address,
@@ -141,7 +142,7 @@ fn stops(survey: &OperatingPoints<'_>, travel: &Travel<'_>, out: &mut Vec<Candid
     }
     let mut ascending = u.to_vec();
     ascending.sort_by(f64::total_cmp);
-    // A stop that only one case reaches may begin anywhere between that case and the next.
+    // A stop that only one case reaches may engage anywhere between that case and the next.
     let last = |next: usize, end: usize| 0.5 * (ascending[next] + ascending[end]);
     let ends = (u.len() > 2).then(|| {
         let count = u.len();
@@ -169,7 +170,7 @@ fn stops(survey: &OperatingPoints<'_>, travel: &Travel<'_>, out: &mut Vec<Candid
             let along = |(u, d): (&f64, &Vec6)| d * past(*u).signum() * past(*u).abs().powi(power);
             Sensitivity::Wrench(pair, u.iter().zip(directions).map(along).collect())
         };
-        // Literals have no sign: a negative clearance is written as the addition of its magnitude.
+        // Literals have no sign: a negative clearance is subtracted by adding its magnitude.
         let (sign, size) = if clearance < 0.0 {
             ('+', -clearance)
         } else {
@@ -181,7 +182,7 @@ fn stops(survey: &OperatingPoints<'_>, travel: &Travel<'_>, out: &mut Vec<Candid
         } else {
             format!("+0.0*MAX(0.0,-({past_it}))")
         };
-        // A cubic term lets the buffer harden.
+        // The cubic term makes the stop progressively stiffer.
         let body = format!("{}{linear}**3", linear.trim_start_matches('+'));
         let toward = if clearance < 0.0 { -1.0 } else { 1.0 };
         let (id, added) = statements(&body);

@@ -2,7 +2,7 @@ use super::super::fit::fit;
 use super::*;
 use crate::sought::tests::{of_the_axle, shipped_axle};
 
-/// A cause is rejected if it gains only because the fit without causes ended in a wrong minimum.
+/// A cause is rejected if it increases the evidence only because the fit without causes ended in a wrong minimum.
 #[test]
 fn a_fit_without_causes_that_went_astray_is_replaced() {
     let loaded = shipped_axle();
@@ -31,7 +31,7 @@ fn a_fit_without_causes_that_went_astray_is_replaced() {
     let found = search.held_against_none(Arc::clone(&with_cause));
     assert!(found.effects.is_empty());
     assert!((search.none.ln_posterior() - none.ln_posterior()).abs() < 0.1);
-    // Compared with the correct fit without causes, the cause is kept; later stages judge it.
+    // Against the correct fit without causes, the cause is kept; later stages decide about it.
     let mut search = Search::new(&subject, none, Data::All);
     let kept = search.held_against_none(Arc::clone(&with_cause));
     assert!(Arc::ptr_eq(&kept, &with_cause));

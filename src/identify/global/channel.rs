@@ -8,26 +8,39 @@ use admire_study::Channels;
 use super::unknown::Direction;
 use crate::settings::CHANNEL_DIFFERENCE_STEP;
 
-/// Computes the changes of all channels along each direction, one column per direction. `responses` holds the changes of the system's
-/// unknowns along each direction.
+/// Sensitivities of the system's unknowns along directions in parameter space.
+#[derive(Clone, Copy, Debug)]
+pub struct StateSensitivities<'a> {
+    /// Directions in parameter space.
+    pub directions: &'a [Direction],
+    /// Changes of the system's unknowns, one column per direction.
+    pub responses: &'a DMatrix<f64>,
+}
+
+/// Computes the changes of all channels in a load case along each direction, one column per direction.
 ///
 /// # Errors
 /// [`NoValue`] if a function is undefined at the state.
 pub fn channel_changes(
     channels: Channels,
     system: &System,
-    (theta, case): (&Parameters, usize),
+    theta: &Parameters,
+    case: usize,
     state: &State,
     scratch: &mut Scratch,
-    (directions, responses): (&[Direction], &DMatrix<f64>),
+    along: StateSensitivities<'_>,
 ) -> Result<DMatrix<f64>, NoValue> {
+    let StateSensitivities {
+        directions,
+        responses,
+    } = along;
     let mut out = DMatrix::zeros(channels.count, directions.len());
     if channels.count == 0 {
         return Ok(out);
     }
     let mut here = system.evaluate(theta, state, scratch)?;
     for k in 0..channels.count {
-        let Some((_, gradient)) = here.read_function((channels.first + k, 1))? else {
+        let Some((_, gradient)) = here.read_function(channels.first + k, 1)? else {
             continue;
         };
         for (change, response) in out.row_mut(k).iter_mut().zip(responses.column_iter()) {
@@ -64,10 +77,10 @@ pub fn channel_changes(
 /// Returns true if a channel may change along a direction while all parts are fixed.
 fn reads(channels: Channels, system: &System, direction: &Direction, case: usize) -> bool {
     let mut numbers = direction.in_case(case).filter(|(_, weight)| *weight != 0.0);
-    let mut functions = (0..channels.count).map(|k| (channels.first + k, 1));
-    numbers.any(|(slot, _)| functions.clone().any(|k| system.request_reads(k, slot)))
-        || functions.any(|k| {
+    let mut requests = channels.first..channels.first + channels.count;
+    numbers.any(|(slot, _)| requests.clone().any(|k| system.request_reads(k, 1, slot)))
+        || requests.any(|k| {
             let mut turns = direction.turns.iter();
-            turns.any(|(marker, _)| system.request_reads_marker(k, *marker))
+            turns.any(|(marker, _)| system.request_reads_marker(k, 1, *marker))
         })
 }

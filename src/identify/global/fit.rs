@@ -143,13 +143,16 @@ pub fn global_problem<'a>(
     predictor: Box<dyn Predictor + 'a>,
 ) -> GlobalProblem<'a> {
     let frame = problem.settings.frame_sd;
-    let frame = (
-        frame.of_axis(0, &problem.model.units),
-        frame.of_axis(3, &problem.model.units),
-    );
+    let [frame_shift_sd, frame_turn_sd] =
+        [0, 3].map(|axis| frame.of_axis(axis, &problem.model.units));
     GlobalProblem {
         deck: predictor.system().parameters(),
-        layout: NuisanceLayout::new(problem.measurement, unknowns.len(), frame),
+        layout: NuisanceLayout::new(
+            problem.measurement,
+            unknowns.len(),
+            frame_shift_sd,
+            frame_turn_sd,
+        ),
         unknowns,
         observations,
         predictor,
@@ -366,7 +369,7 @@ fn answer(
         ];
         let poor = profile && sd > POOR_NORMAL_LN_SD;
         let refined = (poor && global.goes_on(minimum))
-            .then(|| profile_interval(global, minimum, (k, covariance), &priors, &scale, &held))
+            .then(|| profile_interval(global, minimum, k, covariance, &priors, &scale, &held))
             .filter(|_| global.goes_on(minimum));
         if minimum.ending == Ending::Stopped || (poor && refined.is_none()) {
             unrefined.push(unknown.address.to_string());

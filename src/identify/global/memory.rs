@@ -102,7 +102,8 @@ impl<'a> Carried<'a> {
         &mut self,
         theta: &Parameters,
         channels: &[f64],
-        (directions, changes): (&[Direction], &DMatrix<f64>),
+        directions: &[Direction],
+        changes: &DMatrix<f64>,
     ) {
         for (k, memory) in self.memories.iter().enumerate() {
             let (u, number) = (channels[memory.channel], theta.get(memory.by));

@@ -21,7 +21,7 @@ mod profile;
 mod study;
 mod unknown;
 
-pub use channel::channel_changes;
+pub use channel::{StateSensitivities, channel_changes};
 pub(crate) use fit::effective_dof;
 pub use fit::{Found, GlobalFit, StartValues, fit_unknowns, global_problem, identify};
 pub use free::SeenMark;

@@ -1,6 +1,6 @@
 //! Predictor based on the built-in solver: each case starts from its own last solution, extrapolated along the tangent.
 
-use super::channel::channel_changes;
+use super::channel::{StateSensitivities, channel_changes};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
@@ -217,7 +217,7 @@ impl<'a> NativePredictor<'a> {
                 }
             }
             for (marker, axis) in &direction.turns {
-                here.residual_by_turn((*marker, axis), &mut column).ok()?;
+                here.residual_by_turn(*marker, axis, &mut column).ok()?;
                 for (sum, value) in dg.iter_mut().zip(&column) {
                     *sum += value;
                 }
@@ -306,35 +306,41 @@ impl<'a> NativePredictor<'a> {
             let changes = channel_changes(
                 channels,
                 self.system,
-                (theta, case),
+                theta,
+                case,
                 &state,
                 &mut self.scratch,
-                (&nothing, &free),
+                StateSensitivities {
+                    directions: &nothing,
+                    responses: &free,
+                },
             )
             .ok()?;
-            prediction.free = self
-                .observed
-                .changes((self.system, &state), &free, &changes);
+            prediction.free = self.observed.changes(self.system, &state, &free, &changes);
         }
         let mut response = Default::default();
         if let Some(directions) = directions {
             let mut room = std::mem::take(&mut self.directions);
             let directions = carried.directions(directions, case, &mut room);
             let responses = self.responses(case, theta, &state, (directions, tangent))?;
-            let along = (directions, &responses);
+            let along = StateSensitivities {
+                directions,
+                responses: &responses,
+            };
             let changes = channel_changes(
                 channels,
                 self.system,
-                (theta, case),
+                theta,
+                case,
                 &state,
                 &mut self.scratch,
                 along,
             )
             .ok()?;
-            carried.advance(theta, &prediction.channels, (directions, &changes));
+            carried.advance(theta, &prediction.channels, directions, &changes);
             prediction.by_unknown =
                 self.observed
-                    .changes((self.system, &state), &responses, &changes);
+                    .changes(self.system, &state, &responses, &changes);
             let unknowns = directions.iter().map(|direction| direction.unknown);
             response = (unknowns.collect(), responses);
             self.directions = room;
@@ -342,7 +348,7 @@ impl<'a> NativePredictor<'a> {
             if let Some(tangent) = tangent {
                 self.sweeper.solver().give_back(tangent);
             }
-            carried.advance(theta, &prediction.channels, (&[], &DMatrix::zeros(0, 0)));
+            carried.advance(theta, &prediction.channels, &[], &DMatrix::zeros(0, 0));
         }
         self.sweeper.keep(case, state);
         self.answers[case] = Some(Arc::new(CaseSolution {

@@ -90,20 +90,21 @@ pub struct NuisanceLayout {
 }
 
 impl NuisanceLayout {
-    /// Creates the layout. A `frame_sd` (length, radians) of zero in both entries removes the frame unknowns; a zero `sigma_on_parts`
-    /// removes the mark unknowns.
+    /// Creates the layout. Frame standard deviations of zero, of both shift (length) and turn (radians), remove the frame unknowns; a
+    /// zero `sigma_on_parts` removes the mark unknowns.
     pub(crate) fn new(
         measurement: &Measurement,
         deck_unknowns: usize,
-        frame_sd: (f64, f64),
+        frame_shift_sd: f64,
+        frame_turn_sd: f64,
     ) -> Self {
         let mut layout = Self::default();
         let mut next = deck_unknowns;
-        if frame_sd.0 > 0.0 || frame_sd.1 > 0.0 {
+        if frame_shift_sd > 0.0 || frame_turn_sd > 0.0 {
             layout.frames = Some(next);
             for _ in &measurement.cases {
-                layout.sd.extend([frame_sd.0; 3]);
-                layout.sd.extend([frame_sd.1; 3]);
+                layout.sd.extend([frame_shift_sd; 3]);
+                layout.sd.extend([frame_turn_sd; 3]);
                 next += 6;
             }
         }

@@ -150,7 +150,8 @@ impl Observed {
     /// Converts changes of the system's unknowns at a state into changes of the observed parts and the channels; one column per change.
     pub fn changes(
         &self,
-        (system, state): (&System, &State),
+        system: &System,
+        state: &State,
         responses: &DMatrix<f64>,
         channels: &DMatrix<f64>,
     ) -> CaseChanges {

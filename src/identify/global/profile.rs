@@ -25,7 +25,8 @@ use crate::settings::{
 pub fn profile_interval(
     problem: &mut dyn LeastSquares,
     minimum: &Minimum,
-    (k, covariance): (usize, &DMatrix<f64>),
+    k: usize,
+    covariance: &DMatrix<f64>,
     priors: &[Prior],
     scale: &[f64],
     held: &[bool],

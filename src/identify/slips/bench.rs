@@ -289,7 +289,8 @@ impl Bench {
         let frames = [0, 3].map(|axis| frames.of_axis(axis, &study.model.units));
         VarianceComponents::new(
             &study.study.tolerances,
-            (study.measurement.sigma_on_parts, frames),
+            study.measurement.sigma_on_parts,
+            frames,
             millimetre,
         )
     }

@@ -85,7 +85,8 @@ impl ClassGram {
     pub(super) fn moved(
         &self,
         A: &Columns,
-        (changed, own): (&[usize], &Columns),
+        changed: &[usize],
+        own: &Columns,
         z: &DVector<f64>,
     ) -> Self {
         let known: Vec<usize> = changed

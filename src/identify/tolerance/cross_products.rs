@@ -51,8 +51,10 @@ impl CrossProducts {
     /// `turned` returns the whitened columns of a range. It is called with consecutive ranges that cover each column once.
     pub fn new(
         whitening: &Whitening,
-        (jacobian, residual): (&RowsByVarianceClass, &DVector<f64>),
-        (sets, mut turned): (&[Range<usize>], impl FnMut(Range<usize>) -> DMatrix<f64>),
+        jacobian: &RowsByVarianceClass,
+        residual: &DVector<f64>,
+        sets: &[Range<usize>],
+        mut turned: impl FnMut(Range<usize>) -> DMatrix<f64>,
     ) -> Self {
         let classes = whitening.classes.iter().zip(&jacobian.classes);
         let share = |(class, A): (&VarianceClass, &Columns)| FurtherShare {

@@ -229,8 +229,7 @@ mod tests {
     /// are one part that spins, and two parts that spin together with a channel that measures the spin.
     #[test]
     fn nothing_along_a_free_direction_counts() {
-        let mut sizes =
-            VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
+        let mut sizes = VarianceComponents::new(&ToleranceSettings::default(), 0.0, [0.0; 2], 1.0);
         sizes.add_scale(NoiseScale::Channel(0), true);
         let mut noise = Noise::new(5, "free directions");
         let mut block = |first: usize| MarkBlock {

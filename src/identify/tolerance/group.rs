@@ -200,7 +200,8 @@ impl VarianceComponents {
     /// The second entry of `frames` is the rotation of the measuring frame in radians.
     pub fn new(
         settings: &ToleranceSettings,
-        (sigma_on_parts, frames): (f64, [f64; 2]),
+        sigma_on_parts: f64,
+        frames: [f64; 2],
         millimetre: f64,
     ) -> Self {
         let degree = 1f64.to_radians();

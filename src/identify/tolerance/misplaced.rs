@@ -93,7 +93,7 @@ fn off_the_list(
         let shifts = marks.iter().map(|(_, shift)| shift);
         let seen: Vec<Vec3> = listed.iter().zip(shifts).map(|(p, e)| p + e).collect();
         if sigma > 0.0
-            && let RigidityVerdict::Wrong(at, _) = find_single_outlier((&listed, &seen), sigma)
+            && let RigidityVerdict::Wrong(at, _) = find_single_outlier(&listed, &seen, sigma)
         {
             out.insert((*part, marks[at].0));
         }
@@ -132,7 +132,7 @@ pub(super) fn misplaced_marks(
             };
             let (on_part, measured) = block.places(measurement, &centre);
             if block.readings.len() > 3
-                && let Some((pose, _)) = pose_of_others((&on_part, &measured), at)
+                && let Some((pose, _)) = pose_of_others(&on_part, &measured, at)
             {
                 errors.push((
                     block.case,

@@ -210,7 +210,8 @@ pub(super) enum RigidityVerdict {
 
 /// Looks for a single wrong mark among the marks of a part.
 pub(super) fn find_single_outlier(
-    (on_part, measured): (&[Vec3], &[Vec3]),
+    on_part: &[Vec3],
+    measured: &[Vec3],
     sigma: f64,
 ) -> RigidityVerdict {
     let count = on_part.len();
@@ -235,7 +236,7 @@ pub(super) fn find_single_outlier(
     }
     let mut without: Vec<(f64, usize, Vec3)> = (0..count)
         .filter_map(|out| {
-            let (pose, rest) = pose_of_others((on_part, measured), out)?;
+            let (pose, rest) = pose_of_others(on_part, measured, out)?;
             Some((rest, out, measured[out] - pose.point(&on_part[out])))
         })
         .collect();
@@ -264,7 +265,8 @@ pub(super) fn find_single_outlier(
 
 /// Returns the pose that all marks but one determine, and the sum of their squared residuals.
 pub(super) fn pose_of_others(
-    (on_part, measured): (&[Vec3], &[Vec3]),
+    on_part: &[Vec3],
+    measured: &[Vec3],
     out: usize,
 ) -> Option<(Pose, f64)> {
     let keep = |list: &[Vec3]| -> Vec<Vec3> {

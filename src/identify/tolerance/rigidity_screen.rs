@@ -68,7 +68,7 @@ impl RigidityScreen {
             blocks.retain_mut(|block| {
                 loop {
                     let (on_part, measured) = block.places(measurement, centre);
-                    match find_single_outlier((&on_part, &measured), sigma) {
+                    match find_single_outlier(&on_part, &measured, sigma) {
                         RigidityVerdict::Fine => return true,
                         RigidityVerdict::Wrong(at, error) => outliers.push(MarkOutlier {
                             case: block.case,

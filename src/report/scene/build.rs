@@ -9,7 +9,7 @@ use admire_solver::model::{
 use admire_syntax::Dataset;
 
 impl Scene {
-    /// Creates the scene of a model in its design position. With its dataset, the shapes of GRAPHICS statements are drawn, too.
+    /// Creates the scene of a model in its design position. If the dataset is given, the shapes of its GRAPHICS statements are drawn, too.
     pub fn of(model: &Model, dataset: Option<&Dataset>) -> Self {
         let objects = objects(model);
         let shapes = dataset.map(|dataset| shapes(dataset, model));
@@ -39,8 +39,8 @@ impl Scene {
         }
     }
 
-    /// Highlights the object or part at an address such as `BUSHING/2.K.1`, `PART/4`, `MARKER/7` or `SFORCE/2<-SFORCE/3`. Returns false if
-    /// it is not drawn.
+    /// Highlights the object or part to which an address belongs, such as `BUSHING/2.K.1`, `PART/4`, `MARKER/7` or `SFORCE/2<-SFORCE/3`.
+    /// Returns false if no such object or part is drawn.
     pub fn highlight(&mut self, address: &str, label: &str) -> bool {
         let found = self.owner(address);
         if let Some(address) = &found
@@ -54,7 +54,7 @@ impl Scene {
         found.is_some()
     }
 
-    /// Returns the address with the view name of its element, such as `A (BUSHING/1.K.1)`.
+    /// Returns an address preceded by the name of its element, such as `A (BUSHING/1.K.1)`.
     pub(crate) fn named(&self, address: &str) -> String {
         let owner = self.owner(address);
         let objects = self
@@ -69,7 +69,7 @@ impl Scene {
         }
     }
 
-    /// Lists several addresses, grouped by name: `TIE_INNER (MARKER/16, MARKER/15)`.
+    /// Lists several addresses, grouped by the name of their element: `TIE_INNER (MARKER/16, MARKER/15)`.
     pub(crate) fn named_all(&self, addresses: &[String]) -> String {
         let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
         for address in addresses {
@@ -92,7 +92,7 @@ impl Scene {
         texts.collect::<Vec<_>>().join(", ")
     }
 
-    /// Adds the names of elements to the addresses in a text (`JOINT/3`, `BUSHING/1.K.2`).
+    /// Returns a text in which the name of the element precedes every address, such as `JOINT/3` or `BUSHING/1.K.2`.
     pub(crate) fn naming(&self, text: &str) -> String {
         let mut out = String::with_capacity(text.len());
         let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '/' | '.' | '_');
@@ -120,7 +120,7 @@ impl Scene {
         out + rest
     }
 
-    /// Returns the address of the object or part drawn for an address; `None` if nothing is drawn.
+    /// Returns the address of the drawn object or part to which an address belongs. Returns `None` if no such object or part is drawn.
     fn owner(&self, address: &str) -> Option<String> {
         let address = address.split("<-").next()?.to_ascii_uppercase();
         let address = address.split('.').next()?.to_string();
@@ -144,8 +144,8 @@ impl Scene {
     }
 }
 
-/// Returns the ground axis along which the vehicle travels. It is the axis nearest to the level direction normal to `spin`, the spin axis
-/// of the wheels; y if that direction is undefined.
+/// Returns the ground axis along which the vehicle travels: the axis nearest to the horizontal direction normal to `spin`, the spin axis of
+/// the wheels. Returns y if that direction is undefined.
 pub(crate) fn along(up: &Vec3, spin: &Vec3) -> [f64; 3] {
     let across = spin.cross(up);
     let sizes = across.map(f64::abs);
@@ -159,7 +159,7 @@ pub(crate) fn along(up: &Vec3, spin: &Vec3) -> [f64; 3] {
     axis
 }
 
-/// Returns the frame of a marker in its part.
+/// Returns the pose of a marker in the frame of its part.
 fn frame(model: &Model, marker: MarkerIx) -> Pose {
     let marker = &model.markers[marker.0];
     Pose {

@@ -1,16 +1,16 @@
 use super::Scene;
 use crate::escape;
 
-/// Script of the view: drawing and controls.
+/// Script that draws the three-dimensional view and handles its controls.
 pub(crate) const CLIENT: &str = include_str!("viewer.js");
-/// Style sheet of the view.
+/// Style sheet of the three-dimensional view.
 pub(crate) const CLIENT_STYLE: &str = include_str!("viewer.css");
 
 impl Scene {
-    /// Returns the HTML element of the view with its data. With `full`, it fills the window.
+    /// Returns the HTML element of the view with its data. If `full` is set, the view fills the window.
     pub(crate) fn html(&self, full: bool) -> String {
         let data = serde_json::to_string(self).expect("a scene holds only names and numbers");
-        // Without any `<`, a name cannot close the script element.
+        // Without any `<` in the data, a name cannot close the script element.
         let data = data.replace('<', "\\u003c");
         format!(
             "<div class=\"scene{}\" role=\"group\" aria-label=\"{}\">\n<noscript>This picture needs JavaScript.</noscript>\n\

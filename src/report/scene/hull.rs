@@ -3,18 +3,18 @@ use admire_solver::mechanics::Vec3;
 /// Convex hull of a point cloud: flat faces and the edges between them.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Hull {
-    /// Corners of each face, in order around it.
+    /// Corners of each face as indices of points, in order around the face.
     pub faces: Vec<Vec<usize>>,
-    /// Edges between corners, each listed once.
+    /// Edges as pairs of point indices, each edge listed once.
     pub edges: Vec<[usize; 2]>,
 }
 
-/// Largest number of points used. Every triple of points is tested, so larger clouds are thinned to their extreme points.
+/// Maximum number of points used. Larger clouds are first thinned to their extreme points, because every triple of points is tested.
 const MOST: usize = 40;
-/// Distance from a plane below which points lie in it, relative to the cloud's size.
+/// Distance from a plane, relative to the size of the cloud, below which a point counts as lying in the plane.
 const FLAT: f64 = 1e-4;
 
-/// Computes the convex hull of points. Two points, or points on a line, give one edge; points in a plane give one face.
+/// Computes the convex hull of points. Points on a line give one edge; points in a plane give one face.
 pub(crate) fn hull(points: &[Vec3]) -> Hull {
     let chosen = extreme(points);
     let at = |k: usize| points[chosen[k]];
@@ -119,7 +119,8 @@ fn extreme(points: &[Vec3]) -> Vec<usize> {
     kept
 }
 
-/// Returns the corners of the convex polygon of points in a plane, in order (Andrew's monotone chain).
+/// Returns the corners of the convex polygon around points in a plane, in order (Andrew's monotone chain). `inside` holds the indices of the
+/// points.
 fn around(inside: &[usize], points: &[Vec3], normal: &Vec3) -> Vec<usize> {
     let first = points[inside[0]];
     let across = inside
@@ -158,7 +159,7 @@ fn around(inside: &[usize], points: &[Vec3], normal: &Vec3) -> Vec<usize> {
     out
 }
 
-/// Returns the two points farthest apart.
+/// Returns the two chosen points that are farthest apart.
 fn ends(chosen: &[usize], points: &[Vec3]) -> [usize; 2] {
     let mut best = ([chosen[0], chosen[0]], -1.0);
     for &a in chosen {

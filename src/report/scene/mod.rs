@@ -1,4 +1,4 @@
-//! Three-dimensional view of a mechanism: its geometry as data, and the poses of its parts in every step or load case.
+//! Three-dimensional view of a mechanism: its geometry as data, and the poses of its parts in every simulation step or load case.
 //!
 //! This module uses the model and poses; it is independent of solvers and fits. The script `viewer.js` draws the scene in a browser.
 
@@ -18,112 +18,113 @@ pub use motion::{Motion, bodies, motion};
 
 pub(super) use embed::{CLIENT, CLIENT_STYLE};
 
-/// Frame as seven numbers: origin, then the quaternion w, x, y, z.
+/// Pose as seven numbers: the origin x, y, z, then the quaternion w, x, y, z.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(transparent)]
 pub struct Placed(pub [f64; 7]);
 
-/// Kind of a drawn object.
+/// Kind of a drawn object, by its ADAMS statement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// JOINT.
+    /// JOINT statement.
     Joint,
-    /// JPRIM.
+    /// JPRIM statement.
     Primitive,
-    /// MOTION.
+    /// MOTION statement.
     Motion,
-    /// BUSHING.
+    /// BUSHING statement.
     Bushing,
-    /// FIELD or NFORCE.
+    /// FIELD or NFORCE statement.
     Field,
-    /// BEAM.
+    /// BEAM statement.
     Beam,
-    /// SPRINGDAMPER.
+    /// SPRINGDAMPER statement.
     Spring,
-    /// SFORCE, GFORCE, VFORCE, VTORQUE.
+    /// SFORCE, GFORCE, VFORCE or VTORQUE statement.
     Force,
 }
 
-/// Marker of an object.
+/// Marker at which an object is attached to a part.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct End {
-    /// Index into [`Scene::parts`].
+    /// Index of the part in [`Scene::parts`].
     pub part: usize,
-    /// Frame of the marker in the part's frame.
+    /// Pose of the marker in the frame of the part.
     pub at: Placed,
 }
 
-/// Joint, force element or force.
+/// Drawn object: a joint, a force element or an applied force.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Object {
-    /// View name.
+    /// ADAMS View name of the object.
     pub name: String,
-    /// Address, such as `BUSHING/1`.
+    /// Address of the object, such as `BUSHING/1`.
     pub address: String,
     /// Kind of object, which determines its drawing.
     pub kind: Kind,
-    /// Type in the words of the statement, for example `revolute`.
+    /// Type as named in the statement, for example `revolute`.
     pub form: String,
-    /// I marker.
+    /// I marker of the object.
     pub i: End,
-    /// J marker, if the object has one.
+    /// J marker of the object, if it has one.
     pub j: Option<End>,
     /// Ids of the object's markers.
     #[serde(skip)]
     pub markers: Vec<u32>,
 }
 
-/// Part: its corners in its own frame, with faces, edges and lines between them.
+/// Drawn part: its corners in its own frame, with faces, edges and lines between them.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Body {
-    /// View name.
+    /// ADAMS View name of the part.
     pub name: String,
-    /// Address, such as `PART/4`.
+    /// Address of the part, such as `PART/4`.
     pub address: String,
     /// True for ground, which never moves.
     pub ground: bool,
-    /// Pose in the deck.
+    /// Pose of the part in the design position of the deck.
     pub design: Placed,
-    /// Corners, in the part's frame.
+    /// Corners and points of lines, in the frame of the part.
     pub points: Vec<[f64; 3]>,
-    /// Indices of the corners of each face, in order around it.
+    /// Faces, each as the indices of its corners in order around the face.
     pub faces: Vec<Vec<usize>>,
-    /// Edges between corners.
+    /// Edges, each as the indices of its two corners.
     pub edges: Vec<[usize; 2]>,
-    /// Thin lines between corners, from shapes of GRAPHICS statements.
+    /// Thin lines from shapes of GRAPHICS statements, each as the indices of its points.
     pub lines: Vec<Vec<usize>>,
 }
 
-/// Measurement mark on a part.
+/// Mark: a measured point on a part.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Mark {
     /// Label of the mark.
     pub label: String,
-    /// Index into [`Scene::parts`].
+    /// Index of the part in [`Scene::parts`].
     pub part: usize,
-    /// Position in the part's frame.
+    /// Position of the mark in the frame of the part.
     pub p: [f64; 3],
 }
 
-/// Origin of a set of positions.
+/// Role of a set of positions, which determines its colour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Deck or simulation run.
+    /// Positions from the deck or from a simulation run.
     Model,
-    /// Measurement.
+    /// Measured positions.
     Measured,
-    /// Model before a fit.
+    /// Positions of the model before a fit.
     Initial,
-    /// Model with identified numbers.
+    /// Positions of the model with identified parameters.
     Fitted,
-    /// Model extended by a finding.
+    /// Positions of the model extended by the findings of a diagnosis.
     Extended,
 }
 
 impl Role {
-    /// Returns its colour index in the style sheet, the same in every picture of a page; `viewer.js` has the same table.
+    /// Returns the colour index of the role in the style sheet. It is the same in every picture of a page; `viewer.js` contains the same
+    /// table.
     pub(crate) const fn colour(self) -> usize {
         match self {
             Self::Model | Self::Fitted => 1,
@@ -137,44 +138,44 @@ impl Role {
 /// Set of positions shown together in one colour.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Set {
-    /// Name in the legend.
+    /// Name of the set in the legend.
     pub name: String,
-    /// Origin of the positions.
+    /// Role of the set, which determines its colour.
     pub role: Role,
 }
 
 /// Load drawn as an arrow at the I marker of an object.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Arrow {
-    /// Index into [`Scene::objects`].
+    /// Index of the object in [`Scene::objects`].
     pub object: usize,
     /// Force in ground axes, in the scene's unit of force.
     pub force: [f64; 3],
 }
 
-/// One step of a run, or one load case.
+/// Frame of the view: one simulation step, or one load case.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Frame {
     /// Label of the frame.
     pub label: String,
-    /// Description of its loads or time.
+    /// Description of the loads or of the time of the frame.
     pub note: String,
-    /// Poses by set and part; `None` where the pose is unknown.
+    /// Poses by set, then by part; `None` where the pose is unknown.
     pub poses: Vec<Vec<Option<Placed>>>,
-    /// Measured position of each mark, in ground; `None` where it was not read.
+    /// Measured position of each mark in ground axes; `None` for a mark that was not read.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Option<[f64; 3]>>,
-    /// Loads drawn as arrows.
+    /// Loads of the frame, drawn as arrows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub arrows: Vec<Arrow>,
 }
 
-/// Object or part named by a finding.
+/// Highlight of an object or part that a finding names.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Highlight {
-    /// Address, such as `BUSHING/1` or `PART/4`.
+    /// Address of the object or part, such as `BUSHING/1` or `PART/4`.
     pub address: String,
-    /// Text shown beside it.
+    /// Text shown beside the object or part.
     pub label: String,
 }
 
@@ -183,34 +184,34 @@ pub struct Highlight {
 pub struct Scene {
     /// Title of the view.
     pub title: String,
-    /// Unit of length.
+    /// Name of the length unit.
     pub length: String,
-    /// Unit of force.
+    /// Name of the force unit.
     pub force: String,
-    /// Upward direction, opposite to gravity; +z without gravity.
+    /// Upward direction in ground axes: opposite to gravity, or +z without gravity.
     pub up: [f64; 3],
-    /// Axis of travel: the level ground axis along which the front view looks.
+    /// Direction of travel: the horizontal ground axis along which the front view looks.
     pub along: [f64; 3],
     /// Parts in the order of the model.
     pub parts: Vec<Body>,
     /// Joints, force elements and forces.
     pub objects: Vec<Object>,
-    /// Measurement marks.
+    /// Marks (measured points) of the parts.
     pub marks: Vec<Mark>,
-    /// Sets of positions in the frames; the last set is drawn in full.
+    /// Sets of positions shown in each frame; the last set is drawn in full.
     pub sets: Vec<Set>,
-    /// Word for one frame: `step` or `case`.
+    /// Word for one frame in the controls: `step` or `case`.
     pub per: String,
-    /// Steps or load cases. If empty, the parts are drawn in their design position.
+    /// Frames of the view. If there are none, the parts are drawn in their design position.
     pub frames: Vec<Frame>,
-    /// Objects and parts named by findings.
+    /// Highlights of objects and parts that findings name.
     pub highlight: Vec<Highlight>,
-    /// Remarks for the reader.
+    /// Remarks shown to the reader.
     pub notes: Vec<String>,
 }
 
 impl Placed {
-    /// Rounds a pose to the precision required for a picture whose displacements may be magnified a thousand times.
+    /// Converts a pose to rounded numbers. They are precise enough for a picture whose displacements are magnified a thousand times.
     pub(crate) fn new(pose: &Pose) -> Self {
         let rotation = nalgebra::Rotation3::from_matrix_unchecked(pose.R);
         let q = nalgebra::UnitQuaternion::from_rotation_matrix(&rotation);
@@ -220,7 +221,7 @@ impl Placed {
     }
 }
 
-/// Rounds to nine significant digits. A value that is not finite becomes zero, because JSON cannot represent it.
+/// Rounds a value to nine significant digits. A value that is not finite becomes zero, because JSON cannot represent it.
 fn short(value: f64) -> f64 {
     if !value.is_finite() {
         return 0.0;
@@ -228,7 +229,7 @@ fn short(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
 
-/// Converts a point to three rounded numbers.
+/// Converts a point to three rounded coordinates.
 pub(super) fn point(p: &Vec3) -> [f64; 3] {
     [p.x, p.y, p.z].map(short)
 }

@@ -3,25 +3,26 @@ use admire_results::{Catalogue, Entity, EntityKind, ResultsError, ResultsReader}
 use admire_solver::mechanics::{Pose, Vec3, euler313};
 use admire_syntax::units::LENGTH_UNITS;
 
-/// Steps of a results file as frames of a scene.
+/// Steps of a results file, converted to frames of a scene.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Motion {
-    /// Frames, evenly spaced over the file; always fewer than 800.
+    /// Frames, evenly spaced over the file. Their number is always below 800.
     pub frames: Vec<Frame>,
     /// Number of steps in the file.
     pub steps: usize,
-    /// Addresses of the parts without results; they stay in their design pose.
+    /// Addresses of the parts that have no results, and therefore stay in their design pose.
     pub missing: Vec<String>,
-    /// True if some results belong to no part of the scene.
+    /// True if some bodies of the results file match no part of the scene.
     pub others: bool,
 }
 
-/// Half the limit of frames: at twice this number, every second frame is dropped. More frames would make the page too slow for browsers.
+/// Half the limit on the number of frames. When twice this number is reached, every second frame is dropped. More frames would make the page
+/// too slow for browsers.
 pub(crate) const MOST: usize = 400;
 
 const COLUMNS: [&str; 6] = ["X", "Y", "Z", "PSI", "THETA", "PHI"];
 
-/// Columns of a body; point masses have no angles.
+/// Columns of a body's pose in the results file. Point masses have no angles.
 struct Columns {
     place: [usize; 3],
     angles: Option<[usize; 3]>,
@@ -64,7 +65,8 @@ fn is_body(entity: &Entity) -> bool {
     }
 }
 
-/// Returns the forces of a results file: index of the object in the scene, and the columns of the force on I in ground axes.
+/// Returns the forces in a results file. Each entry holds the index of the object in the scene, and the columns of the force on marker I in
+/// ground axes.
 fn forces(scene: &Scene, catalogue: &Catalogue) -> Vec<(usize, [usize; 3])> {
     let of = |(k, object): (usize, &super::Object)| {
         let (statement, id) = object.address.split_once('/')?;
@@ -85,7 +87,7 @@ fn forces(scene: &Scene, catalogue: &Catalogue) -> Vec<(usize, [usize; 3])> {
         .collect()
 }
 
-/// Creates a scene of the bodies of a results file, as parts without extent, for a file without its deck.
+/// Creates a scene from the bodies in a results file, for a file without its deck. The bodies have no extent.
 pub fn bodies(title: &str, reader: &dyn ResultsReader) -> Scene {
     let units = &reader.header().units;
     let parts = reader
@@ -125,10 +127,11 @@ pub fn bodies(title: &str, reader: &dyn ResultsReader) -> Scene {
     }
 }
 
-/// Reads the remaining steps of a results file as frames of a scene. Parts are matched by id, or else by name.
+/// Reads the remaining steps of a results file as frames of a scene. Parts of the scene are matched to bodies of the file by id, or else by
+/// name.
 ///
 /// # Errors
-/// When the file is corrupt; no frames are returned then.
+/// [`ResultsError`] if the file is corrupt; no frames are returned then.
 pub fn motion(scene: &Scene, reader: &mut dyn ResultsReader) -> Result<Motion, ResultsError> {
     let units = &reader.header().units;
     let angle = if units.angle == "deg" {
@@ -186,7 +189,7 @@ pub fn motion(scene: &Scene, reader: &mut dyn ResultsReader) -> Result<Motion, R
     let others = used.contains(&false);
     let forces = forces(scene, reader.catalogue());
     let mut frames: Vec<Frame> = Vec::new();
-    // One step of every `stride` is kept. The stride doubles when the frames reach twice the limit.
+    // One step out of every `stride` steps is kept. The stride doubles when the frames reach twice `MOST`.
     let (mut stride, mut steps, mut values) = (1, 0, Vec::new());
     while let Some(step) = reader.next_step()? {
         if steps % stride == 0 {

@@ -2,18 +2,18 @@ use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::Model;
 use admire_syntax::{Dataset, Statement};
 
-/// GRAPHICS statement as lines in the frame of one part.
+/// Shape of a GRAPHICS statement, as lines in the frame of one part.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Shape {
-    /// Index into the model's parts.
+    /// Index of the part in the model.
     pub part: usize,
-    /// Polylines.
+    /// Polylines of the shape.
     pub lines: Vec<Vec<Vec3>>,
 }
 
 /// Number of sides of a drawn circle.
 const SIDES: usize = 24;
-/// Largest number of shapes drawn for a deck; further shapes are omitted.
+/// Maximum number of shapes drawn for a deck; further shapes are omitted.
 const MOST: usize = 1500;
 
 /// Returns the shapes that can be drawn from the deck alone: OUTLINE, CIRCLE, ARC, CYLINDER, FRUSTUM, BOX and ELLIPSOID.
@@ -47,7 +47,7 @@ fn shape(statement: &Statement, model: &Model) -> Option<Shape> {
             .filter_map(|id| marker(id.value))
             .collect();
         let part = ends.first()?.0;
-        // An outline over several parts would change shape as they move. Only its points on the first part are drawn.
+        // An outline over several parts would change shape as the parts move. Only its points on the first part are drawn.
         let line = ends.iter().filter(|end| end.0 == part).map(|end| end.1.p);
         let lines = vec![line.collect()];
         return Some(Shape { part, lines });
@@ -70,7 +70,7 @@ fn shape(statement: &Statement, model: &Model) -> Option<Shape> {
         });
     }
     let (part, frame) = marker(size("CM")?)?;
-    // `radii` are the radii along x and y of the marker, `height` is along its z.
+    // `radii` are the radii along x and y of the marker; `height` is the position along its z axis.
     let ring = |radii: [f64; 2], height: f64, extent: f64| -> Vec<Vec3> {
         (0..=SIDES)
             .map(|k| {

@@ -2,14 +2,15 @@
 //! offset is the measured deflection minus the real deflection.
 
 use super::{EffectSpec, GroundTruth};
+use admire_solver::mechanics::Pose;
 use admire_syntax::diagnostic::Diagnostic;
 
 /// Plants the effect. Values: the offset `x, y, z, ax_deg, ay_deg, az_deg` in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
-    let (shift, turn) = spec.motion()?;
+    let (p, R) = spec.motion()?;
     // The offset moves J away from its deck position, so the real deflection of I from J is smaller by the offset.
     reality
-        .rehang(spec, (&bushing, "J"), None, (&shift, &turn))
+        .rehang(spec, &bushing, "J", None, &Pose { p, R })
         .map(drop)
 }

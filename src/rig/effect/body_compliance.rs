@@ -4,7 +4,7 @@
 //! stiffens as in `link-compliance`.
 
 use super::{EffectSpec, GroundTruth};
-use admire_solver::mechanics::{Mat3, Pose, Vec3};
+use admire_solver::mechanics::{Mat3, Pose};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// Plants the effect. Values: `stiffness=...`, the factors `x=1,y=1,z=1`, and optionally `rated=...`.
@@ -29,8 +29,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     };
     let ground = model.parts[ground.0].header.id;
     let block = reality.add("PART", &[("QG", Some("0.0, 0.0, 0.0".to_string()))]);
-    let still = (&Vec3::zeros(), &Mat3::identity());
-    reality.rehang(spec, (&object, argument), Some(block), still)?;
+    reality.rehang(spec, &object, argument, Some(block), &Pose::identity())?;
     let frame = Pose {
         p: place,
         R: Mat3::identity(),
@@ -61,7 +60,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     reality.add("BUSHING", &spring);
     if let Some(rated) = spec.optional("rated")? {
         for (axis, k) in along.into_iter().enumerate() {
-            reality.stiffen(spec, ids, k, (axis, rated))?;
+            reality.stiffen(spec, ids, axis, k, rated)?;
         }
     }
     Ok(())

@@ -18,7 +18,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         return slider(
             spec,
             reality,
-            (pair, component),
+            pair,
+            component,
             MemoryLaw::Slip {
                 stiffness,
                 limits: [limit, limit],
@@ -88,7 +89,8 @@ pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
 pub(super) fn slider(
     spec: &EffectSpec,
     reality: &mut GroundTruth,
-    (pair, component): ([u32; 2], usize),
+    pair: [u32; 2],
+    component: usize,
     law: MemoryLaw,
 ) -> Result<(), Diagnostic> {
     let MemoryLaw::Slip {

@@ -5,7 +5,7 @@
 //! rated)^2)`.
 
 use super::{EffectSpec, GroundTruth};
-use admire_solver::mechanics::{Mat3, Pose, Vec3};
+use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::Model;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
@@ -24,7 +24,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     }
     if let Some(rated) = spec.optional("rated")? {
         for pair in springs {
-            reality.stiffen(spec, pair, each, (2, rated))?;
+            reality.stiffen(spec, pair, 2, each, rated)?;
         }
     }
     Ok(())
@@ -88,8 +88,7 @@ pub(super) fn cut(
     stiffness: f64,
 ) -> Result<[u32; 2], Diagnostic> {
     let new = reality.twin(part);
-    let still = (&Vec3::zeros(), &Mat3::identity());
-    reality.rehang(spec, (&end.0, end.1), Some(new), still)?;
+    reality.rehang(spec, &end.0, end.1, Some(new), &Pose::identity())?;
     let frame = Pose {
         p: end.2,
         R: super::reality::along(&line.normalize()),

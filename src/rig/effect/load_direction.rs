@@ -1,7 +1,7 @@
 //! Outside the catalogue: the rig applies a load in another direction than the deck states.
 
 use super::{EffectSpec, GroundTruth};
-use admire_solver::mechanics::Vec3;
+use admire_solver::mechanics::{Pose, Vec3};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
@@ -19,9 +19,12 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         index: None,
         ..target
     };
-    let still = Vec3::zeros();
+    let rotation = Pose {
+        p: Vec3::zeros(),
+        R: turn,
+    };
     reality
-        .rehang(spec, (&object, argument), None, (&still, &turn))
+        .rehang(spec, &object, argument, None, &rotation)
         .map(drop)
 }
 

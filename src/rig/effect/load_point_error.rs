@@ -2,7 +2,7 @@
 
 use super::{EffectSpec, GroundTruth};
 use admire_session::backend::Load;
-use admire_solver::mechanics::Mat3;
+use admire_solver::mechanics::{Mat3, Pose};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
@@ -42,8 +42,11 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
             index: None,
             ..load.target
         };
-        let still = Mat3::identity();
-        let new = reality.rehang(spec, (&object, "I"), None, (&own, &still))?;
+        let displacement = Pose {
+            p: own,
+            R: Mat3::identity(),
+        };
+        let new = reality.rehang(spec, &object, "I", None, &displacement)?;
         if course.iter().all(|share| *share == 1.0) {
             continue;
         }

@@ -4,7 +4,7 @@
 //! of its own, with the connections at that marker and all marks on that side. It pivots about the cut, held by torsion springs.
 
 use super::{EffectSpec, GroundTruth};
-use admire_solver::mechanics::{Mat3, Pose, Vec3};
+use admire_solver::mechanics::{Pose, Vec3};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// Ratio of the torsional stiffness of the stiff mode to that of the flexible mode, where only one mode is flexible.
@@ -37,9 +37,13 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     }
     let new = reality.twin(part);
     for holder in &at_end {
-        let still = (&Vec3::zeros(), &Mat3::identity());
-        let object = (&holder.object, holder.argument);
-        reality.rehang(spec, object, Some(new), still)?;
+        reality.rehang(
+            spec,
+            &holder.object,
+            holder.argument,
+            Some(new),
+            &Pose::identity(),
+        )?;
     }
     let z = line.normalize();
     let frame = Pose {

@@ -335,15 +335,16 @@ impl GroundTruth {
         Ok(())
     }
 
-    /// Moves one object from its marker to a displaced and rotated copy of that marker, and returns the copy's id. Shift and rotation are in
+    /// Moves one object from its marker to a displaced and rotated copy of that marker, and returns the copy's id. The displacement is in
     /// the marker's own axes. The copy lies on `part`, or on the marker's own part if `part` is `None`. Other objects at the old marker stay
     /// where they are.
     pub(super) fn rehang(
         &mut self,
         spec: &EffectSpec,
-        (object, argument): (&Address, &str),
+        object: &Address,
+        argument: &str,
         part: Option<u32>,
-        (shift, turn): (&Vec3, &Mat3),
+        displacement: &Pose,
     ) -> Result<u32, Diagnostic> {
         let number = Address {
             argument: Some(argument.to_string()),
@@ -353,10 +354,7 @@ impl GroundTruth {
         let old = self.dataset.value_at(&number).unwrap_or(0.0) as u32;
         let (model, at, frame) = self.marker(spec, old)?;
         let own = model.parts[model.markers[at.0].part.0].header.id;
-        let moved = frame.compose(&Pose {
-            p: *shift,
-            R: *turn,
-        });
+        let moved = frame.compose(displacement);
         let new = self.add_marker(part.unwrap_or(own), &moved);
         self.set(&number, f64::from(new))?;
         Ok(new)
@@ -407,8 +405,9 @@ impl GroundTruth {
         &mut self,
         spec: &EffectSpec,
         pair: [u32; 2],
+        axis: usize,
         stiffness: f64,
-        (axis, rated): (usize, f64),
+        rated: f64,
     ) -> Result<(), Diagnostic> {
         if !(rated > 0.0) {
             return Err(spec.refuse("rated must be above zero"));

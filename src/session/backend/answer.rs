@@ -1,4 +1,4 @@
-//! Reads the files of an external run and accepts them as the answer only if they pass all checks.
+//! Reading and checking the files that an external run leaves behind. They are accepted as its result only if they pass all checks.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -16,15 +16,15 @@ use admire_solver::system::Equilibrium;
 use admire_syntax::text::open_to_read;
 use admire_syntax::units::LENGTH_UNITS;
 
-/// Answer of a run, with findings about its results file.
+/// Result of an external run.
 #[derive(Debug)]
 pub(super) struct Answer {
     pub sweep: Sweep,
-    /// Axes of the bushing forces, if the file determines them.
+    /// Axes in which the results file gives bushing forces, if they could be determined.
     pub frame: Option<ForceFrame>,
 }
 
-/// Returns the lines of the message file, or none if there is no such file.
+/// Returns the lines of the message file of a run; empty if there is no such file.
 pub(super) fn messages(folder: &Path) -> Vec<String> {
     lines(&folder.join(format!("{STEM}.msg")))
 }
@@ -33,8 +33,9 @@ fn lines(path: &Path) -> Vec<String> {
     beginning(path).lines().map(str::to_string).collect()
 }
 
-/// Runs a command line in a run folder, with the name of the command file in place of `{acf}`. Callers of ADAMS rely on its messages as much
-/// as on its exit code, so a run counts as good only if both are.
+/// Runs a command line in a run folder, with the name of the command file in place of `{acf}`.
+///
+/// The run counts as successful only if its exit code is 0 and neither its messages nor its console output report a missing licence.
 pub(super) fn run_command(
     command: &[String],
     folder: &Path,
@@ -58,7 +59,7 @@ pub(super) fn run_command(
     Ok(())
 }
 
-/// Returns the line by which a run reports a missing licence, in its messages or on its console.
+/// Returns the line with which a run reports a missing licence, in its message file or in its console output.
 fn licence_failure(folder: &Path) -> Option<String> {
     messages(folder)
         .into_iter()
@@ -87,7 +88,7 @@ fn is_licence_failure(line: &str) -> bool {
         .any(|word| line.contains(word))
 }
 
-/// Returns, for each static solution in the message file, whether it converged, in the order of the file.
+/// Returns one flag for each static solution in the message file, in the order of the file: true if the solution converged.
 fn convergence_flags(messages: &[String]) -> Vec<bool> {
     let mut fates = Vec::new();
     for line in messages {
@@ -102,14 +103,17 @@ fn convergence_flags(messages: &[String]) -> Vec<bool> {
     fates
 }
 
-/// Returns the case of each step; `None` for a step whose solution did not converge according to the messages. A failed case may have no step,
-/// and then the messages must identify it. The result is `None` if steps and cases cannot be matched.
+/// Assigns the output steps of a run to load cases; `fates` are the convergence flags from the messages.
+///
+/// The result has one entry for each step: the index of its load case, or `None` if the messages say that its solution did not converge. If
+/// a failed case has no step, the messages must show which case failed. Returns `None` if steps and cases cannot be matched.
 fn cases_of(steps: usize, fates: &[bool], cases: usize) -> Option<Vec<Option<usize>>> {
     let solved: Vec<usize> = (0..fates.len()).filter(|case| fates[*case]).collect();
     if steps == cases {
         let each = fates.len() == cases;
         let of = |case: usize| (!each || fates[case]).then_some(case);
-        // A program without messages about convergence is trusted. A program that repeats a case must have converged for all cases.
+        // If the messages contain no convergence flags, the program is trusted. If it solved some cases several times, it must have
+        // converged as often as there are cases.
         let believed = fates.is_empty() || each || solved.len() >= cases;
         return believed.then(|| (0..cases).map(of).collect());
     }
@@ -117,10 +121,10 @@ fn cases_of(steps: usize, fates: &[bool], cases: usize) -> Option<Vec<Option<usi
     told.then(|| solved.into_iter().map(Some).collect())
 }
 
-/// Reads the answer from a run folder. `known` holds the axes of bushing forces found in earlier runs of this program.
+/// Reads and checks the result of a run from its folder. `known` is the frame of bushing forces found in earlier runs of the same program.
 ///
 /// # Errors
-/// [`RunError::Results`] or [`RunError::Steps`], with the reason why the files are no valid answer.
+/// Returns [`RunError::Results`] or [`RunError::Steps`] with the reason why the files are not a valid result.
 pub(super) fn read(
     folder: &Path,
     request: &SweepRequest<'_>,
@@ -208,9 +212,9 @@ pub(super) fn read(
     })
 }
 
-/// Checks that the results belong to this model: title and unit of length must be those of the deck.
+/// Checks that the results belong to this model: their title and length unit must be the same as in the deck.
 fn same_model<R: std::io::Read>(model: &Model, reader: &XrfReader<R>) -> Result<(), String> {
-    // Only letters and digits are compared, and only the first 60, because a file may truncate, pad or re-encode the title.
+    // Only the first 60 letters and digits are compared, because a results file may truncate, pad or re-encode the title.
     let plain = |title: &str| -> String {
         title
             .chars()
@@ -236,7 +240,8 @@ fn same_model<R: std::io::Read>(model: &Model, reader: &XrfReader<R>) -> Result<
     Ok(())
 }
 
-/// Returns the ids of X, Y, Z, PSI, THETA, PHI of each part of the model; `None` for ground. An error names a part without these columns.
+/// Returns the column ids of X, Y, Z, PSI, THETA, PHI for each part of the model, and `None` for ground. Returns an error that names the
+/// part if these columns are missing.
 fn places<R: std::io::Read>(
     model: &Model,
     reader: &XrfReader<R>,
@@ -300,12 +305,12 @@ mod tests {
         assert_eq!(cases_of(2, &[true, false, true], 3), some(&[0, 2]));
         assert_eq!(cases_of(3, &[], 3), some(&[0, 1, 2]));
         assert_eq!(cases_of(3, &[true, false, true, true], 3), some(&[0, 1, 2]));
-        // The step of a solution that did not converge is discarded.
+        // The output step of a solution that did not converge is discarded.
         assert_eq!(
             cases_of(3, &[true, false, true], 3),
             Some(vec![Some(0), None, Some(2)])
         );
-        // The number of converged solutions must equal the number of steps; otherwise the cases cannot be identified.
+        // If the number of converged solutions differs from the number of steps, the load cases of the steps cannot be identified.
         assert_eq!(cases_of(3, &[true, false, false, true], 3), None);
         assert_eq!(cases_of(2, &[true, true, true], 3), None);
         assert_eq!(cases_of(4, &[true, true, true], 3), None);

@@ -1,4 +1,4 @@
-//! Check of the bushing forces in a results file against the BUSHING law at the file's own poses.
+//! Check of the bushing forces in a results file: they must follow from the BUSHING law at the poses in the same file.
 
 use std::fmt;
 
@@ -8,10 +8,11 @@ use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_solver::system::{ElementIx, Parameters, Scratch, Slot, State, System};
 use admire_syntax::Address;
 
-/// Axes in which a results file states the bushing forces. No public source defines them, so they are found by comparing the numbers.
+/// Axes in which a results file gives the forces of bushings. No public source documents these axes, so they are found by comparing
+/// numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ForceFrame {
-    /// Ground axes.
+    /// Axes of ground.
     Ground,
     /// Axes of the J marker.
     J,
@@ -26,44 +27,44 @@ impl fmt::Display for ForceFrame {
     }
 }
 
-/// Relative tolerance between stated and recomputed forces and angles.
+/// Relative tolerance between the forces and angles in the file and the recomputed ones.
 const AGREES: f64 = 1e-5;
 
-/// Angle in rad beyond which angles are not compared, because near half a turn either sign describes the same rotation.
+/// Angle in rad beyond which angles are not compared: near half a turn, a rotation may be described by an angle of either sign.
 const FAR: f64 = 1.5;
 
-/// Recomputes the deflection, force and torque of every bushing from the poses of each step.
+/// Recomputes the deflection, force and torque of every bushing from the poses in each output step, and compares them with the file.
 pub(super) struct BushingCheck {
     system: System,
     parameters: Parameters,
     state: State,
     scratch: Scratch,
     bushings: Vec<Reported>,
-    /// Slots of the numbers changed by the load cases, with their value in each case.
+    /// Parameter slots that the load cases change, each with its value in every case.
     per_case: Vec<(Slot, Vec<f64>)>,
-    /// Half of the last decimal digit in the file.
+    /// Rounding error of numbers in the file: half a unit of the last decimal, or 0 if the file has full precision.
     digit: f64,
-    /// Radians per unit of the file's angles.
+    /// Number of radians in one unit of the file's angles.
     angle: f64,
-    /// Axes found so far.
+    /// Axes of the bushing forces, once they are known.
     pub frame: Option<ForceFrame>,
 }
 
-/// Columns in which the file reports a bushing.
+/// Columns in which a results file reports one bushing.
 struct Reported {
     id: u32,
     element: ElementIx,
     stiffest: f64,
-    /// Column ids of FX, FY, FZ, TX, TY, TZ.
+    /// Column ids of FX, FY, FZ, TX, TY and TZ.
     wrench: [usize; 6],
-    /// Column ids of ANGX, ANGY, ANGZ.
+    /// Column ids of ANGX, ANGY and ANGZ, if the file has them.
     angles: Option<[usize; 3]>,
 }
 
 impl BushingCheck {
-    /// Prepares the check of the bushings that the file reports. `angle` is the number of radians per unit of the file's angles.
+    /// Prepares the check for all bushings that the file reports. `angle` is the number of radians in one unit of the file's angles.
     pub(crate) fn new(request: &SweepRequest<'_>, catalogue: &Catalogue, angle: f64) -> Self {
-        // Elements that the built-in solver cannot solve are irrelevant for this check.
+        // Diagnostics about elements that the built-in solver cannot solve do not matter for this check.
         let system = System::compile(request.model).value;
         let mut parameters = system.parameters();
         for (address, value) in request.theta {
@@ -132,10 +133,11 @@ impl BushingCheck {
         }
     }
 
-    /// Checks one step of the file, with its values and the poses made of them, for load case number `case`.
+    /// Checks one output step of the file, which belongs to load case `case`. `values` are the values of the step, and `poses` the poses
+    /// read from them.
     ///
     /// # Errors
-    /// Names the bushing that violates its force law.
+    /// Returns an error that names the bushing whose force or angles disagree with its law.
     pub(crate) fn step(
         &mut self,
         case: usize,
@@ -149,7 +151,7 @@ impl BushingCheck {
             self.parameters.set(*slot, by_case[case]);
         }
         self.state.poses.clone_from_slice(poses);
-        // Functions that only ADAMS can evaluate have no value here; the markers are placed nevertheless.
+        // Functions that only ADAMS can evaluate have no value here, but all markers are placed.
         let mut here = self
             .system
             .at(&self.parameters, &self.state, &mut self.scratch);

@@ -1,4 +1,4 @@
-//! Check that the steps of a results file belong to the load cases in order, by the loads that the file itself states.
+//! Check that the output steps of a results file belong to the load cases in their order, by means of the loads that the file reports.
 
 use super::{LoadProgramme, SweepRequest};
 use admire_results::Catalogue;
@@ -6,29 +6,29 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Model, SforceKind};
 use admire_syntax::Address;
 
-/// Relative tolerance between a requested load and the load in the file.
+/// Relative tolerance between the load of a load case and the load in the file.
 const AGREES: f64 = 1e-6;
 
-/// Checks the steps of a results file one after the other.
+/// Checks the output steps of a results file, one after the other.
 pub(super) struct CaseCheck<'a> {
     programme: &'a LoadProgramme,
     loads: Vec<Stated>,
-    /// Cases and values of the steps so far, without their times.
+    /// Load case and values (without the time) of each step checked so far.
     before: Vec<(usize, Vec<f64>)>,
 }
 
-/// Columns in which a file states a load.
+/// Columns in which a results file reports a load.
 struct Stated {
-    /// Column of the load in the programme.
+    /// Column of the load in the load programme.
     column: usize,
-    /// Column ids of the force vector, or of the torque vector of a rotational load.
+    /// Column ids of the components of the force, or of the torque if the load is rotational.
     vector: [usize; 3],
-    /// Case and load vector of the first step with a nonzero value.
+    /// Load case and load vector of the first step in which the load is not zero.
     first: Option<(usize, Vec3)>,
 }
 
 impl<'a> CaseCheck<'a> {
-    /// Prepares the check for those loads that the file reports: single-component forces and torques.
+    /// Prepares the check for all loads that the file reports as single-component forces or torques.
     pub(crate) fn new(request: &SweepRequest<'a>, catalogue: &Catalogue) -> Self {
         let programme = request.programme;
         let stated = |(column, load): (usize, &super::Load)| {
@@ -57,10 +57,11 @@ impl<'a> CaseCheck<'a> {
         }
     }
 
-    /// Checks one step that is assigned to load case number `case`.
+    /// Checks one output step, which is assigned to load case `case`.
     ///
     /// # Errors
-    /// Names the load case that the step belongs to, or the one that it repeats.
+    /// Returns an error if the step belongs to another load case, repeats another step, or has a load of the wrong sign. The error names
+    /// the cases.
     pub(crate) fn step(&mut self, case: usize, values: &[f64]) -> Result<(), String> {
         let cases = &self.programme.cases;
         let label = |case: usize| &cases[case].label;
@@ -78,13 +79,14 @@ impl<'a> CaseCheck<'a> {
                         label(other)
                     ));
                 }
-                // The axes and units of the stated forces are up to the program, so a value that fits no case is no evidence.
+                // The program may report forces in axes and units of its choice. A value that fits no load case is therefore no evidence of
+                // a mistake.
                 continue;
             }
             if at(case) == 0.0 {
                 continue;
             }
-            // A load keeps its direction and reverses with its sign.
+            // The direction of the load vector is the same in all cases and reverses with the sign of the load.
             let (other, first) = *load.first.get_or_insert((case, found));
             let turned = found.dot(&first) < 0.0;
             if turned != (at(case) * at(other) < 0.0) {
@@ -112,7 +114,7 @@ impl<'a> CaseCheck<'a> {
     }
 }
 
-/// Returns the vector components of a load that is the whole function of an SFORCE.
+/// Returns the names of the three columns in which a load is reported, if the load is the whole function of an SFORCE.
 fn vector(model: &Model, target: &Address) -> Option<[&'static str; 3]> {
     let whole = target
         .argument

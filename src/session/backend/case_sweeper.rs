@@ -3,20 +3,20 @@ use super::{BackendError, LoadProgramme};
 use admire_solver::statics::{SolveError, Solver, StaticSettings};
 use admire_solver::system::{Parameters, Slot, State, System};
 
-/// Numbers that change from case to case: the loads.
+/// Loads of a compiled deck, with their values in all load cases.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Loads {
-    /// Slot of each load.
+    /// Parameter slot of each load.
     pub slots: Vec<Slot>,
-    /// Load values: one row per case in the order of application, one column per slot.
+    /// Values of the loads: one row for each load case in the order of application, one column for each slot.
     pub cases: Vec<Vec<f64>>,
 }
 
 impl Loads {
-    /// Resolves the loads of a programme in a compiled deck.
+    /// Finds the parameter slots of the loads of a programme in a compiled deck.
     ///
     /// # Errors
-    /// When a load drives nothing that the solver can change.
+    /// Returns an error if the target of a load is not a parameter that the solver can change.
     pub fn of(system: &System, programme: &LoadProgramme) -> Result<Self, BackendError> {
         let slots = programme.loads.iter();
         let cases = programme.cases.iter();
@@ -29,13 +29,14 @@ impl Loads {
     }
 }
 
-/// Solves load cases with the built-in solver. It tries several start states in turn until one leads to an equilibrium.
+/// Solver of load cases that uses the built-in static solver. It tries several start states in turn until one of them leads to an
+/// equilibrium.
 #[derive(Debug)]
 pub struct CaseSweeper {
     loads: Loads,
     settings: StaticSettings,
     solver: Solver,
-    /// Last solution of each case.
+    /// Stored solution of each load case.
     answers: Vec<Option<State>>,
 }
 
@@ -50,7 +51,7 @@ impl CaseSweeper {
         }
     }
 
-    /// Replaces the loads. The solutions are kept if the number of cases is the same.
+    /// Replaces the loads. The stored solutions are kept if the number of load cases stays the same.
     pub(crate) fn set_loads(&mut self, loads: Loads) {
         if self.answers.len() != loads.cases.len() {
             self.forget(loads.cases.len());
@@ -58,7 +59,7 @@ impl CaseSweeper {
         self.loads = loads;
     }
 
-    /// Replaces the load values and discards the solutions.
+    /// Replaces the values of the loads and discards the stored solutions.
     pub fn set_cases(&mut self, cases: Vec<Vec<f64>>) {
         self.forget(cases.len());
         self.loads.cases = cases;
@@ -68,43 +69,45 @@ impl CaseSweeper {
         self.answers = vec![None; cases];
     }
 
-    /// Returns the number of cases.
+    /// Returns the number of load cases.
     pub fn cases(&self) -> usize {
         self.loads.cases.len()
     }
 
-    /// Sets the loads of a case in the parameters.
+    /// Sets the loads of a load case in `parameters`.
     pub fn load(&self, case: usize, parameters: &mut Parameters) {
         for (slot, value) in self.loads.slots.iter().zip(&self.loads.cases[case]) {
             parameters.set(*slot, *value);
         }
     }
 
-    /// Returns the last solution of a case.
+    /// Returns the stored solution of a load case.
     pub fn answer(&self, case: usize) -> Option<&State> {
         self.answers[case].as_ref()
     }
 
-    /// Returns the last solutions of all cases.
+    /// Returns the stored solutions of all load cases.
     pub fn answers(&self) -> &[Option<State>] {
         &self.answers
     }
 
-    /// Restores earlier solutions of all cases.
+    /// Replaces the stored solutions of all load cases by earlier ones.
     pub fn return_to(&mut self, answers: &[Option<State>]) {
         self.answers.clone_from_slice(answers);
     }
 
-    /// Stores a solution of a case, from which its next solution starts.
+    /// Stores the solution of a load case.
     pub fn keep(&mut self, case: usize, state: State) {
         self.answers[case] = Some(state);
     }
 
-    /// Solves a case from the first of these start states that leads to an equilibrium: `own`, the solution of the nearest earlier case, the
-    /// design position. The solution is not stored.
+    /// Solves a load case and returns the solution without storing it.
+    ///
+    /// Three start states are tried in turn until one leads to an equilibrium: `own`, the stored solution of the nearest earlier load case,
+    /// and the design position.
     ///
     /// # Errors
-    /// The error of the first start state.
+    /// Returns the error for the first start state if none of them leads to an equilibrium.
     pub fn solve(
         &mut self,
         system: &System,
@@ -133,12 +136,12 @@ impl CaseSweeper {
         }
     }
 
-    /// Returns the solver, for queries at a solution.
+    /// Returns the static solver, for queries at a solution.
     pub fn solver(&mut self) -> &mut Solver {
         &mut self.solver
     }
 
-    /// Returns the largest residual of the force balance in all equilibria so far.
+    /// Returns the largest residual of the force balance in all equilibria found so far.
     pub fn balance(&self) -> Option<&admire_solver::statics::Balance> {
         self.solver.worst_balance()
     }

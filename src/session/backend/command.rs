@@ -11,32 +11,32 @@ use super::run_folder::{RunFiles, STEM};
 use super::scratch_folder::ScratchFolder;
 use super::{Backend, BackendError, Recording, RunError, Sweep, SweepRequest};
 
-/// Backend that runs any program with ADAMS' command line.
+/// Backend that runs any external program with the command line of ADAMS.
 ///
-/// Each sweep runs in a fresh folder, so that no older file can be mistaken for its answer. The folder of a failed run is kept.
+/// Each run gets a new folder, so that no file of an earlier run can be mistaken for its result. The folder of a failed run is kept.
 #[derive(Clone, Debug)]
 pub struct CommandBackend {
-    /// Program and arguments; `{acf}` stands for the command file.
+    /// Program and its arguments; `{acf}` is replaced by the name of the command file.
     pub command: Vec<String>,
     /// Time after which a run is killed.
     pub timeout: Duration,
-    /// Time during which a refused licence is requested again.
+    /// Time during which a run is repeated if the program gets no licence.
     pub licence_wait: Duration,
-    /// Number of runs in parallel in [`Backend::sweeps`].
+    /// Number of runs that [`Backend::sweeps`] makes in parallel.
     pub jobs: usize,
-    /// Folder in which numbered run folders are created and kept. Without it run folders are temporary.
+    /// Folder in which numbered run folders are created and kept. If it is `None`, run folders are temporary.
     pub keep: Option<PathBuf>,
-    /// Recording to which good runs are copied, for [`ReplayBackend`](super::ReplayBackend).
+    /// Recording to which successful runs are copied, so that [`ReplayBackend`](super::ReplayBackend) can return them later.
     pub record: Option<Recording>,
     runs: usize,
     failed: usize,
-    /// Number of runs killed since the last one that ended by itself.
+    /// Number of consecutive runs that had to be killed, up to the latest run.
     killed: usize,
     frame: Option<ForceFrame>,
 }
 
 impl CommandBackend {
-    /// Creates a backend for a command line, with one run at a time in temporary folders.
+    /// Creates a backend for a command line, which makes one run at a time in temporary folders.
     pub fn new(command: Vec<String>, timeout: Duration) -> Self {
         Self {
             command,
@@ -52,12 +52,12 @@ impl CommandBackend {
         }
     }
 
-    /// Returns the number of runs started, and the number of runs without an answer.
+    /// Returns the number of runs made so far, and the number of these runs that gave no valid result.
     pub const fn tally(&self) -> (usize, usize) {
         (self.runs, self.failed)
     }
 
-    /// Makes run number `number`, and repeats it while a licence is refused.
+    /// Makes the run with this number, and repeats it while the program gets no licence.
     fn run(&self, number: usize, request: &SweepRequest<'_>) -> Result<Answer, BackendError> {
         patiently(self.licence_wait, || self.attempt(number, request))
     }
@@ -88,7 +88,8 @@ impl CommandBackend {
         let files = |error: std::io::Error| RunError::Files(error.to_string());
         let given = RunFiles::of(request).map_err(|d| RunError::Deck(d.message))?;
         given.write(folder).map_err(files)?;
-        // The time is taken from the file system, whose clock may be another computer's.
+        // The time is read from a file in the folder, because the clock of a network file system may differ from the clock of this
+        // computer.
         let begun = modified(&folder.join(format!("{STEM}.acf"))).map_err(files)?;
         run_command(&self.command, folder, self.timeout)?;
         for extension in ["res", "msg"] {
@@ -137,7 +138,7 @@ impl CommandBackend {
     }
 }
 
-/// Number of consecutive killed runs after which the program counts as dead.
+/// Number of consecutive killed runs after which the program is given up.
 const MOST_KILLED: usize = 3;
 
 const fn is_killed(reason: &RunError) -> bool {
@@ -164,7 +165,7 @@ impl Backend for CommandBackend {
             let failed = answers.iter().filter_map(|answer| answer.as_ref().err());
             failed.rev().find(|error| error.is_lasting()).cloned()
         };
-        // Requests run one by one until the first answer, so that a dead program is started only once.
+        // Requests run one by one until a run gives a result, so that a program that does not work is started only once.
         while let Some(request) = requests.get(answers.len())
             && (self.jobs < 2 || self.runs == self.failed)
             && lasting(&answers).is_none()
@@ -208,7 +209,7 @@ impl Backend for CommandBackend {
         done.sort_by_key(|(at, _)| *at);
         let all = answers.len() + requests.len();
         answers.extend(done.into_iter().map(|(_, outcome)| self.take(outcome)));
-        // After several killed runs the remaining requests were not started.
+        // If several runs had to be killed, the remaining requests were not started; they get the last error.
         let failed = answers
             .iter()
             .rev()
@@ -227,7 +228,7 @@ impl Backend for CommandBackend {
     }
 }
 
-/// Returns a remark for the user about the axes of the bushing forces.
+/// Returns a remark for the user that says in which axes the results give bushing forces.
 pub(super) fn frame_remark(frame: Option<ForceFrame>) -> Option<String> {
     frame.map(|frame| {
         format!("bushing forces of the results are in {frame}: there they fit the deflections")

@@ -8,7 +8,8 @@ use admire_syntax::diagnostic::Severity;
 /// Compiles a model for the built-in solver.
 ///
 /// # Errors
-/// [`BackendError::NotSolvable`] when the model has elements that are not solved and would change the answer.
+/// Returns [`BackendError::NotSolvable`] if the model contains elements that the built-in solver does not support and that would change the
+/// results.
 pub fn compile(model: &Model) -> Result<System, BackendError> {
     let checked = System::compile(model);
     let errors: Vec<_> = checked
@@ -24,7 +25,8 @@ pub fn compile(model: &Model) -> Result<System, BackendError> {
     }
 }
 
-/// Returns the settings of the deck's EQUILIBRIUM with tightened tolerances, because estimation needs more digits than a display.
+/// Returns the settings in the EQUILIBRIUM statement of the deck with tighter tolerances, because parameter estimation needs more accurate
+/// solutions than a display.
 pub fn tight_settings(system: &System) -> StaticSettings {
     let deck = StaticSettings::from(system.settings());
     let tight = StaticSettings::tight();
@@ -37,10 +39,10 @@ pub fn tight_settings(system: &System) -> StaticSettings {
     }
 }
 
-/// Returns the slot of an address.
+/// Returns the parameter slot of an address.
 ///
 /// # Errors
-/// [`BackendError::UnknownTarget`].
+/// Returns [`BackendError::UnknownTarget`] if the solver cannot change the value at the address.
 pub fn slot(system: &System, address: &Address) -> Result<Slot, BackendError> {
     system
         .catalogue()

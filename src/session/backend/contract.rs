@@ -6,45 +6,45 @@ use admire_syntax::{Address, Dataset};
 
 use super::LoadProgramme;
 
-/// Request to solve load cases.
+/// Request to solve all load cases of a deck.
 #[derive(Clone, Copy, Debug)]
 pub struct SweepRequest<'a> {
-    /// The user's own file.
+    /// The deck as written by the user.
     pub dataset: &'a Dataset,
-    /// The lowered dataset. Part poses are returned in the order of its parts.
+    /// The model made from the deck. Poses are returned in the order of its parts.
     pub model: &'a Model,
-    /// Numbers that differ from the file, by address; angles in radians.
+    /// Parameter values that differ from the deck, with their addresses; angles in radians.
     pub theta: &'a [(Address, f64)],
-    /// Load cases, applied in this order.
+    /// Loads and load cases; the cases are applied in this order.
     pub programme: &'a LoadProgramme,
 }
 
-/// Reason why a case has no solution.
+/// Reason why a load case has no solution.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum CaseFailure {
     /// The built-in solver found no equilibrium.
     #[error(transparent)]
     NoEquilibrium(#[from] SolveError),
-    /// The external program wrote no step for this case.
+    /// The external program wrote no output step for this load case.
     #[error("the solver wrote no equilibrium for this case{}", .message.as_ref().map_or_else(String::new, |m| format!(": {m}")))]
     NoStep {
-        /// Message of the program about the case.
+        /// Message of the program about the load case, if there is one.
         message: Option<String>,
     },
 }
 
-/// Result of one case: its equilibrium, or the reason why there is none.
+/// Outcome of one load case: its equilibrium, or the reason why there is none.
 pub(crate) type CaseOutcome = Result<Equilibrium, CaseFailure>;
 
-/// Answer to a request: one outcome per case of the programme.
+/// Result of a request: one outcome for each load case of the programme.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sweep {
-    /// Outcomes in the order of the programme.
+    /// Outcomes of the load cases, in the order of the programme.
     pub cases: Vec<CaseOutcome>,
 }
 
 impl Sweep {
-    /// Returns the equilibrium of a case, if it was solved.
+    /// Returns the equilibrium of a load case, if the case was solved.
     pub fn equilibrium(&self, case: usize) -> Option<&Equilibrium> {
         self.cases
             .get(case)
@@ -52,100 +52,100 @@ impl Sweep {
     }
 }
 
-/// Reason why an external run gave no answer.
+/// Reason why an external run gave no valid result.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum RunError {
-    /// The deck cannot be edited as requested.
+    /// The deck cannot be edited as the request requires; the text is the reason.
     #[error("the deck cannot be prepared: {0}")]
     Deck(String),
-    /// There is no program to start, and no recording of this run.
+    /// No program is available to make the run, and the run was not recorded.
     #[error("there is no recording of this run in `{folder}`: {key}")]
     NotRecorded {
-        /// Content key of the run, after which its folder would be named.
+        /// Hash of the input files of the run, which names its folder in a recording.
         key: String,
-        /// Folder of the recordings.
+        /// Folder of the recorded runs.
         folder: String,
     },
-    /// Files of the run cannot be written.
+    /// The files of the run cannot be written; the text is the reason.
     #[error("the files of the run cannot be written: {0}")]
     Files(String),
-    /// The program cannot be started.
+    /// The external program cannot be started.
     #[error("`{program}` cannot be started: {reason}")]
     Start {
         /// Name of the program.
         program: String,
-        /// Error message of the system.
+        /// Error message of the operating system.
         reason: String,
     },
-    /// The run exceeded its time limit and was killed.
+    /// The run took longer than its time limit and was killed.
     #[error("the run was killed after {seconds} s\n{tail}")]
     Timeout {
         /// Time limit in seconds.
         seconds: f64,
-        /// Last lines of its log.
+        /// Last lines that the run printed.
         tail: String,
     },
     /// The run was killed because it produced too much output.
     #[error("the run was killed: it {what}\n{tail}")]
     Output {
-        /// Description of the excess.
+        /// Description of what was too large.
         what: String,
-        /// Last lines of its log.
+        /// Last lines that the run printed.
         tail: String,
     },
-    /// The solver got no licence.
+    /// The external program got no licence.
     #[error("the solver got no licence{}: {line}", if *waited > 0.0 { format!(" within {waited} s") } else { String::new() })]
     Licence {
-        /// Line of the log that reports it.
+        /// Line of the output that reports the missing licence.
         line: String,
-        /// Seconds waited for a licence.
+        /// Time in seconds during which the run was repeated.
         waited: f64,
     },
     /// The run failed or crashed.
     #[error("the run ended with {}\n{tail}", code.map_or_else(|| "a crash".to_string(), |code| format!("exit code {code}")))]
     Exit {
-        /// Exit code, if the run was not killed by a signal.
+        /// Exit code; `None` if the run was killed by a signal.
         code: Option<i32>,
-        /// Last lines of its log.
+        /// Last lines that the run printed.
         tail: String,
     },
-    /// The results file is missing, incomplete, from another run, or inconsistent.
+    /// The results file is missing, incomplete, from another run or model, or inconsistent.
     #[error("{reason}\n{tail}")]
     Results {
         /// Description of the fault.
         reason: String,
-        /// Last lines of the log.
+        /// Last lines that the run printed.
         tail: String,
     },
-    /// Steps and load cases do not match, and the messages do not identify the failed cases.
+    /// The output steps cannot be matched with the load cases, and the messages do not show which cases failed.
     #[error("the results hold {steps} equilibria for {cases} load cases\n{tail}")]
     Steps {
-        /// Number of static steps in the results.
+        /// Number of static output steps in the results file.
         steps: usize,
         /// Number of requested load cases.
         cases: usize,
-        /// Last lines of the log.
+        /// Last lines that the run printed.
         tail: String,
     },
 }
 
-/// Reason why a sweep has no answer at all.
+/// Reason why no load case of a request could be solved.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum BackendError {
-    /// The built-in solver cannot solve this model as it is.
+    /// The built-in solver does not support all elements of this model; the diagnostics name them.
     #[error("the built-in solver cannot solve this model: {}", .0.first().map_or("", |d| d.message.as_str()))]
     NotSolvable(Vec<Diagnostic>),
-    /// An external run gave no valid answer.
+    /// An external run gave no valid result.
     #[error("{reason} (files kept in {})", folder.display())]
     Run {
         /// Reason of the failure.
         reason: Box<RunError>,
-        /// Folder with the files of the run.
+        /// Folder that contains the files of the run.
         folder: std::path::PathBuf,
-        /// True if no run of this program has given an answer yet, or several runs in a row were killed.
+        /// True if the program is given up: no run has given a result yet, or several consecutive runs had to be killed.
         dead: bool,
     },
-    /// This run was not recorded.
+    /// The requested run was not recorded.
     #[error(
         "no recorded run has this deck and these commands (content {}, {recorded} runs in {}); `admire record` makes recordings, \
          and a study that was changed since needs a new one",
@@ -155,19 +155,21 @@ pub enum BackendError {
     NotRecorded {
         /// SHA-256 of the input files of the run.
         key: String,
-        /// Number of recorded runs.
+        /// Number of runs in the recording.
         recorded: usize,
-        /// Folder of the recordings.
+        /// Folder of the recorded runs.
         folder: std::path::PathBuf,
     },
-    /// The address names nothing that can be changed between runs.
+    /// The solver cannot change the value at this address between runs.
     #[error("{0} names no number or function of the model")]
     UnknownTarget(Address),
 }
 
 impl BackendError {
-    /// Returns true if other parameter values would not help: unsolvable model, missing program, licence, disk space or recording, or dead
-    /// program.
+    /// Returns true if a request with other parameter values would fail too.
+    ///
+    /// The reason may be an unsupported model, an unknown address, a missing program, licence or recording, files that cannot be written,
+    /// or a program that was given up.
     pub fn is_lasting(&self) -> bool {
         match self {
             Self::NotSolvable(_) | Self::UnknownTarget(_) | Self::NotRecorded { .. } => true,
@@ -182,28 +184,28 @@ impl BackendError {
     }
 }
 
-/// A solver of load cases.
+/// A solver for load cases.
 pub trait Backend {
     /// Returns the name of the backend: `native`, `command` or `replay`.
     fn name(&self) -> &'static str;
 
-    /// Solves every case of the programme in order. A case without an equilibrium does not end the sweep.
+    /// Solves every load case of the programme, in order. A case without an equilibrium does not end the sweep.
     ///
     /// # Errors
-    /// [`BackendError`] when no case could be solved.
+    /// Returns a [`BackendError`] if a common cause, such as a missing program, prevents the solution of all cases.
     fn sweep(&mut self, request: &SweepRequest<'_>) -> Result<Sweep, BackendError>;
 
-    /// Solves several independent requests, possibly in parallel. Answers are in the order of the requests.
+    /// Solves several independent requests, possibly in parallel. Results are in the order of the requests.
     fn sweeps(&mut self, requests: &[SweepRequest<'_>]) -> Vec<Result<Sweep, BackendError>> {
         requests.iter().map(|request| self.sweep(request)).collect()
     }
 
-    /// Returns the largest residual of the force balance on a part in all equilibria so far; `None` if the backend cannot compute it.
+    /// Returns the largest residual of the force balance of any part in all equilibria so far; `None` if the backend does not compute it.
     fn balance(&self) -> Option<&Balance> {
         None
     }
 
-    /// Returns remarks for the user about the runs so far.
+    /// Returns remarks for the user about the runs made so far.
     fn remarks(&self) -> Vec<String> {
         Vec::new()
     }

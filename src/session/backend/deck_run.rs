@@ -1,4 +1,4 @@
-//! Run of a complete deck with its own command file, by a program with ADAMS' command line.
+//! Run of a complete deck with its own command file, by an external program with the command line of ADAMS.
 
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use admire_results::{Catalogue, StepKind, XrfReader};
 use admire_syntax::Dataset;
 use admire_syntax::text::{Source, open_to_read};
 
-/// A program with ADAMS' command line, and the recording of its runs.
+/// An external program with the command line of ADAMS, and a recording of its runs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ProgramRun {
     command: Option<Vec<String>>,
@@ -22,36 +22,39 @@ pub struct ProgramRun {
     licence_wait: Duration,
 }
 
-/// Input of a run.
+/// Input of a run of a complete deck.
 #[derive(Clone, Copy, Debug)]
 pub struct DeckRun<'r> {
-    /// The deck. RESULTS/XRF is added if it is missing.
+    /// The deck. RESULTS/XRF is added if the deck lacks it.
     pub deck: &'r Source,
-    /// The command file. Any model it names is replaced by the deck.
+    /// The command file. The deck replaces any model that it names.
     pub commands: &'r Source,
-    /// The user's original deck, next to which the files it names are found.
+    /// The user's original deck. Files that the deck names are looked up in the folder of the original.
     pub original: &'r Dataset,
-    /// Ids of the columns to read.
+    /// Ids of the result columns to be read.
     pub columns: &'r [usize],
 }
 
-/// Output of a run.
+/// Result of a run of a complete deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeckAnswer {
-    /// All columns of the results.
+    /// Names of all columns in the results file.
     pub catalogue: Catalogue,
-    /// Time and selected values of every step, without the step `input` of the dataset itself.
+    /// Time and selected values of every output step. The step `input`, which shows the model as read, is left out.
     pub steps: Vec<(f64, Vec<f64>)>,
-    /// True if the results report a successful run.
+    /// True if the results file reports a successful run and contains at least one step.
     pub successful: bool,
-    /// Last lines of the messages, if the run was not successful.
+    /// Last lines that the run printed, if it was not successful; empty otherwise.
     pub complaint: String,
 }
 
 impl ProgramRun {
-    /// Creates a program run from a command line, in which `{acf}` stands for the command file. A run longer than `timeout_s` seconds is
-    /// killed. A refused licence is requested again for `licence_wait_s` seconds. Recorded runs are taken from the recording, and new runs are
-    /// added to it. Without a program only recorded runs are available.
+    /// Creates a runner from a command line, in which `{acf}` is replaced by the name of the command file.
+    ///
+    /// A run is killed after `timeout_s` seconds. If the program gets no licence, the run is repeated for up to `licence_wait_s` seconds.
+    ///
+    /// A run that was recorded before is read from the recording, and a new run is added to the recording. Without a command, only recorded
+    /// runs are available.
     pub fn new(
         command: Option<Vec<String>>,
         recording: Option<Recording>,
@@ -67,10 +70,10 @@ impl ProgramRun {
         }
     }
 
-    /// Runs a deck in a temporary folder.
+    /// Runs a deck in a temporary folder, or reads the run from the recording if it was recorded before.
     ///
     /// # Errors
-    /// Every variant of [`RunError`].
+    /// Returns a [`RunError`] if the run gives no valid result.
     pub fn run(&self, run: &DeckRun<'_>) -> Result<DeckAnswer, RunError> {
         let own = RunFiles::of_deck(run.deck, run.commands, run.original);
         if let Some(folder) = self.recording.as_ref().and_then(|all| all.find(&own)) {
@@ -105,7 +108,7 @@ impl ProgramRun {
         run_command(command, folder, self.timeout)?;
         let mut path = results_in(folder)?;
         if let Some(recording) = &self.recording {
-            // In a recording the results file always has the same name.
+            // In a recording, the results file always has the same name.
             let usual = folder.join(format!("{STEM}.res"));
             std::fs::rename(&path, &usual).map_err(files)?;
             recording.keep(own, folder).map_err(files)?;
@@ -115,7 +118,7 @@ impl ProgramRun {
     }
 }
 
-/// Returns the results file of a run. The command file may have given it another name.
+/// Returns the results file of a run. If the command file gave it another name than usual, it must be the only results file.
 fn results_in(folder: &Path) -> Result<PathBuf, RunError> {
     let usual = folder.join(format!("{STEM}.res"));
     if usual.is_file() {
@@ -159,7 +162,7 @@ fn read(path: &Path, columns: &[usize], folder: &Path) -> Result<DeckAnswer, Run
         .columns()
         .find(|column| column.component.name.eq_ignore_ascii_case("TIME"))
         .map_or(1, |column| column.component.id);
-    // The values of a step are read in ascending order of their ids.
+    // The reader requires column ids in ascending order.
     let mut ids: Vec<usize> = columns.iter().copied().chain([time]).collect();
     ids.sort_unstable();
     ids.dedup();

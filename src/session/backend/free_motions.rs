@@ -1,4 +1,4 @@
-//! Zero-stiffness motions of a deck, such as the spin of a link between two ball joints.
+//! Motions of a deck that meet no stiffness, such as the spin of a link between two ball joints.
 
 use std::sync::Arc;
 
@@ -10,51 +10,57 @@ use admire_solver::system::{Parameters, Slot, State, System};
 use admire_syntax::catalogue::references;
 use admire_syntax::{Address, Dataset, Reference};
 
-/// Velocity of the part's origin and angular velocity, in axes of the part.
+/// Velocity of the origin of a part, and angular velocity of the part, both in axes of the part.
 pub type Twist = (Vec3, Vec3);
 
-/// Number of load cases tried until one has an equilibrium.
+/// Maximum number of load cases that are tried until one of them has an equilibrium.
 const TRIED: usize = 3;
-/// Fraction of its mass left on a spinning part. Its weight then resists the spin no more than round-off does.
+/// Fraction of its mass that stays on a spinning part. The weight of this mass resists the spin no more than round-off does.
 const TRACE: f64 = 1e-12;
-/// Relative tolerance for rotation about a line. A part turns about a line if the pitch of its twist is below this fraction. A point lies on
-/// the line if its distance is below this fraction of the model size.
+/// Relative tolerance for a rotation about a line.
+///
+/// A part rotates about a line if the translation along the axis is smaller than this fraction of its velocity. A point lies on the line if
+/// its distance is smaller than this fraction of the model size.
 const STEADY: f64 = 1e-6;
 
-/// Zero-stiffness motions of a deck, at the equilibrium of the first of its load cases that has one.
+/// Zero-stiffness motions of a deck, computed at the equilibrium of the first load case that has one.
 ///
-/// Each motion is a twist of every part in the axes of that part. In these axes the spin of a link between two ball joints is the same
-/// wherever the link is. Solutions of another solver are displaced along the motions; the built-in solver recomputes the motions at each
-/// solution.
+/// Each motion consists of a twist for every part, in axes of that part. In these axes, the spin of a link between two ball joints does not
+/// depend on the position of the link.
+///
+/// A solution of an external solver is shifted along these motions before it is compared with measurements. The built-in solver recomputes
+/// the motions at each solution.
 #[derive(Clone, Debug, Default)]
 pub struct FreeMotions {
-    /// Descriptions of the motions.
+    /// Descriptions of the motions, for the user.
     words: Vec<FreeMotion>,
-    /// Twist of each part of the model, by motion and part.
+    /// Twists of the parts; the first index is the motion, the second the part of the model.
     motions: Arc<Vec<Vec<Twist>>>,
     weights: Arc<Vec<Weight>>,
 }
 
 /// A part that spins about a line through its mass centre, and the parts that carry it on this line.
 ///
-/// A hardpoint error of a hundredth of a millimetre moves the mass centre off the line, and gravity then determines the rotation. On a real
-/// rig friction determines it, being a thousand times larger. The weight of the part is therefore applied to the parts that carry it.
+/// As soon as the mass centre is off the line, gravity determines the rotation of the part in the model; a hardpoint error of a hundredth
+/// of a millimetre suffices. On a real rig, friction determines the rotation, because it is a thousand times larger. The weight of the part
+/// is therefore applied to the parts that carry it.
 #[derive(Clone, Debug)]
 struct Weight {
     part: Address,
     carriers: Vec<Carrier>,
 }
 
-/// A part that carries a fraction of a weight, other than ground.
+/// A part, other than ground, that carries a fraction of the weight of a spinning part.
 #[derive(Clone, Debug)]
 struct Carrier {
     mass: Address,
     share: f64,
-    /// Ids of the marker at its mass centre and of the marker where it carries. `None` if another element uses the marker of the mass centre.
+    /// Ids of the marker at the mass centre of the carrier and of the marker where it carries the spinning part. `None` if other statements
+    /// use the marker at the mass centre, so that it must not be moved.
     places: Option<[u32; 2]>,
 }
 
-/// A [`Weight`] in a compiled deck.
+/// A [`Weight`] whose addresses were resolved to parameter slots of a compiled deck.
 #[derive(Clone, Debug)]
 pub struct HeldWeight {
     mass: Slot,
@@ -69,7 +75,7 @@ struct HeldShare {
 }
 
 impl HeldWeight {
-    /// Moves the weight to the carriers, and leaves a trace of it on the part itself.
+    /// Moves the mass of the spinning part to its carriers, and leaves the fraction [`TRACE`] of the mass on the part itself.
     pub fn hold(&self, parameters: &mut Parameters) {
         let weight = parameters.get(self.mass);
         parameters.set(self.mass, TRACE * weight);
@@ -84,7 +90,7 @@ impl HeldWeight {
         }
     }
 
-    /// Resets all numbers that [`Self::hold`] changes to their values in `deck`.
+    /// Resets all parameters that [`Self::hold`] changes to their values in `deck`.
     pub fn release(&self, parameters: &mut Parameters, deck: &Parameters) {
         let places = self.carriers.iter().filter_map(|own| own.places);
         let centres = places.flat_map(|[centre, _]| centre);
@@ -97,7 +103,7 @@ impl HeldWeight {
 
 impl FreeMotions {
     /// Finds the motions of a lowered and compiled deck under its loads. Empty if none of the first load cases has an equilibrium.
-    pub fn new(deck: (&Dataset, &Model), system: &System, loads: Loads) -> Self {
+    pub fn new(dataset: &Dataset, model: &Model, system: &System, loads: Loads) -> Self {
         let mut parameters = system.parameters();
         let settings = tight_settings(system);
         let mut sweeper = CaseSweeper::new(system, loads, settings.clone());
@@ -126,7 +132,7 @@ impl FreeMotions {
             });
             let weights = motions
                 .iter()
-                .flat_map(|motion| weights(deck, system, &state, motion));
+                .flat_map(|motion| weights((dataset, model), system, &state, motion));
             return Self {
                 weights: Arc::new(weights.collect()),
                 motions: Arc::new(twists.collect()),
@@ -136,17 +142,17 @@ impl FreeMotions {
         Self::default()
     }
 
-    /// Returns true if the deck has no zero-stiffness motion.
+    /// Returns true if the deck has no zero-stiffness motion, or none was found.
     pub fn is_empty(&self) -> bool {
         self.motions.is_empty()
     }
 
-    /// Returns a twist for each part of the model, motion by motion.
+    /// Returns the twists; the first index is the motion, the second the part of the model.
     pub fn twists(&self) -> &[Vec<Twist>] {
         &self.motions
     }
 
-    /// Returns the weights of the spinning parts, resolved in a compiled deck with the same parts.
+    /// Returns the weights of the spinning parts, resolved in a compiled deck that has the same parts.
     pub fn held_weights(&self, system: &System) -> Vec<HeldWeight> {
         let slot = |address: &Address| system.catalogue().slot(address);
         let place = |marker: u32| {
@@ -170,7 +176,7 @@ impl FreeMotions {
         self.weights.iter().filter_map(held).collect()
     }
 
-    /// Returns a sentence for each motion, saying that it is ignored in comparisons.
+    /// Returns a sentence for each motion, which tells the user that the motion is ignored in comparisons.
     pub fn sentences(&self) -> Vec<String> {
         let each = self.words.iter().zip(self.motions.iter());
         each.map(|(words, motion)| {
@@ -185,7 +191,7 @@ impl FreeMotions {
         .collect()
     }
 
-    /// Returns true if a part moves in one of the motions.
+    /// Returns true if at least one of the motions moves the part.
     pub fn moves(&self, part: PartIx) -> bool {
         let mut twists = self.motions.iter().map(|motion| &motion[part.0]);
         twists.any(|(v, w)| v.norm() + w.norm() > 0.0)
@@ -197,7 +203,8 @@ fn turns_about_a_line((v, w): &Twist) -> bool {
     turn > 0.0 && v.dot(w).abs() <= STEADY * turn * v.norm()
 }
 
-/// Returns the weights of the parts that turn about a common line and have their mass centres on it. Empty if the motion is of another kind.
+/// Returns the weights of all parts that rotate about a common line in this motion and have their mass centres on the line. Empty if the
+/// motion is not such a rotation.
 fn weights(
     (dataset, model): (&Dataset, &Model),
     system: &System,
@@ -229,7 +236,7 @@ fn weights(
     {
         return Vec::new();
     }
-    // Position along the line of a marker on the moving parts, if it lies on the line.
+    // Returns the position of a marker along the line, if the marker belongs to a moving part and lies on the line.
     let along = |marker: MarkerIx| {
         let own = &model.markers[marker.0];
         let from = state.poses[own.part.0].point(&own.qp) - foot;
@@ -237,7 +244,7 @@ fn weights(
         let on_line = moving(own.part.0) && (from - along * axis).norm() <= near;
         on_line.then_some(along)
     };
-    // Positions along the line at which the moving parts are held, with the markers that hold them.
+    // Ends of the moving parts: the position along the line, and the marker of the part that does not move and carries them there.
     let pairs = model.joints.iter().map(|joint| (joint.i, joint.j));
     let pairs = pairs.chain(model.primitives.iter().map(|own| (own.i, own.j)));
     let pairs = pairs.flat_map(|(i, j)| [(i, j), (j, i)]);
@@ -254,7 +261,7 @@ fn weights(
         return Vec::new();
     }
     let id = |marker: MarkerIx| model.markers[marker.0].header.id;
-    // A marker at a mass centre may be moved only if nothing but the part itself refers to it.
+    // A marker at a mass centre may be moved only if no statement except its own part refers to it.
     let is_alone = |centre: &MarkerIx| {
         let all = dataset.statements().iter().flat_map(references);
         let named = |own: &Reference| own.space == "marker" && own.id == id(*centre);

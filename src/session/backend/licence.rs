@@ -2,10 +2,10 @@ use std::time::{Duration, Instant};
 
 use super::{BackendError, RunError};
 
-/// First and last pause between two attempts; the pause doubles each time.
+/// First and longest pause between two attempts; each pause is twice as long as the preceding one.
 const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(30));
 
-/// Words of refusals that waiting cannot resolve, in FlexNet's wording (errors -1, -5, -8, -10).
+/// Words in messages about a missing licence that mean that waiting cannot help (FlexNet errors -1, -5, -8, -10).
 const LASTING: [&str; 5] = [
     "expired",
     "no such feature",
@@ -14,9 +14,9 @@ const LASTING: [&str; 5] = [
     "cannot find license file",
 ];
 
-/// An error that may contain the reason of a failed run.
+/// An error that may contain a [`RunError`].
 pub(super) trait Reasoned {
-    /// Returns the reason, if a run of a program failed.
+    /// Returns the reason of the error, if a run of an external program failed.
     fn reason(&mut self) -> Option<&mut RunError>;
 }
 
@@ -35,11 +35,12 @@ impl Reasoned for BackendError {
     }
 }
 
-/// Repeats a run while its solver is refused a licence, for at most `limit`. The first refusal is logged as a warning. Other errors are
-/// returned at once, and so are refusals that waiting cannot resolve.
+/// Repeats a run while its program gets no licence, for at most the time `limit`.
+///
+/// The first missing licence is logged as a warning. An error is returned at once if it has another cause, or if waiting cannot help.
 ///
 /// # Errors
-/// The error of the last attempt. A refusal contains the time waited.
+/// Returns the error of the last attempt. If the licence is missing, the error contains the time waited.
 pub(super) fn patiently<T, E: Reasoned>(
     limit: Duration,
     mut attempt: impl FnMut() -> Result<T, E>,

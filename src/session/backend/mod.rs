@@ -1,7 +1,8 @@
-//! Backends that solve load cases: the built-in solver, any program with ADAMS' command line, and recorded runs of such a program.
+//! Backends that solve load cases: the built-in solver, any external program with the command line of ADAMS, and recorded runs of such a
+//! program.
 //!
-//! All have the same contract. A request holds a dataset, numbers that change between runs, and load cases; the answer holds part poses.
-//! Backends are independent of measurements and of the use of the answers.
+//! All backends have the same interface. A request contains a deck, parameter values that differ from the deck, and load cases. The result
+//! contains the poses of all parts in each case. Backends do not depend on measurements or on the use of their results.
 
 mod answer;
 mod bushing_check;

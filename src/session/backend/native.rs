@@ -5,7 +5,8 @@ use admire_solver::model::Model;
 use admire_solver::statics::Balance;
 use admire_solver::system::{Parameters, System};
 
-/// The built-in solver as a backend. It keeps the compiled model and the last solution of every case, from which the next sweep starts.
+/// Backend that uses the built-in solver. It keeps the compiled model and the last solution of every load case, from which the next sweep
+/// starts.
 #[derive(Default, Debug)]
 pub struct NativeBackend {
     compiled: Option<CompiledDeck>,
@@ -19,7 +20,7 @@ struct CompiledDeck {
 }
 
 impl NativeBackend {
-    /// Creates a backend without solutions.
+    /// Creates a backend that has no compiled model and no solutions.
     pub fn new() -> Self {
         Self::default()
     }

@@ -1,4 +1,4 @@
-//! External program run in a folder of its own, with a time limit.
+//! Execution of an external program in a folder of its own, with a time limit.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -12,19 +12,20 @@ use super::job as process_tree;
 use super::process_tree;
 use super::{RunError, scratch_folder};
 
-/// File that receives standard output and standard error of a run.
+/// Name of the file that receives the standard output and standard error of a run.
 pub(super) const CONSOLE: &str = "console.log";
 
-/// Size of the console output in bytes above which a run is killed.
+/// Largest allowed size in bytes of the console output; a run with more output is killed.
 const LARGEST_CONSOLE: u64 = 64 << 20;
 
-/// Size of the run folder in bytes above which a run is killed.
+/// Largest allowed size in bytes of the run folder; a run that writes more is killed.
 const LARGEST_FOLDER: u64 = 8 << 30;
 
-/// Runs a command line in `folder` until it ends. All processes it has started end with it.
+/// Runs a command line in `folder` until it ends. All processes that it started end with it.
 ///
 /// # Errors
-/// [`RunError::Start`] when it cannot be started; [`RunError::Timeout`] and [`RunError::Output`] when it was killed.
+/// Returns [`RunError::Start`] if the command cannot be started. Returns [`RunError::Timeout`] or [`RunError::Output`] if the run took too
+/// long or wrote too much and was killed.
 pub(super) fn execute(
     words: &[String],
     folder: &Path,
@@ -44,7 +45,8 @@ pub(super) fn execute(
     let log = File::create(folder.join(CONSOLE)).map_err(start)?;
     let also = log.try_clone().map_err(start)?;
     let mut command = if cfg!(windows) {
-        // Windows itself searches the folder of this program first, and only for an .exe; `mdi` of ADAMS is a .bat.
+        // The program is looked up here, because Windows would search only for an .exe, and first in the folder of `admire`. The `mdi` of
+        // ADAMS is a .bat.
         let found = which::which(program).map_err(|e| start(std::io::Error::other(e)))?;
         Command::new(found)
     } else {
@@ -81,13 +83,13 @@ pub(super) fn execute(
     }
 }
 
-/// Ends all current runs and removes their folders, before this process itself ends.
+/// Ends all current runs and removes their folders; called before the process of `admire` ends.
 pub fn end_runs() {
     process_tree::end_runs();
     scratch_folder::remove_all();
 }
 
-/// Describes the excess if a run's output is larger than any valid answer.
+/// Returns a description of the excess if the output of a run is larger than any valid result.
 fn too_much(folder: &Path) -> Option<String> {
     let (mut all, mut console) = (0, 0);
     for entry in std::fs::read_dir(folder).ok()?.flatten() {
@@ -106,15 +108,15 @@ fn too_much(folder: &Path) -> Option<String> {
     }
 }
 
-/// Returns the start of a file written by a run as text; empty if there is no such file.
+/// Returns the first [`LARGEST_CONSOLE`] bytes of a file as text; empty if there is no such file.
 pub(super) fn beginning(path: &Path) -> String {
     let mut bytes = Vec::new();
-    // A read error leaves the bytes read so far.
+    // After a read error, the bytes read so far are used.
     let _ = File::open(path).map(|file| file.take(LARGEST_CONSOLE).read_to_end(&mut bytes));
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Returns the last bytes of a file as text.
+/// Returns the last 16 KiB of a file as text.
 fn end(path: &Path) -> String {
     const SHOWN: u64 = 16 << 10;
     let mut bytes = Vec::new();
@@ -126,7 +128,7 @@ fn end(path: &Path) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Returns the last lines printed by a run, for the user.
+/// Returns the last lines that a run printed to its console or, if there are none, to its message file.
 pub(super) fn tail(folder: &Path) -> String {
     let mut lines = Vec::new();
     for name in [CONSOLE, "run.msg"] {

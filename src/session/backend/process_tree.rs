@@ -1,20 +1,22 @@
-//! Process tree of a run on Unix, which ends with the run.
+//! Processes of a run on Unix, which end with the run.
 //!
-//! ADAMS' own `mdi` is a script, and the solver behind it holds the licence. A program may also start a session of its own. Therefore a run
-//! leads a process group, and its processes carry a mark in their environment. On Linux orphans become children of this process
-//! (PR_SET_CHILD_SUBREAPER). Together these find every process of the run.
+//! The `mdi` of ADAMS is a script that starts the solver, and the solver holds the licence. A program may also start a new session. It is
+//! therefore not enough to end the program itself.
+//!
+//! Each run is the leader of a process group, and all its processes inherit a mark in their environment. On Linux, orphaned processes
+//! become children of `admire` (PR_SET_CHILD_SUBREAPER). By group, mark and parent, all processes of a run are found.
 
 use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Current runs: the id of the started process, and the mark of its processes.
+/// All current runs: the id of the process that was started, and the mark of the run.
 static RUNNING: Mutex<Vec<(u32, String)>> = Mutex::new(Vec::new());
 
-/// True if this process had children before its first run, which a shell may have started before it executed this program.
+/// True if `admire` already had child processes before its first run. A shell may have started them before it executed `admire`.
 static HAS_OTHERS: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
 
-/// Environment variable that carries the mark.
+/// Environment variable that contains the mark of a run.
 const MARK: &str = "ADMIRE_RUN";
 
 /// The processes of one run; they end when this value is dropped.
@@ -25,10 +27,10 @@ pub(super) struct ProcessTree {
     mark: String,
 }
 
-/// Starts a command that leads a process tree of its own.
+/// Starts a command as the root of a new process tree.
 ///
 /// # Errors
-/// When it cannot be started.
+/// Returns an error if the command cannot be started.
 pub(super) fn start(mut command: Command) -> std::io::Result<ProcessTree> {
     static COUNT: AtomicUsize = AtomicUsize::new(0);
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
@@ -37,10 +39,10 @@ pub(super) fn start(mut command: Command) -> std::io::Result<ProcessTree> {
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     #[cfg(target_os = "linux")]
     {
-        // Without this, orphans are still found by their mark.
+        // If this call fails, orphaned processes are still found by their mark.
         let _ = nix::sys::prctl::set_child_subreaper(true);
     }
-    // This must be known before any search for orphans.
+    // Earlier children must be looked up before the first run can leave orphans.
     running(|runs| {
         HAS_OTHERS.get_or_init(|| {
             let me = std::process::id();
@@ -54,10 +56,10 @@ pub(super) fn start(mut command: Command) -> std::io::Result<ProcessTree> {
 }
 
 impl ProcessTree {
-    /// Returns the exit status of the program, or `None` while it is running.
+    /// Returns the exit status of the program, or `None` while the program is running.
     ///
     /// # Errors
-    /// When the system does not report the status.
+    /// Returns an error if the operating system does not report the status.
     pub(super) fn try_wait(&mut self) -> std::io::Result<Option<ExitStatus>> {
         self.child.try_wait()
     }
@@ -66,14 +68,14 @@ impl ProcessTree {
 impl Drop for ProcessTree {
     fn drop(&mut self) {
         end(self.root, &self.mark);
-        // It is no error if the program has already ended.
+        // The program may already have ended, so an error is ignored.
         let _ = self.child.kill();
         let _ = self.child.wait();
         running(|runs| runs.retain(|(root, _)| *root != self.root));
     }
 }
 
-/// Ends all current runs, before this process itself ends.
+/// Ends all current runs; called before the process of `admire` ends.
 pub(super) fn end_runs() {
     for (root, mark) in running(|runs| runs.clone()) {
         end(root, &mark);
@@ -84,17 +86,17 @@ fn running<T>(work: impl FnOnce(&mut Vec<(u32, String)>) -> T) -> T {
     work(&mut RUNNING.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// One process of the system.
+/// One process of the operating system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Process {
     id: u32,
     parent: u32,
     group: u32,
-    /// True if the process carries the mark of the run.
+    /// True if the environment of the process contains the mark of the run.
     marked: bool,
 }
 
-/// Kills the processes of a run, repeatedly until none is left. A process started in the meantime is found in the next pass.
+/// Kills the processes of a run until none is left. A process that was started meanwhile is found in the next pass.
 fn end(root: u32, mark: &str) {
     use nix::sys::signal::{Signal, kill};
     use nix::sys::wait::{WaitPidFlag, waitpid};
@@ -103,7 +105,7 @@ fn end(root: u32, mark: &str) {
     let pid = |id: u32| i32::try_from(id).ok().map(Pid::from_raw);
     let mut ended: Vec<u32> = Vec::new();
     for _ in 0..100 {
-        // The lock prevents other runs from starting meanwhile.
+        // While the lock is held, no other run can start.
         let found = running(|runs| {
             let others: Vec<u32> = runs
                 .iter()
@@ -113,14 +115,14 @@ fn end(root: u32, mark: &str) {
             let alone = others.is_empty() && HAS_OTHERS.get() == Some(&false);
             let found = members(&processes(mark), root, me, &others, alone);
             for id in &found {
-                // It is no error if the process has just ended.
+                // The process may just have ended, so an error is ignored.
                 let _ = pid(*id).map(|id| kill(id, Signal::SIGKILL));
             }
             found
         });
         ended.extend(found.iter().filter(|id| **id != root));
         for id in &ended {
-            // Orphans are now children of this process. The root is waited for by its starter.
+            // Orphaned processes are now children of `admire` and must be waited for. Whoever started the root waits for the root.
             let _ = pid(*id).map(|id| waitpid(id, Some(WaitPidFlag::WNOHANG)));
         }
         if found.is_empty() {
@@ -130,8 +132,11 @@ fn end(root: u32, mark: &str) {
     }
 }
 
-/// Returns the processes of a run: the marked ones, the group of its root, and all their descendants. If the run is `alone`, orphans that left
-/// the group also belong to it.
+/// Returns the ids of all processes that belong to a run.
+///
+/// They are the processes with the mark, the process group of the root, and all their descendants. If `alone` is true, no other run or
+/// earlier child exists, and orphaned processes outside of the process group of `admire` belong to the run as well. `me` is the process of
+/// `admire`, and `others` are the roots of other runs.
 fn members(all: &[Process], root: u32, me: u32, others: &[u32], alone: bool) -> Vec<u32> {
     let own_group = all.iter().find(|p| p.id == me).map(|p| p.group);
     let mut found: Vec<u32> = Vec::new();
@@ -157,7 +162,7 @@ fn members(all: &[Process], root: u32, me: u32, others: &[u32], alone: bool) -> 
     }
 }
 
-/// Returns all processes of the system that have not ended.
+/// Returns all processes of the operating system that have not ended.
 #[cfg(target_os = "linux")]
 fn processes(mark: &str) -> Vec<Process> {
     let mark = format!("{MARK}={mark}");
@@ -184,8 +189,8 @@ fn processes(mark: &str) -> Vec<Process> {
         .collect()
 }
 
-/// Parses parent and group from a line of /proc: `id (name) state parent group`, where the name may contain any characters. `None` for a
-/// process that has ended.
+/// Parses the parent and the process group from a line of /proc: `id (name) state parent group`. The name may contain any characters.
+/// Returns `None` for a process that has ended.
 #[cfg(target_os = "linux")]
 fn parent_and_group(stat: &[u8]) -> Option<(u32, u32)> {
     let behind = stat.iter().rposition(|byte| *byte == b')')? + 1;
@@ -197,7 +202,7 @@ fn parent_and_group(stat: &[u8]) -> Option<(u32, u32)> {
     (!matches!(state, "Z" | "X")).then_some((parent, group))
 }
 
-/// Returns all processes of the system. Their marks are not visible.
+/// Returns all processes of the operating system that have not ended. The marks of processes cannot be read on this system.
 #[cfg(not(target_os = "linux"))]
 fn processes(_: &str) -> Vec<Process> {
     let listed = Command::new("ps")
@@ -236,21 +241,23 @@ mod tests {
         let all = [
             process(1, 0, 1),
             process(10, 1, 10),
-            // The run, its child, a grandchild in a session of its own, an orphan that left the group, and a marked process elsewhere.
+            // In this order: the run, its child, a grandchild in a session of its own, an orphan that left the group, a marked process
+            // elsewhere, and a child of the marked process.
             process(20, 10, 20),
             process(21, 20, 20),
             process(22, 21, 22),
             process(30, 10, 30),
             process(40, 1, 40),
             process(41, 40, 41),
-            // Another child of this process, in its own group; an unrelated process.
+            // Two processes that do not belong to the run: another child of this process, in the group of this process, and an unrelated
+            // process.
             process(50, 10, 10),
             process(60, 1, 60),
         ];
         let mut found = members(&all, 20, 10, &[], true);
         found.sort_unstable();
         assert_eq!(found, [20, 21, 22, 30, 40, 41]);
-        // While run 30 exists, the origin of orphan 30 is ambiguous.
+        // While run 30 exists as well, it is unknown which run left the orphaned process.
         let mut found = members(&all, 20, 10, &[30], false);
         found.sort_unstable();
         assert_eq!(found, [20, 21, 22, 40, 41]);

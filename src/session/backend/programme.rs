@@ -1,28 +1,29 @@
 use admire_syntax::Address;
 
-/// A load: its name and the quantity it drives.
+/// A load: its name and the quantity of the deck that it drives.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Load {
-    /// Name of the load: its column in the load cases.
+    /// Name of the load, which is the heading of its column in the table of load cases.
     pub name: String,
-    /// Address of a whole function (`SFORCE/3`, `GFORCE/1.FX`, `MOTION/1`, `VARIABLE/5`) or of a number (`MARKER/19.QP.1`) of the dataset.
+    /// Address in the deck of a whole function (`SFORCE/3`, `GFORCE/1.FX`, `MOTION/1`, `VARIABLE/5`) or of a single value
+    /// (`MARKER/19.QP.1`).
     pub target: Address,
 }
 
-/// One load case.
+/// One load case: a label and a value for each load.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LoadCase {
-    /// Label of the case, any text.
+    /// Label of the load case; any text is allowed.
     pub label: String,
-    /// One value per load, in the dataset's units; angles in radians.
+    /// One value for each load, in the units of the deck; angles in radians.
     pub values: Vec<f64>,
 }
 
-/// Loads and load cases.
+/// The loads of a deck and the load cases that apply them.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct LoadProgramme {
-    /// The driven quantities.
+    /// Loads, in the order of the values in each load case.
     pub loads: Vec<Load>,
-    /// Cases in the order of application.
+    /// Load cases, in the order of application.
     pub cases: Vec<LoadCase>,
 }

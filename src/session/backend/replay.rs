@@ -3,7 +3,7 @@ use super::bushing_check::ForceFrame;
 use super::run_folder::RunFiles;
 use super::{Backend, BackendError, Recording, RunError, Sweep, SweepRequest};
 
-/// Backend that serves recorded runs. It starts no program; a request without a recording is an error.
+/// Backend that returns recorded runs. It starts no program; a request that was not recorded is an error.
 #[derive(Clone, Debug)]
 pub struct ReplayBackend {
     recording: Recording,
@@ -11,7 +11,7 @@ pub struct ReplayBackend {
 }
 
 impl ReplayBackend {
-    /// Creates a backend for this recording.
+    /// Creates a backend that returns the runs in a recording.
     pub fn new(recording: Recording) -> Self {
         Self {
             recording,

@@ -1,4 +1,4 @@
-//! Files of one run of an external solver: the user's own deck with one-line edits, and the command file of the load programme.
+//! Files of one run of an external program: the user's deck with new parameter values, and a command file that applies the load cases.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -11,28 +11,29 @@ use admire_syntax::files::references;
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset, NewStatement};
 
-/// Base name of the files of a run.
+/// Base name of all files of a run.
 pub(super) const STEM: &str = "run";
 
-/// Input files of a run: every byte that can affect its answer.
+/// Input files of a run. They contain every byte that can affect its result.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct RunFiles {
-    /// Contents of `run.adm`.
+    /// Content of the deck `run.adm`.
     pub deck: Vec<u8>,
-    /// Contents of `run.acf`.
+    /// Content of the command file `run.acf`.
     pub commands: Vec<u8>,
-    /// Relative paths and contents of the files below the user's deck folder that the deck names. The run needs them next to its own deck.
+    /// Relative paths and contents of further files that the deck names and that lie in or below its folder. The run needs copies of them
+    /// beside `run.adm`.
     pub beside: Vec<(PathBuf, Vec<u8>)>,
 }
 
-/// Size in bytes up to which a file named by the deck is copied to run folders.
+/// Largest size in bytes of a file named by the deck that is copied to run folders.
 const MOST_BYTES: u64 = 64 << 20;
 
 impl RunFiles {
-    /// Creates the input files of a request.
+    /// Creates the input files for a request.
     ///
     /// # Errors
-    /// When the deck cannot be edited at an address.
+    /// Returns an error if a parameter value cannot be set in the deck.
     pub(crate) fn of(request: &SweepRequest<'_>) -> Result<Self, Box<Diagnostic>> {
         let deck = deck(request)?;
         let commands = commands(request, &deck).into_bytes();
@@ -43,7 +44,7 @@ impl RunFiles {
         })
     }
 
-    /// Creates the input files of a deck with its own command file. Files named by the deck are found next to `original`.
+    /// Creates the input files for a deck with its own command file. Files that the deck names are looked up in the folder of `original`.
     pub(crate) fn of_deck(deck: &Source, commands: &Source, original: &Dataset) -> Self {
         Self {
             deck: with_xrf(Dataset::parse(deck.clone()).value)
@@ -54,10 +55,10 @@ impl RunFiles {
         }
     }
 
-    /// Writes the files to a folder.
+    /// Writes the input files to a folder.
     ///
     /// # Errors
-    /// When they cannot be written.
+    /// Returns an error if a file cannot be written.
     pub(crate) fn write(&self, folder: &Path) -> std::io::Result<()> {
         for (name, bytes) in &self.beside {
             let path = folder.join(name);
@@ -70,7 +71,7 @@ impl RunFiles {
         std::fs::write(folder.join(format!("{STEM}.acf")), &self.commands)
     }
 
-    /// Returns true if a folder contains these input files unchanged.
+    /// Returns true if a folder contains exactly these input files.
     pub(crate) fn are_in(&self, folder: &Path) -> bool {
         let same =
             |name: &Path, bytes: &[u8]| std::fs::read(folder.join(name)).is_ok_and(|b| b == bytes);
@@ -80,7 +81,7 @@ impl RunFiles {
             && self.beside.iter().all(|(name, bytes)| same(name, bytes))
     }
 
-    /// Returns the SHA-256 of all files in hexadecimal, by which a recorded run is found.
+    /// Returns the SHA-256 hash of all input files in hexadecimal, by which a recorded run is found.
     pub(crate) fn key(&self) -> String {
         let mut hash = sha2::Sha256::new();
         let files = self.beside.iter().map(|(_, bytes)| bytes);
@@ -96,7 +97,7 @@ impl RunFiles {
     }
 }
 
-/// Returns the files that a deck names by relative paths inside its own folder.
+/// Returns the relative paths and contents of all files that a deck names by relative paths in or below its own folder.
 fn beside(dataset: &Dataset) -> Vec<(PathBuf, Vec<u8>)> {
     let folder = folder_of(dataset.source());
     let mut found: Vec<(PathBuf, Vec<u8>)> = Vec::new();
@@ -109,7 +110,7 @@ fn beside(dataset: &Dataset) -> Vec<(PathBuf, Vec<u8>)> {
         let Some(path) = find_file(&reference.name, "", &[&folder]).value else {
             continue;
         };
-        // A symbolic link may lead out of the folder although its name does not.
+        // The real path is checked too, because a symbolic link may lead out of the folder.
         let real = |path: &Path| {
             let path = if path.as_os_str().is_empty() {
                 Path::new(".")
@@ -132,7 +133,7 @@ fn beside(dataset: &Dataset) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// Returns the user's deck with the numbers of the request, and with RESULTS/XRF added if it is missing.
+/// Returns the deck with the parameter values of the request, and with RESULTS/XRF added if the deck lacks it.
 fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
     let mut deck = request.dataset.clone();
     for (address, value) in request.theta {
@@ -142,7 +143,7 @@ fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
     Ok(with_xrf(deck))
 }
 
-/// Returns the deck with RESULTS/XRF added if it is missing.
+/// Returns the deck with RESULTS/XRF added if the deck lacks it.
 fn with_xrf(deck: Dataset) -> Dataset {
     let has_xrf = deck
         .statement("RESULTS", None)
@@ -171,11 +172,11 @@ fn edited(deck: &Dataset, edits: &[admire_syntax::text::Edit]) -> Dataset {
         .value
 }
 
-/// Returns the command file: a blank line, FILE/MODEL, then for every case its loads and SIMULATE/STATIC.
+/// Returns the command file: a blank line, FILE/MODEL, and for each load case the commands that set its loads and SIMULATE/STATIC.
 fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> String {
     let mut out = format!("\nfile/model={STEM}\n");
     for case in &request.programme.cases {
-        // Characters that would end or continue the comment line are replaced.
+        // Characters in the label that would end or continue the comment line are replaced by blanks.
         let ends = |c: char| c.is_control() || matches!(c, '&' | ';');
         out += &format!("! case {}\n", case.label.replace(ends, " "));
         for command in redefinitions(&request.programme.loads, &case.values, deck) {
@@ -188,8 +189,10 @@ fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> String {
     out
 }
 
-/// Returns the commands that set the loads of a case. A redefinition replaces a whole list, so numbers of one list share one command, and the
-/// other numbers of the list keep their values from the deck.
+/// Returns the commands that set the loads of a load case.
+///
+/// A command replaces the whole list of values of an argument. Loads that are values of the same list therefore share a command, which also
+/// repeats the other values of the list from the deck.
 fn redefinitions(loads: &[Load], values: &[f64], deck: &Dataset) -> Vec<String> {
     let mut lists: Vec<(Address, Vec<f64>)> = Vec::new();
     let mut out = Vec::new();
@@ -224,7 +227,7 @@ fn redefinitions(loads: &[Load], values: &[f64], deck: &Dataset) -> Vec<String> 
                     })
                     .unwrap_or(0.0)
                 };
-                // QP, REULER and similar arguments have three numbers, even if the deck states fewer.
+                // Arguments such as QP and REULER need three numbers, even if the deck gives fewer.
                 lists.push((
                     whole.clone(),
                     (1..=count.max(3).max(index)).map(of).collect(),
@@ -252,7 +255,7 @@ fn object(address: &Address) -> String {
     )
 }
 
-/// Formats a number with the fewest digits that restore it exactly.
+/// Formats a number with the fewest digits that read back as the same double.
 fn spelled(value: f64) -> String {
     format!("{value:?}").replace('e', "E")
 }

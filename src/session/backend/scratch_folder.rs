@@ -1,20 +1,20 @@
-//! The folder of one run of an external solver.
+//! Folder of one run of an external program.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 use admire_syntax::text::patiently;
 
-/// Prefix of run folders in the system's folder for temporary files.
+/// Beginning of the names of temporary run folders.
 const PREFIX: &str = "admire-run-";
 
-/// Name of the file that marks a folder which could not be deleted because another process held it.
+/// Name of a marker file. It is written into a run folder that could not be deleted, and a later process then deletes the folder.
 const LEFTOVER: &str = "admire-leftover";
 
-/// Temporary folders of the current runs, to be deleted.
+/// Temporary folders of all current runs, which must be deleted at the end.
 static GOING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A folder that is deleted when this value is dropped, unless it is kept.
+/// A folder of a run. It is deleted when this value is dropped, unless it is kept.
 #[derive(Debug)]
 pub(super) struct ScratchFolder {
     path: PathBuf,
@@ -22,10 +22,10 @@ pub(super) struct ScratchFolder {
 }
 
 impl ScratchFolder {
-    /// Creates a folder for temporary files. The first call of a process also deletes the folders that earlier processes had to leave behind.
+    /// Creates a temporary folder. The first call in a process also deletes the folders that earlier processes could not delete.
     ///
     /// # Errors
-    /// When the folder cannot be created.
+    /// Returns an error if the folder cannot be created.
     pub(crate) fn temporary() -> std::io::Result<Self> {
         static FIRST: Once = Once::new();
         let all = std::env::temp_dir();
@@ -36,10 +36,10 @@ impl ScratchFolder {
         Ok(Self { path, kept: false })
     }
 
-    /// Creates a permanent folder inside another one, which is created if missing.
+    /// Creates a folder inside `folder` that is kept. `folder` is created if it does not exist.
     ///
     /// # Errors
-    /// When the folder cannot be created.
+    /// Returns an error if the folder cannot be created.
     pub(crate) fn lasting(folder: &Path, prefix: &str) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         let mut new = tempfile::Builder::new();
@@ -52,7 +52,7 @@ impl ScratchFolder {
         &self.path
     }
 
-    /// Keeps the folder and returns its path.
+    /// Keeps the folder on disk and returns its path.
     pub(crate) fn keep(mut self) -> PathBuf {
         self.kept = true;
         self.path.clone()
@@ -68,17 +68,17 @@ impl Drop for ScratchFolder {
     }
 }
 
-/// Deletes the folders of abandoned runs, before this process itself ends.
+/// Deletes the temporary folders of all current runs; called before the process of `admire` ends.
 pub(super) fn remove_all() {
     for path in going().iter() {
         remove(path);
     }
 }
 
-/// Deletes a folder, with retries: an ending process may hold it for a moment, a virus scanner for longer.
+/// Deletes a folder and retries for some time: a process that is just ending or a virus scanner may hold it open.
 fn remove(path: &Path) {
     if patiently(|| std::fs::remove_dir_all(path)).is_err() {
-        // If the folder is already gone, this write fails without harm.
+        // If the folder is already gone, this fails without harm.
         let _ = std::fs::write(path.join(LEFTOVER), "");
     }
 }
@@ -87,7 +87,7 @@ fn going() -> MutexGuard<'static, Vec<PathBuf>> {
     GOING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Deletes the folders left behind by earlier processes.
+/// Deletes the folders that earlier processes could not delete.
 fn sweep(all: &Path) {
     let Ok(entries) = std::fs::read_dir(all) else {
         return;
@@ -95,7 +95,7 @@ fn sweep(all: &Path) {
     for entry in entries.flatten() {
         let is_run = entry.file_name().to_string_lossy().starts_with(PREFIX);
         if is_run && entry.path().join(LEFTOVER).is_file() {
-            // A folder that is still held is left for the next time.
+            // A folder that another process still holds open is deleted by a later process.
             let _ = std::fs::remove_dir_all(entry.path());
         }
     }

@@ -7,8 +7,9 @@ use admire_syntax::lint::Suppressed;
 use admire_syntax::text::{Source, Span};
 use admire_syntax::{CommandFile, Dataset};
 
-/// Returns all diagnostics of a command file, by itself and against the decks it names, in the order of the file. `deck_of` reads a deck. If
-/// it returns `None`, the checks against this deck are omitted.
+/// Checks a command file by itself and together with the decks that it names. Returns all diagnostics in the order of the file.
+///
+/// `deck_of` reads a deck. If it returns `None`, all checks that need this deck are skipped.
 pub fn command_file(
     commands: Checked<CommandFile>,
     mut deck_of: impl FnMut(&Path) -> Option<Dataset>,
@@ -48,7 +49,7 @@ pub fn command_file(
     found
 }
 
-/// Returns the file that a command names, if it may be read, and otherwise reports the reason.
+/// Returns the path of the file that a command names. If the file is missing or must not be read, reports this and returns `None`.
 fn named(
     source: &Source,
     name: Span,
@@ -66,7 +67,7 @@ fn named(
         let elsewhere = written.contains(':') || written.starts_with(['/', '\\']);
         let mut missing = Diagnostic::error(Code::CannotRead, message);
         if elsewhere {
-            // An absolute path may exist on the computer that runs the file.
+            // The absolute path may exist on the computer that will run the command file, so this is only a warning.
             missing.severity = Severity::Warning;
         }
         let help = "it is looked up from the folder of the command file and the working directory";

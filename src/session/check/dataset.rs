@@ -7,30 +7,30 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
 use admire_syntax::files::Files;
 use admire_syntax::lint::{Options, Reach, Suppressed, check_until};
 
-/// Source of a diagnostic.
+/// The part of the program that found a problem.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DiagnosticSource {
-    /// The reader of the text.
+    /// The parser of the text.
     Reader,
-    /// A rule that looks at a statement and its neighbours.
+    /// A lint rule that reads only a statement and its neighbours.
     Neighbourhood,
-    /// A check of the whole file: rules, files next to it, the model.
+    /// A check of the whole file: lint rules, files that it names, or the model.
     File,
 }
 
-/// A diagnostic with its source.
+/// A diagnostic, with the part of the program that reported it.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// Source of the diagnostic.
+    /// Part of the program that reported the diagnostic.
     pub told: DiagnosticSource,
     /// The diagnostic.
     pub diagnostic: Diagnostic,
-    /// True if a comment of the file suppresses it.
+    /// True if a comment in the file suppresses the diagnostic.
     pub silenced: bool,
 }
 
 impl Found {
-    /// Creates a finding that no comment suppresses.
+    /// Creates a finding that is not suppressed by a comment.
     pub fn new(told: DiagnosticSource, diagnostic: Diagnostic) -> Self {
         Self {
             told,
@@ -40,8 +40,10 @@ impl Found {
     }
 }
 
-/// Returns all findings about a dataset, each fault once, in the order of the file. `files` are the files it names. The function calls
-/// `outdated` between steps, and returns `None` as soon as it returns true.
+/// Checks a dataset and returns all findings in the order of the file; each problem is reported once. `files` are the files that the
+/// dataset names.
+///
+/// `outdated` is called between the checks. As soon as it returns true, the result is `None`.
 pub fn dataset(
     read: Checked<Dataset>,
     files: Checked<Files>,
@@ -72,7 +74,7 @@ pub fn dataset(
     let seen: BTreeSet<_> = found.iter().map(|found| place(&found.diagnostic)).collect();
     let mut own = BTreeSet::new();
     let groundless = found.iter().any(|f| f.diagnostic.code == Code::NoGround);
-    // Lowering to the model meets some faults of statements again.
+    // The conversion to a model may report faults of statements that were already reported.
     for diagnostic in resolved.diagnostics {
         let whole = diagnostic.labels.first().map(|label| label.span);
         let new = !seen.contains(&place(&diagnostic)) && own.insert((diagnostic.code, whole));
@@ -102,7 +104,7 @@ pub fn dataset(
     Some(found)
 }
 
-/// Merges harmless missing files into one note, because a deck of a CAD model names dozens of them.
+/// Merges all notes about harmless missing files into one note, because the deck of a CAD model names dozens of such files.
 fn as_one(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let harmless = |d: &Diagnostic| d.code == Code::CannotRead && d.severity == Severity::Note;
     let (notes, mut rest): (Vec<_>, Vec<_>) = diagnostics.into_iter().partition(harmless);
@@ -117,8 +119,8 @@ fn as_one(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     rest
 }
 
-/// Returns the code and the start offset, by which duplicates are recognised. Two diagnostics of one fault may differ in the end of their
-/// span.
+/// Returns the code and the start offset of a diagnostic, by which duplicates are recognised. The end of the span is not compared, because
+/// two diagnostics about the same problem may have spans of different length.
 fn place(diagnostic: &Diagnostic) -> (Code, Option<usize>) {
     let label = diagnostic.labels.first();
     (diagnostic.code, label.map(|label| label.span.start()))

@@ -1,7 +1,7 @@
-//! Complete checks of one file by the reader, the lint rules and the model. Each fault is reported once, unless a comment of the file
-//! suppresses it.
+//! Complete checks of a single file by the parser, the lint rules and the model. Each problem is reported once, unless a comment in the
+//! file suppresses it.
 //!
-//! The module locates the files next to a deck, and is independent of the output of the diagnostics.
+//! The module finds the files that a deck names. It does not depend on the way in which diagnostics are shown.
 
 mod command_file;
 mod dataset;
@@ -17,14 +17,15 @@ use std::path::Path;
 
 use crate::FilePolicy;
 
-/// Returns true for `.acf` files, in upper or lower case.
+/// Returns true for files with the extension `.acf`, in upper or lower case.
 pub fn is_command_file(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("acf"))
 }
 
-/// Returns the policy for files named in a folder's files. They may be read below the folder, below the working directory, and in the folders
-/// of ADMIRE_ALLOW_PATH.
+/// Returns the policy for reading the files that decks and command files in a folder name.
+///
+/// Such files may be read in the folder, in the working directory, in their subfolders, and in the folders that ADMIRE_ALLOW_PATH lists.
 pub fn policy(folder: &Path) -> FilePolicy {
     let mut policy = FilePolicy::new(Path::new(""));
     policy.allow(folder);

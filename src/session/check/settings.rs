@@ -1,4 +1,4 @@
-//! Settings of checks from `admire.toml`: which diagnostics are shown, and which files are checked.
+//! Settings of checks from a file `admire.toml`: which diagnostics are shown, and which files are checked.
 
 use std::path::{Path, PathBuf};
 
@@ -9,17 +9,18 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::grammar::nearest;
 use admire_syntax::text::{Source, Span};
 
-/// Solver for which a deck is checked.
+/// The solver for which a deck is checked.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Solver {
-    /// ADAMS: limits of the built-in solver are not reported, nor missing files that only graphics read.
+    /// ADAMS. Limits of the built-in solver are not reported, and neither are missing files that only graphics or subroutines read.
     Adams,
-    /// The built-in solver: statements that it does not solve are reported, missing files that only graphics read are not.
+    /// The built-in solver. Statements that it does not solve are reported. Missing files that only graphics or subroutines read are not
+    /// reported, and neither are lines too long for FORTRAN.
     Admire,
 }
 
-/// Name of the settings file next to decks.
+/// Name of the settings file, which lies in the folder of the decks or in a folder above it.
 const NAME: &str = "admire.toml";
 
 #[derive(Deserialize, Default, Debug)]
@@ -41,31 +42,31 @@ struct CheckTable {
     fortran: bool,
 }
 
-/// Settings that select the diagnostics of a file.
+/// Settings that determine which files are checked and which diagnostics are shown.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Solver of the decks. Without it all diagnostics are shown.
+    /// Solver for which decks are checked. If it is `None`, diagnostics are not filtered by solver.
     pub solver: Option<Solver>,
-    /// Codes that are shown; all codes if it is empty.
+    /// Codes of the diagnostics that are shown; if the list is empty, all codes are shown.
     pub select: Vec<Code>,
-    /// Codes that are not shown.
+    /// Codes of the diagnostics that are not shown.
     pub ignore: Vec<Code>,
     exclude: Vec<glob::Pattern>,
-    /// Folder that the patterns are relative to.
+    /// Folder to which the patterns in `exclude` are relative.
     folder: PathBuf,
     /// True if only errors are shown.
     pub quiet: bool,
-    /// True if warnings also make a check fail.
+    /// True if a check also fails because of warnings.
     pub strict: bool,
-    /// True if the decks are for the FORTRAN solver.
+    /// True if the decks are for the FORTRAN solver, which reads lines of at most 80 columns.
     pub fortran: bool,
 }
 
 impl Settings {
-    /// Parses a settings file; the source's name is its path.
+    /// Parses a settings file; the name of the source is its path.
     ///
     /// # Errors
-    /// Every fault of the file, with its position.
+    /// Returns all faults of the file, with their positions.
     pub fn parse(source: &Source) -> Result<Self, Vec<Diagnostic>> {
         let wrong = |message: String, span| {
             vec![Diagnostic::error(Code::StudySyntax, message).label(source.name(), span, "")]
@@ -123,7 +124,7 @@ impl Settings {
         })
     }
 
-    /// Returns true if a diagnostic is shown.
+    /// Returns true if a diagnostic is to be shown under these settings.
     pub fn shows(&self, diagnostic: &Diagnostic) -> bool {
         let code = diagnostic.code;
         let selected = self.select.is_empty() || self.select.contains(&code);
@@ -131,7 +132,7 @@ impl Settings {
         selected && loud && !self.ignore.contains(&code) && self.concerns(diagnostic)
     }
 
-    /// Returns true if a file is checked.
+    /// Returns true if a file is to be checked under these settings.
     pub fn includes(&self, file: &Path) -> bool {
         let inside = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
         let inside = inside.strip_prefix(&self.folder).unwrap_or(&inside);
@@ -141,7 +142,7 @@ impl Settings {
             .any(|pattern| pattern.matches_path(inside))
     }
 
-    /// Returns true if a diagnostic is relevant to the chosen solver.
+    /// Returns true if a diagnostic is relevant for the chosen solver.
     fn concerns(&self, diagnostic: &Diagnostic) -> bool {
         let code = diagnostic.code;
         let of_pictures = code == Code::CannotRead && diagnostic.severity == Severity::Note;
@@ -160,7 +161,7 @@ impl Settings {
     }
 }
 
-/// Returns the settings file in the nearest folder above a file.
+/// Returns the nearest settings file in the folder of a file or in a folder above it.
 pub fn table_above(file: &Path) -> Option<PathBuf> {
     let file = std::path::absolute(file).ok()?;
     file.ancestors()
@@ -172,7 +173,7 @@ pub fn table_above(file: &Path) -> Option<PathBuf> {
 /// Returns the diagnostic code with this name.
 ///
 /// # Errors
-/// `unknown-key` with the nearest existing name.
+/// Returns `unknown-key`, with the nearest existing name, if there is no such code.
 pub fn code_named(word: &str) -> Result<Code, Diagnostic> {
     Code::parse(word.trim()).ok_or_else(|| {
         let capitals: Vec<String> = Code::ALL

@@ -1,4 +1,4 @@
-//! The CONVEL joint: equations only, without a torque balance.
+//! Constraint equations of the CONVEL (constant-velocity) joint. Contains no torque balance.
 
 use super::locks::add_product;
 use super::{Constraint, Equations};
@@ -6,10 +6,10 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 
 /// CONVEL: constant-velocity joint with its shafts along zi and zj.
 ///
-/// The equations are d = 0 and one product equation: `xi.yj - yi.xj = 0` for co-directed z axes, `xi.yj + yi.xj = 0` for opposed z axes
-/// (both pointing away from the joint). With the wrong sign the product equation holds for every twist and constrains nothing.
-/// [`Convel::for_design`] therefore fixes the sense once, from the design position. Undefined when the shafts fold to 90 degrees. Source:
-/// Adams Solver help, `state_joint`.
+/// With d the vector from the J origin to the I origin, the equations are d = 0 and one product equation. The product equation is `xi.yj -
+/// yi.xj = 0` for co-directed z axes, and `xi.yj + yi.xj = 0` for opposed z axes (both pointing away from the joint). With the wrong sign
+/// the product equation holds for every twist and constrains nothing. [`Convel::for_design`] therefore selects the sign once, from the
+/// design position. The joint is undefined when the shafts fold to 90 degrees. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Convel {
     /// The z axes are co-directed: zi.zj >= 0 in the design position.
@@ -19,7 +19,7 @@ pub(crate) enum Convel {
 }
 
 impl Convel {
-    /// Returns the sense that matches the relative motion in the design position.
+    /// Returns the variant that matches the relative motion in the design position.
     pub(crate) fn for_design(motion: &RelativeMotion) -> Self {
         if motion.R_ji[(2, 2)] >= 0.0 {
             Self::CoDirected
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use crate::mechanics::{Vec3, exp};
 
-    /// Returns a twist by `angle` about zj of aligned markers whose z axes are co-directed or opposed.
+    /// Returns the relative motion of aligned markers, twisted by `angle` about zj. Their z axes are co-directed or, if `opposed`, opposed.
     fn twisted(angle: f64, opposed: bool) -> RelativeMotion {
         let design = if opposed {
             exp(&Vec3::new(std::f64::consts::PI, 0.0, 0.0))
@@ -99,7 +99,7 @@ mod tests {
             for angle in [-2.0, -0.4, 0.3, 1.5] {
                 let motion = twisted(angle, opposed);
                 right.evaluate(&motion, &[], &[0.0; 4], &mut out);
-                // 2 sin(angle) up to sign.
+                // The residual is 2 sin(angle), up to its sign.
                 assert!((out.residual[3].abs() - 2.0 * angle.sin().abs()).abs() < 1e-14);
                 wrong.evaluate(&motion, &[], &[0.0; 4], &mut out);
                 assert!(out.residual[3].abs() < 1e-14);
@@ -108,8 +108,8 @@ mod tests {
         }
     }
 
-    /// Constant velocity: if the shafts are bent in any plane, turning both by the same angle still satisfies the equation. A Hooke joint
-    /// would violate it.
+    /// Constant velocity: with bent shafts, turning both shafts by the same angle still satisfies the equations. A Hooke joint would
+    /// violate its equation in the same motion.
     #[test]
     fn both_shafts_turn_alike_when_bent() {
         let mut out = Equations::default();

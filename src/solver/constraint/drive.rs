@@ -1,4 +1,5 @@
-//! MOTION as a constraint equation. The caller evaluates the FUNCTION, and integrates or rejects velocity and acceleration forms.
+//! MOTION as a constraint equation on a displacement. The caller evaluates the FUNCTION. It also integrates or rejects a MOTION that
+//! prescribes a velocity or an acceleration.
 
 use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};
@@ -9,7 +10,7 @@ use crate::mechanics::{RelativeMotion, Vec6};
 /// defined. Source: Adams Solver help, `state_motion`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Drive {
-    /// Displacement that the motion prescribes.
+    /// Displacement that the MOTION prescribes.
     pub measure: RelativeCoordinate,
 }
 

@@ -9,14 +9,14 @@ pub(crate) struct Equations {
     pub count: usize,
     /// Residuals; the first `count` are used.
     pub residual: [f64; 6],
-    /// Row k is the derivative of residual k with respect to (change of `p_ij_j`, rotation `dtheta` in J axes).
+    /// Row k is the derivative of residual k with respect to the relative motion: (change of `p_ij_j`, rotation `dtheta` in J axes).
     pub jacobian: [Vec6; 6],
     /// Sum over k of `multipliers[k]` times the derivative of the rotational half of `jacobian[k]` (as a column) with respect to `dtheta`.
     ///
     /// All other blocks of the second derivative vanish: every equation is a component of `p_ij_j`, which enters linearly, plus a function
     /// of `R_ji` alone. The matrix is in general not symmetric, because rotations do not commute.
     pub curvature: Mat3,
-    /// Derivative of `residual[0]` with respect to the constraint's parameter. Only constraints with a single equation have one.
+    /// Derivative of `residual[0]` with respect to the constraint's parameter. Only constraints with a single equation have a parameter.
     pub residual_by_parameter: f64,
     /// Derivative of `jacobian[0]` with respect to the constraint's parameter.
     pub jacobian_by_parameter: Vec6,
@@ -35,12 +35,12 @@ impl Default for Equations {
     }
 }
 
-/// Holonomic constraint between two markers. The wrench on I at the I origin, in J axes, is `-sum_k multipliers[k] * jacobian[k]`.
+/// Holonomic constraint between two markers. Its reaction wrench on I, at the I origin in J axes, is `-sum_k multipliers[k] * jacobian[k]`.
 pub(crate) trait Constraint: std::fmt::Debug + Send + Sync {
     /// Returns the number of scalar equations.
     fn count(&self) -> usize;
 
-    /// Returns the number of entries of `theta` that this constraint reads: zero or one (PITCH, PD, or the value of a MOTION).
+    /// Returns the number of entries of `theta` that this constraint reads: zero or one. The entry is PITCH, PD, or the value of a MOTION.
     fn parameter_count(&self) -> usize {
         0
     }
@@ -49,13 +49,14 @@ pub(crate) trait Constraint: std::fmt::Debug + Send + Sync {
     /// origin to the I origin.
     fn equation_name(&self, k: usize) -> &'static str;
 
-    /// Returns whether the constraint reads `RelativeMotion::angles`. If not, the caller need not compute them.
+    /// Returns whether the constraint reads `RelativeMotion::angles`. If not, the caller may leave these angles uncomputed.
     fn uses_angles(&self) -> bool {
         false
     }
 
-    /// Computes residuals, Jacobian and curvature at a relative motion. `out` is reused: implementations overwrite the first `count` rows,
-    /// `curvature` and, if there is a parameter, the derivatives with respect to it.
+    /// Computes residuals, Jacobian and curvature at a relative motion. `out` is reused: implementations overwrite the first `count`
+    /// residuals and Jacobian rows, and `curvature`. A constraint with a parameter also overwrites the derivatives with respect to that
+    /// parameter.
     fn evaluate(
         &self,
         motion: &RelativeMotion,

@@ -1,4 +1,4 @@
-//! GEAR as a weighted sum of joint displacements. Independent of the model: the caller supplies the poses on the carrier.
+//! GEAR as a weighted sum of joint displacements. Independent of the model: the caller supplies the marker poses on the carrier.
 
 use super::RelativeCoordinate;
 use crate::mechanics::{Pose, Vec3};
@@ -6,9 +6,10 @@ use crate::mechanics::{Pose, Vec3};
 /// One joint displacement in a COUPLER or GEAR, with its factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct GearTerm {
-    /// Displacement of the joint's I marker relative to its J marker: `Measure::Translation(2)` or `Measure::Angle(2)`.
+    /// Displacement of the joint's I marker relative to its J marker: `RelativeCoordinate::Translation(2)` or
+    /// `RelativeCoordinate::Angle(2)`.
     pub measure: RelativeCoordinate,
-    /// Factor of the displacement, which is a length or an angle in radians.
+    /// Factor that multiplies the displacement. The displacement is a length or an angle in radians.
     pub scale: f64,
 }
 
@@ -23,12 +24,12 @@ pub(crate) enum GearedJoint {
 
 /// Returns the terms that one joint contributes to the GEAR equation, multiplied by `factor` (+1 for the first joint, -1 for the second).
 ///
-/// Each scale is the speed of the geared part along z of the CV marker at the CV origin, per unit rate of the joint displacement. Both J
-/// markers and the CV marker sit on one carrier; all axes are taken in the carrier, and `r` runs from the J origin to the CV origin. The
-/// part that carries I has the speed `(zj x r) . z_cv` per radian and `zj . z_cv` per unit length, and both are constant. Equal speeds of
-/// the two parts therefore integrate to `sum a q (first) - sum a q (second) = const`, where the constant is the value in the design
-/// position. A CYLINDRICAL joint gives two terms, the other joints one. Source: derived from the common-velocity definition in the Adams
-/// Solver help, `state_gear`.
+/// Each scale is a velocity per unit rate of the joint displacement: the velocity of the geared part's point at the CV origin, along z of
+/// the CV marker. Both J markers and the CV marker are fixed on one carrier. All vectors are in carrier axes, and `r` is the vector from
+/// the J origin to the CV origin. The part that carries I moves at `(zj x r) . z_cv` per radian and at `zj . z_cv` per unit length; both
+/// factors are constant. Equal velocities of the two parts therefore integrate to `sum a q (first) - sum a q (second) = const`. The
+/// constant is the value of the left-hand side in the design position. A CYLINDRICAL joint gives two terms, the other joint types give one
+/// term. Source: derived from the common-velocity definition in the Adams Solver help, `state_gear`.
 pub(crate) fn gear_terms(
     kind: GearedJoint,
     j: &Pose,
@@ -57,7 +58,8 @@ mod tests {
     use super::*;
     use crate::mechanics::{Mat3, exp};
 
-    /// The scales equal the speed of the geared part's point at the CV marker, for a carrier in general position.
+    /// The scales equal the velocity of the geared part's point at the CV marker, along z of that marker, for a carrier in general
+    /// position.
     #[test]
     fn terms_are_the_speed_along_the_cv_axis() {
         let carrier = Pose {
@@ -83,7 +85,7 @@ mod tests {
         assert!(rotation.scale.abs() > 0.1 && translation.scale.abs() > 0.1);
     }
 
-    /// External spur gears of radii 30 and 60 on parallel axes obey 30 q1 = -60 q2: the second turns backwards at half the speed.
+    /// External spur gears of radii 30 and 60 on parallel axes obey 30 q1 = -60 q2: the second gear turns backwards at half the speed.
     #[test]
     fn spur_gears_turn_against_each_other() {
         let axis = |x: f64| Pose {

@@ -1,6 +1,7 @@
 //! The lower-pair joints of JOINT (Adams Solver help, `state_joint`) as locked distances and scalar products.
 //!
-//! Frames: d = origin of I - origin of J; xi, yi, zi are the axes of I and xj, yj, zj those of J. Contains no pitch, drive or friction.
+//! Frames: d is the vector from the J origin to the I origin; xi, yi, zi are the axes of I, and xj, yj, zj are the axes of J. Pitch, drive
+//! and friction are defined in other files.
 
 use super::Locks;
 

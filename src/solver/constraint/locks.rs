@@ -1,4 +1,4 @@
-//! Locked distances and scalar products, the equations of most joints. Independent of the joint names.
+//! Constraint that locks distances and scalar products, as most joints do. Independent of the joint names.
 
 use super::{Constraint, Equations};
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};
@@ -7,10 +7,11 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 ///
 /// With d = `p_ij_j`, v an axis of I expressed in J axes and e an axis of J, the equations are:
 /// - `d . e = 0`, with the Jacobian row `(e, 0)`;
-/// - `v . e = 0`, with the row `(0, v x e)`, whose derivative along `dtheta` is `(dtheta x v) x e = (v e' - (v . e) 1) dtheta`.
+/// - `v . e = 0`, with the Jacobian row `(0, v x e)`. A rotation `dtheta` changes this row by `(dtheta x v) x e = (v e' - (v . e) 1)
+///   dtheta`.
 ///
-/// Valid for any motion. A product equation `v . e = 0` with `z_i` also holds when that axis has flipped by 180 degrees. Source: Adams
-/// Solver help, `state_joint`, `state_jprim`.
+/// The equations are valid for any motion. `v . e = 0` still holds after the axis v has flipped by 180 degrees. Source: Adams Solver help,
+/// `state_joint`, `state_jprim`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Locks {
     /// Axes of J along which the two origins must coincide.
@@ -64,8 +65,8 @@ impl Constraint for Locks {
     }
 }
 
-/// Adds `scale` times the derivative of the scalar product of I axis `i` and J axis `j` to row `k`. Adds the corresponding curvature,
-/// multiplied by `multiplier`, to `out.curvature`.
+/// Adds `scale` times the derivative of the scalar product of I axis `i` and J axis `j` to row `k` of the Jacobian in `out`. Adds the
+/// corresponding curvature, multiplied by `multiplier`, to `out.curvature`.
 pub(super) fn add_product(
     motion: &RelativeMotion,
     i: usize,

@@ -11,16 +11,17 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};
 pub(crate) enum RelativeCoordinate {
     /// Component of `p_ij_j` along the x, y or z axis of J (0, 1, 2).
     Translation(usize),
-    /// AX, AY or AZ (0, 1, 2), counted over full turns. AZ (2) is the rotation of a joint about zj.
+    /// Projected angle AX, AY or AZ (0, 1, 2), counted over full turns. AZ is the rotation of a joint about zj.
     Angle(usize),
-    /// Body-fixed 1-2-3 angle of I in J: `R_ji = Rx(b1) Ry(b2) Rz(b3)`. b1 counts full turns, b2 lies in [-pi/2, pi/2], and b3 is taken
-    /// nearest to a given value. Undefined at b2 = +-pi/2.
+    /// Body-fixed 1-2-3 angle b1, b2 or b3 (0, 1, 2) of I in J: `R_ji = Rx(b1) Ry(b2) Rz(b3)`. b1 counts full turns, and b2 lies in [-pi/2,
+    /// pi/2]. b3 is shifted by full turns to the value nearest to a given angle. Undefined at b2 = +-pi/2.
     Body123(usize),
-    /// Rotation of I about zi, measured from the position with xi along zj (RACKPIN) and taken nearest to a given value.
+    /// Rotation of I about zi, measured from the position with xi along zj (RACKPIN). Shifted by full turns to the value nearest to a given
+    /// angle.
     Pinion,
 }
 
-/// Value of a measure with its derivatives with respect to the relative motion.
+/// Value of a relative coordinate with its derivatives with respect to the relative motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct RelativeCoordinateValue {
     /// Displacement: a length, or an angle in radians.
@@ -32,12 +33,12 @@ pub(crate) struct RelativeCoordinateValue {
 }
 
 impl RelativeCoordinate {
-    /// Returns whether the measure reads `RelativeMotion::angles`.
+    /// Returns whether the coordinate reads `RelativeMotion::angles`.
     pub(crate) fn uses_angles(self) -> bool {
         matches!(self, Self::Angle(_) | Self::Body123(0))
     }
 
-    /// Evaluates the measure for a relative motion. Measures that do not count full turns take the turn nearest to `near`.
+    /// Evaluates the coordinate for a relative motion. `Body123(2)` and `Pinion` are shifted by full turns to the value nearest to `near`.
     pub(crate) fn evaluate(self, motion: &RelativeMotion, near: f64) -> RelativeCoordinateValue {
         let R = &motion.R_ji;
         let turning = |value: f64, (g, curvature): (Vec3, Mat3)| RelativeCoordinateValue {

@@ -1,8 +1,8 @@
 //! Constraints: one file per joint or primitive.
 //!
 //! A constraint depends only on the relative motion of its marker pair. It returns residuals, their Jacobian, and the derivative of the
-//! reaction wrench for given multipliers. `system` applies the chain rule to the part coordinates. It also forms the sums over several
-//! pairs (COUPLER, GEAR), whose terms are [`Measure`]s.
+//! reaction wrench for given multipliers. `system` applies the chain rule to the part coordinates. `system` also forms the sums over
+//! several marker pairs (COUPLER, GEAR), whose terms are [`RelativeCoordinate`]s.
 
 mod angle;
 mod convel;

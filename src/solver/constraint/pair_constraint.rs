@@ -3,7 +3,7 @@
 use super::{Constraint, Convel, Drive, Equations, Locks, RackPinion, Screw};
 use crate::mechanics::RelativeMotion;
 
-/// Any constraint between one pair of markers, stored by value without a pointer.
+/// Any constraint between one pair of markers, stored by value (not boxed).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // Each variant is the constraint of its name.
 pub(crate) enum PairConstraint {

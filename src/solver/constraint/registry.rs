@@ -60,15 +60,15 @@ const fn drive(kind: &'static str, measure: RelativeCoordinate) -> ConstraintEnt
     }
 }
 
-/// Returns the constraint of a statement and type keyword. CONVEL has two entries, of which this returns the first; the caller selects the
-/// sense from the design position.
+/// Returns the constraint of a statement and type keyword. CONVEL has two entries, and this function returns the first; the caller then
+/// selects the variant from the design position.
 pub(crate) fn constraint(statement: &str, kind: &str) -> Option<&'static ConstraintEntry> {
     CONSTRAINTS
         .iter()
         .find(|entry| entry.statement == statement && entry.kind == kind)
 }
 
-/// All constraints between one marker pair, one line each. The tests below run over all of them.
+/// All constraints between one marker pair, one per line. The tests below cover all of them.
 #[rustfmt::skip]
 pub(crate) const CONSTRAINTS: &[ConstraintEntry] = &[
     locks("SPHERICAL", SPHERICAL),
@@ -107,7 +107,7 @@ mod tests {
     };
     use crate::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6, exp};
 
-    /// Returns two markers in general position, near the arrangement for which the constraint is made.
+    /// Returns two markers near the arrangement that the constraint is designed for, but otherwise in general position.
     fn pair(entry: &ConstraintEntry, tilt: f64) -> (Pose, Pose) {
         let (mut i, j) = general_pair(tilt);
         if entry.kind == "RACKPIN" {
@@ -238,7 +238,8 @@ mod tests {
         }
     }
 
-    /// For any motion of both parts, the reactions do the work `-lambda . d(residual)`, which is zero where the constraint holds.
+    /// For any motion of both parts, the reactions do the work `-lambda . d(residual)`. This work is zero for motions that satisfy the
+    /// constraint.
     #[test]
     fn reactions_do_the_work_of_the_residuals_and_balance() {
         let h = 1e-5;

@@ -3,10 +3,11 @@
 use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};
 
-/// SCREW: `d.zj - PITCH / (2 pi) AZ = 0`. AZ is the rotation of I about zj, counted over full turns; the thread is right-handed.
+/// SCREW: `d.zj - PITCH / (2 pi) AZ = 0`, with d the vector from the J origin to the I origin. AZ is the rotation of I about zj, counted
+/// over full turns. The thread is right-handed.
 ///
-/// The joint has one equation; ADAMS decks combine it with a CYLINDRICAL joint. The parameter is PITCH, the translation per turn. Valid for
-/// any number of turns; undefined where xi lies along zj. Source: Adams Solver help, `state_joint`.
+/// The joint has one equation; ADAMS decks combine it with a CYLINDRICAL joint. The parameter is PITCH, the translation per turn. The
+/// equation is valid for any number of turns and undefined where xi lies along zj. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Screw;
 

@@ -22,7 +22,7 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Beam;
 
-/// Positions of the eight stiffness entries in K.
+/// Row and column in K of each of the eight stiffness entries.
 const PLACES: [(usize, usize); 8] = [
     (0, 0),
     (1, 1),
@@ -34,7 +34,7 @@ const PLACES: [(usize, usize); 8] = [
     (3, 3),
 ];
 
-/// Returns the entries at [`PLACES`] as functions of the parameters.
+/// Computes the stiffness entries at [`PLACES`] from the nine parameters.
 fn entries<N: BeamScalar>(theta: [N; 9]) -> [N; 8] {
     let [l, area, ixx, iyy, izz, e, g, asy, asz] = theta;
     let bending = |i: N, shear: N, sign: f64| {
@@ -65,7 +65,7 @@ fn entries<N: BeamScalar>(theta: [N; 9]) -> [N; 8] {
     ]
 }
 
-/// Assembles the symmetric matrix of the entries; `pick` selects the value or one derivative of each entry.
+/// Assembles the symmetric stiffness matrix from its eight entries. `pick` selects the value of each entry or one of its derivatives.
 fn stiffness<N>(entries: &[N; 8], pick: impl Fn(&N) -> f64) -> Mat6 {
     let mut K = Mat6::zeros();
     for (entry, (a, b)) in entries.iter().zip(PLACES) {
@@ -114,7 +114,7 @@ impl Law for Beam {
     }
 }
 
-/// Arithmetic needed for the entries, implemented for plain numbers and for numbers with derivatives.
+/// Arithmetic that computes the stiffness entries. Implemented for plain numbers and for numbers that carry derivatives.
 trait BeamScalar: Copy {
     fn times(self, other: Self) -> Self;
     fn over(self, other: Self) -> Self;
@@ -148,7 +148,7 @@ struct Dual {
 }
 
 impl Dual {
-    /// Returns parameter `n` as an independent variable.
+    /// Returns parameter `n` as an independent variable: its derivative with respect to itself is 1.
     fn seed(value: f64, n: usize) -> Self {
         let mut slopes = [0.0; 9];
         slopes[n] = 1.0;
@@ -220,7 +220,8 @@ mod tests {
             * wrench
     }
 
-    /// Euler-Bernoulli cantilever: a tip load P gives P L^3 / 3 E I and P L^2 / 2 E I, a tip moment M gives M L^2 / 2 E I and M L / E I.
+    /// Euler-Bernoulli cantilever: a tip load P gives the deflection P L^3 / 3 E I and the slope P L^2 / 2 E I. A tip moment M gives M L^2
+    /// / 2 E I and M L / E I.
     #[test]
     fn a_cantilever_bends_as_in_the_textbook() {
         let theta = [L, A, 2.0 * I, I, I, E, G, 0.0, 0.0];

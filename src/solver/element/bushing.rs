@@ -53,7 +53,7 @@ impl Law for BushingLaw {
         Ok(())
     }
 
-    /// Defined only without rotational stiffness and torque, which have no potential for finite angles.
+    /// Returns the energy only if rotational stiffness and torque are zero: these torques have no potential for finite angles.
     #[cfg(test)]
     fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
         if theta[3..6].iter().chain(&theta[9..12]).any(|&x| x != 0.0) {

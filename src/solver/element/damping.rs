@@ -7,19 +7,19 @@ use crate::mechanics::{Mat3, Mat6, RelativeMotion, Vec3, Vec6};
 /// Damping of an element, in J axes. u holds the rates of `p_ij_j` and of the rotation of I in J.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Damping {
-    /// `(F, T) = -C u`: BUSHING, FIELD, BEAM.
+    /// Damping matrix C with `(F, T) = -C u`. Used by BUSHING, FIELD and BEAM.
     Matrix(Box<Mat6>),
-    /// `F = -c (n . u) n` along the line between the origins: SPRINGDAMPER, TRANSLATIONAL.
+    /// Damping coefficient c with `F = -c (n . u) n` along the line between the origins. Used by SPRINGDAMPER, TRANSLATIONAL.
     Line(f64),
-    /// `T = -c dAZ/dt` about zj: SPRINGDAMPER, ROTATIONAL.
+    /// Damping coefficient c with `T = -c dAZ/dt` about zj. Used by SPRINGDAMPER, ROTATIONAL.
     Turn(f64),
 }
 
 impl Damping {
     /// Adds the damping to `value` and `by_motion` of a wrench that the force law has already filled, and sets `by_rate`.
     ///
-    /// `Line`: with r = |d| and s = n . u, `dF/dd = -c [ n u' + s 1 ] (1 - n n') / r`. `Turn`: the rate of AZ is `g . u_t`, where g is the
-    /// row of AZ. Where the direction or angle is undefined, nothing is added.
+    /// For `Line`, with r = |d| and s = n . u: `dF/dd = -c [ n u' + s 1 ] (1 - n n') / r`. For `Turn`, the rate of AZ is `g . u_t`, where g
+    /// is the Jacobian row of AZ and u_t is the rotational half of u. Where the direction or the angle is undefined, nothing is added.
     pub(crate) fn add(&self, motion: &RelativeMotion, u: &Vec6, out: &mut Wrench) {
         out.by_rate = Mat6::zeros();
         match self {
@@ -54,8 +54,8 @@ impl Damping {
     }
 }
 
-/// Returns the Jacobian row g of AZ and its derivative with respect to a rotation `dtheta` in J axes. `g = e_z - x_z w / (w . w)`, where w
-/// is xi without its z component, and `dxi = dtheta x xi`.
+/// Returns the Jacobian row g of AZ and its derivative with respect to a rotation `dtheta` in J axes. The row is `g = e_z - x_z w / (w .
+/// w)`, where x is the axis xi, w is x without its z component, and `dx = dtheta x x`.
 fn turning(motion: &RelativeMotion) -> Result<(Vec3, Mat3), Degenerate> {
     let x: Vec3 = motion.R_ji.column(0).into();
     let w = Vec3::new(x.x, x.y, 0.0);

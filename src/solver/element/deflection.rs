@@ -6,8 +6,9 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6};
 /// The six deflections (x, y, z, AX, AY, AZ) of a bushing-like element and the derivatives of the angles.
 ///
 /// x, y, z equal `p_ij_j`. The angles equal the functions AX, AY, AZ (`cfunc_ax`) and count full turns. The Jacobian row of the angle about
-/// axis n of J is `e_n - v_n w / (w . w)`, where v is the rotating I axis and w is v without its n component. An angle loses its
-/// small-angle meaning when the other two exceed about 10 degrees. At 90 degrees it is undefined.
+/// axis n of J is `e_n - v_n w / (w . w)`. Here v is the axis of I whose rotation defines the angle, and w is v without its n component. An
+/// angle loses its small-angle meaning when the other two exceed about 10 degrees, and it is undefined when another angle reaches 90
+/// degrees.
 pub(super) struct Deflection {
     pub translation: Vec3,
     pub angles: Vec3,
@@ -15,13 +16,13 @@ pub(super) struct Deflection {
     pub angle_rows: Mat3,
 }
 
-/// Threshold for the squared length of an axis projected onto the plane of an angle. Below it the angle is undefined.
+/// Threshold for the squared length of an axis projected onto the plane of an angle. Below this threshold the angle is undefined.
 const VANISHING: f64 = 1e-20;
 
 impl Deflection {
     pub(super) fn of(motion: &RelativeMotion) -> Result<Self, Degenerate> {
         let R = &motion.R_ji;
-        // The rotation of zi gives the angles about xj and yj, that of xi the angle about zj.
+        // The direction of zi gives the angles about xj and yj; the direction of xi gives the angle about zj.
         for (axis, v) in [(0, R.column(2)), (1, R.column(2)), (2, R.column(0))] {
             let (a, b) = (v[(axis + 1) % 3], v[(axis + 2) % 3]);
             if a * a + b * b < VANISHING {

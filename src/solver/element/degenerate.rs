@@ -1,15 +1,15 @@
-//! Reasons why a force law is undefined at a motion. The caller adds the element name.
+//! Reasons why a force law is undefined at a relative motion. The caller adds the element name.
 
-/// Motion at which a force law is undefined. ADAMS stops there too; a line search can instead reduce its step.
+/// Reason why a force law is undefined at a relative motion. ADAMS stops at such a motion; here a line search can reduce its step instead.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Degenerate {
     /// The origins of I and J coincide, so the direction of the line between them is undefined.
     #[error("the I and J origins coincide: the line between them has no direction")]
     ZeroLengthLine,
-    /// Both arguments of the arctangent of a projected angle vanish.
+    /// Both arguments of the arctangent of a projected angle vanish, so the angle is undefined.
     #[error("the projected angle A{} of I about J is undefined at 90 degrees of another angle", ["X", "Y", "Z"][*axis])]
     UndefinedAngle {
-        /// Axis of J: 0, 1 or 2 for AX, AY or AZ.
+        /// Index of the undefined angle: 0, 1 or 2 for AX, AY or AZ, about the x, y or z axis of J.
         axis: usize,
     },
 }

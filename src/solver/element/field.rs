@@ -48,7 +48,8 @@ impl Law for Field {
         Ok(())
     }
 
-    /// Defined only for a symmetric K without rotational terms: torques of finite projected angles have no potential.
+    /// Returns the energy only for a symmetric K without rotational terms and without preload torque: torques of finite projected angles
+    /// have no potential.
     #[cfg(test)]
     fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
         let K = Mat6::from_column_slice(&theta[..36]);
@@ -67,7 +68,8 @@ impl Law for Field {
     }
 }
 
-/// Sets `out` to the wrench `preload - K q` and its derivative. q varies with the deflection `d`, up to a constant offset.
+/// Sets `out` to the wrench `preload - K q` and its derivative. `q` equals the coordinates of the deflection `d` minus a constant free
+/// position.
 pub(super) fn linear(K: &Mat6, q: &Vec6, preload: &Vec6, d: &Deflection, out: &mut Wrench) {
     out.value = preload - K * q;
     out.by_motion = -K;

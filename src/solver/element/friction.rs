@@ -1,4 +1,5 @@
-//! Coefficient of joint friction: sliding, the transition, and stiction by creep. Independent of the joint and its load.
+//! Coefficient of joint friction during sliding, during stiction with creep, and in the transition between them. Independent of the joint
+//! and its load.
 
 use crate::mechanics::{Mat3, Vec3};
 
@@ -54,7 +55,7 @@ fn quotient(x: f64) -> (f64, f64) {
     )
 }
 
-/// Returns the Jacobian of `g(|x|) x`, which is `g 1 + g' x x'/|x|`. `size` is |x| and `slope` is g'.
+/// Returns the Jacobian `g 1 + g' x x'/|x|` of the vector function `g(|x|) x`. `size` is |x| and `slope` is g'.
 fn radial(x: &Vec3, size: f64, g: f64, slope: f64) -> Mat3 {
     let mut out = Mat3::from_diagonal_element(g);
     if size > 0.0 {
@@ -64,8 +65,8 @@ fn radial(x: &Vec3, size: f64, g: f64, slope: f64) -> Mat3 {
 }
 
 impl FrictionLaw {
-    /// Returns a law with the same transition velocities and both coefficients equal to 1. It gives the direction of a preload friction
-    /// force that no coefficient multiplies.
+    /// Returns this law with both friction coefficients set to 1 and the velocities unchanged. It gives the direction of a friction force
+    /// from a preload, which no friction coefficient multiplies.
     #[must_use]
     pub(crate) fn direction(&self) -> Self {
         Self {
@@ -80,8 +81,8 @@ impl FrictionLaw {
         speed < self.stiction_velocity
     }
 
-    /// Computes the coefficient at surface velocity `v` and creep `c`. At rest, the derivative with respect to the velocity is the mean of
-    /// the one-sided derivatives in opposite directions.
+    /// Computes the coefficient at surface velocity `v` and creep `c`. At rest the derivative with respect to the velocity depends on the
+    /// direction; the mean of the one-sided derivatives in opposite directions is returned.
     pub(crate) fn coefficient(&self, v: &Vec3, c: &Vec3) -> Coefficient {
         let speed = v.norm();
         if !self.sticks(speed) {

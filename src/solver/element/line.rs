@@ -9,7 +9,7 @@ pub(super) struct Line {
     pub length: f64,
 }
 
-/// Length, in length units of the model, up to which a line has no direction.
+/// Largest length, in length units of the model, at which a line counts as having no direction.
 const ZERO_LENGTH: f64 = 1e-12;
 
 impl Line {

@@ -4,12 +4,12 @@ use super::Degenerate;
 use super::deflection::Deflection;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 
-/// NFORCE, linear: one stiffness matrix that couples n markers with a reference marker J.
+/// NFORCE, linear: one stiffness matrix that couples n I markers with a reference marker J.
 ///
-/// Law, in J axes, with q the stacked (x, y, z, AX, AY, AZ) of each I marker relative to J: the stacked wrenches on the I markers, each at
-/// its own origin, are `-K (q - LENGTH) + FORCE`. The reaction of each wrench acts on J at the origin of that I marker. Parameters:
-/// KMATRIX.1..(6n)^2 column by column, LENGTH.1..6n, FORCE.1..6n. Validity: angles as for BUSHING. Source: the law of FIELD extended to
-/// several markers, as described in the Adams Solver help, `state_nforce`.
+/// Let q be the stacked deflections (x, y, z, AX, AY, AZ) of each I marker relative to J, in J axes. The stacked wrenches on the I markers,
+/// each at the origin of its marker, are `-K (q - LENGTH) + FORCE`. The reaction of each wrench acts on J at the origin of the respective I
+/// marker. Parameters: KMATRIX.1..(6n)^2 column by column, LENGTH.1..6n, FORCE.1..6n. Validity: angles as for BUSHING. Source: the law of
+/// FIELD extended to several markers, as described in the Adams Solver help, `state_nforce`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct MultiPoint {
     /// Number of I markers.
@@ -21,15 +21,16 @@ pub(crate) struct MultiPoint {
 pub(crate) struct MultiWrench {
     /// Wrench (force, torque) on each I marker at its origin, in J axes.
     pub value: Vec<Vec6>,
-    /// Block `a * markers + b` is the derivative of wrench a with respect to the motion of marker b relative to J (as in
-    /// [`super::Wrench`]).
+    /// Block `a * markers + b` is the derivative of wrench a with respect to the motion of marker b relative to J. The motion has the six
+    /// components described in [`super::Wrench`].
     pub by_motion: Vec<Mat6>,
     /// Stacked deflections `q - LENGTH`, kept for [`MultiPoint::by_parameter`].
     pub deflection: Vec<f64>,
 }
 
 impl MultiPoint {
-    /// Computes the wrenches and derivatives at the given motions, one per I marker. Allocates only the first time `out` is used.
+    /// Computes the wrenches and their derivatives. `motions` holds the relative motion of each I marker. Allocates only the first time
+    /// `out` is used.
     ///
     /// # Errors
     /// [`Degenerate`] where an angle is undefined.
@@ -70,7 +71,7 @@ impl MultiPoint {
         Ok(())
     }
 
-    /// Writes the derivatives of all wrenches with respect to parameter `p` into `columns`, one per marker. Must be called after
+    /// Writes the derivatives of all wrenches with respect to parameter `p` into `columns`, one column per I marker. Must be called after
     /// [`Self::evaluate`].
     pub(crate) fn by_parameter(
         self,

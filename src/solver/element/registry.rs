@@ -96,7 +96,7 @@ mod tests {
                     "{}: {exact} {difference}",
                     entry.name
                 );
-                // Constant laws have a zero derivative. All others have an exact one, which differs from the difference quotient.
+                // Constant laws have a zero derivative. The exact derivative of every other law differs from the difference quotient.
                 let constant = matches!(entry.name, "axial_force" | "axial_torque");
                 assert_eq!(exact == Mat6::zeros(), constant, "{}", entry.name);
                 assert!(constant || exact != difference, "{}", entry.name);
@@ -211,7 +211,7 @@ mod tests {
                 ),
                 "axial_force" => (unturned(n), Vec6::ith(2, theta[0])),
                 "axial_torque" => (unturned(n), Vec6::ith(5, theta[0])),
-                // Laws without preload.
+                // The other laws have no preload.
                 _ => continue,
             };
             let value = evaluate(entry, &motion, &theta).value;

@@ -1,4 +1,4 @@
-//! Directions of SFORCE. The magnitude is given by the caller, who evaluates the FUNCTION.
+//! Directions of SFORCE. The caller evaluates the FUNCTION and passes its value as the magnitude.
 
 use super::line::Line;
 use super::{Degenerate, Law, LawEntry, Wrench};
@@ -27,7 +27,7 @@ pub(super) const LAWS: &[LawEntry] = &[
 /// Laws on I, with e the magnitude:
 /// * `Line` (TRANSLATIONAL): `F = e n`, with n the direction from J to I; positive e pushes the markers apart. `by_motion` includes the
 ///   rotation of the line. Undefined where the origins coincide.
-/// * `AlongZj` (TRANSLATIONAL, ACTIONONLY): `F = e zj` at I. No reaction acts on J; the caller omits it.
+/// * `AlongZj` (TRANSLATIONAL, ACTIONONLY): `F = e zj` at the I origin. The caller applies no reaction to J.
 /// * `AboutZj` (ROTATIONAL, with or without ACTIONONLY): `T = e zj`. zi must be parallel to zj and point the same way.
 ///
 /// Source: Adams Solver help, `state_sforce`.

@@ -1,12 +1,13 @@
-//! Dry friction with memory. The caller decides when a state is accepted and the anchor moves.
+//! Dry friction with memory. The caller decides when a state is accepted and then moves the anchor.
 
-/// Dry friction with memory: a spring in series with a slider (Prandtl element), with its force as a function of a displacement u.
+/// Result of evaluating a dry-friction element with memory: a spring in series with a slider (Prandtl element). Its force f depends on a
+/// displacement u.
 ///
-/// `f = K (u - ANCHOR)` while `|f| <= LIMIT` (sticking, including the limit itself), and `f = +-LIMIT` beyond (sliding). The anchor is
-/// constant during an evaluation. `anchor_after` is its new position once an equilibrium is accepted (return mapping), which makes the
-/// force depend on the path. The derivatives are consistent with the return mapping: K when sticking, 0 when sliding. K > 0, LIMIT >= 0.
-/// This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider element;
-/// return mapping as in one-dimensional perfect plasticity.
+/// While `|K (u - ANCHOR)| <= LIMIT` the element sticks and `f = K (u - ANCHOR)`. Beyond this limit it slides and `f = +-LIMIT`. The anchor
+/// is constant during an evaluation. `anchor_after` is the anchor position once an equilibrium is accepted (return mapping), so the force
+/// depends on the path. The derivatives are consistent with the return mapping: df/du is K when sticking and 0 when sliding. K is
+/// positive and LIMIT not negative. This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider
+/// element; return mapping as in one-dimensional perfect plasticity.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Slip {
     /// Spring force f.
@@ -60,7 +61,7 @@ impl Slip {
 mod tests {
     use super::*;
 
-    /// A full cycle with an amplitude U beyond the limit encloses the area 4 LIMIT (U - LIMIT / K).
+    /// A full cycle with an amplitude U that makes the element slide encloses the area 4 LIMIT (U - LIMIT / K).
     #[test]
     fn a_cycle_dissipates_what_the_hysteresis_loop_encloses() {
         let (k, limit, amplitude) = (100.0, 50.0, 2.0);

@@ -1,4 +1,4 @@
-//! The elastic laws of the two SPRINGDAMPER types. Velocities are zero in statics; the damping is in [`super::damping`].
+//! The elastic laws of the two SPRINGDAMPER types. The damping is in [`super::damping`]; in statics all velocities are zero.
 
 use super::line::Line;
 use super::{Degenerate, Law, LawEntry, Wrench};

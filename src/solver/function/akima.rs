@@ -1,5 +1,5 @@
-/// Returns the slopes at the knots by Akima's rule (J. ACM 17, 1970). x must be strictly increasing, as long as y, with at least two
-/// points.
+/// Returns the slopes at the knots by Akima's rule (J. ACM 17, 1970). `x` must be strictly increasing. `x` and `y` must have equal lengths
+/// of at least two.
 ///
 /// ```text
 /// m_i = (y_(i+1) - y_i) / (x_(i+1) - x_i)

@@ -1,9 +1,9 @@
-//! Times at which a function of time is not smooth: ends of steps and sweeps, zeros of tests.
+//! Break times: times at which a function of time is not smooth, such as the ends of steps and sweeps and the zeros of IF conditions.
 
 use admire_syntax::Expression;
 use admire_syntax::expression::{BinaryOperator, Constant, Node};
 
-/// Functions that compare one argument, given first, with the arguments at the listed positions.
+/// Functions that compare their first argument with the arguments at the listed positions (counted from 0).
 const ENDS: [(&str, &[usize]); 4] = [
     ("STEP", &[1, 3]),
     ("STEP5", &[1, 3]),
@@ -11,8 +11,8 @@ const ENDS: [(&str, &[usize]); 4] = [
     ("SWEEP", &[2, 4]),
 ];
 
-/// Returns the break times of an expression, in no particular order. A break occurs where an argument that is linear in TIME reaches the
-/// value it is compared with. Splines have no breaks, because their pieces join smoothly.
+/// Returns the break times of an expression, in no particular order. At a break time, an argument that is linear in TIME equals the value
+/// that the function compares it with. Splines have no breaks, because their pieces join smoothly.
 pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
     let mut found = Vec::new();
     for node in expression.root.walk() {
@@ -54,19 +54,19 @@ pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
     found
 }
 
-/// Returns the times at which the largest of the lines `a TIME + b` changes: the corners of their upper envelope, found by sorting the
-/// slopes.
+/// Returns the times at which another of the lines `a TIME + b` becomes the largest. These are the corners of the upper envelope of the
+/// lines, found by sorting the slopes.
 fn corners(lines: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
     let mut lines: Vec<(f64, f64)> = lines.filter(|(a, b)| (a * b).is_finite()).collect();
     lines.sort_by(|(a, b), (c, d)| a.total_cmp(c).then(b.total_cmp(d)));
-    // Lines of the envelope, each with the time from which it is the largest.
+    // Lines of the envelope, each with the time from which it is the largest line.
     let mut hull: Vec<((f64, f64), f64)> = Vec::new();
     for line in lines {
         let mut from = f64::NEG_INFINITY;
         while let Some(&((a, b), before)) = hull.last() {
             from = (b - line.1) / (line.0 - a);
             if a == line.0 || from <= before {
-                // A later line of the same slope is not higher.
+                // The earlier line is nowhere the largest: the new line has the same slope and is not lower, or overtakes it too soon.
                 hull.pop();
                 from = f64::NEG_INFINITY;
             } else {

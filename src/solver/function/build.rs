@@ -29,15 +29,15 @@ pub(super) struct Build<'a> {
     places: HashMap<Input, usize>,
     parameters: Vec<usize>,
     constants: Vec<f64>,
-    /// Steps; their targets are numbered from 0.
+    /// Steps of the program. During compilation their target slots are numbered from 0.
     steps: Vec<Instruction>,
     operands: Vec<ValueSlot>,
     pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
     targets: usize,
     branches: bool,
-    /// Whether the piece of each switch depends on time alone.
+    /// For each switch (a step whose piece can be held fixed), whether its piece depends on time alone.
     switches: Vec<bool>,
-    /// Number of reads of inputs other than time.
+    /// Number of times that an input other than TIME has been read so far.
     pub(super) readings: usize,
 }
 
@@ -178,14 +178,16 @@ impl<'a> Build<'a> {
         self.operands.extend_from_slice(operands);
     }
 
-    /// Marks the last step as a switch, whose piece a simulation can hold fixed. `of_time` states whether its piece depends on time alone.
+    /// Marks the last pushed step as a switch: a step whose piece a simulation can hold fixed. `of_time` states whether the piece depends
+    /// on time alone.
     pub(super) fn switch(&mut self, of_time: bool) {
         let step = self.steps.last_mut().expect("a step was pushed");
         step.switch = self.switches.len() as u32;
         self.switches.push(of_time);
     }
 
-    /// Adds a step with its own target. If all operands are constants and the value exists, it is computed now and returned as a constant.
+    /// Adds a step with its own target. If all operands are constants and the value exists, the value is computed now and returned as a
+    /// constant.
     pub(super) fn step(&mut self, kind: Kind, operands: &[ValueSlot]) -> ValueSlot {
         let constants: Vec<f64> = operands
             .iter()
@@ -252,7 +254,7 @@ impl<'a> Build<'a> {
     }
 }
 
-/// Returns the value of a step whose operands are all constants, if it exists.
+/// Returns the value of a step whose operands are all constants, or `None` if the step is undefined for them.
 fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)]) -> Option<f64> {
     let count = constants.len() as u32;
     let program = Program {

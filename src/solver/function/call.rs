@@ -1,14 +1,13 @@
 use super::breaks::linear;
 use super::build::{Build, ValueSlot};
+use super::called::{between_component, measure_kind, plain_kind, rate_of, rate_places};
 use super::compiler::Space;
 use super::input::FRICTION_NUMBERS;
 use super::interpolant::Method;
-use super::intrinsic::{Binary, Unary};
 use super::program::Kind;
-use super::step::Shape;
 use super::{
-    ForceComponent, ForceMeasure, Input, Measure, MeasureKind, MeasuredElement, RateAxis, RateKind,
-    RateMeasure, RotationSequence,
+    ForceComponent, ForceMeasure, Input, Measure, MeasureKind, MeasuredElement, RateMeasure,
+    RotationSequence,
 };
 use crate::model::{ArrayKind, MarkerIx};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -16,7 +15,7 @@ use admire_syntax::expression::Node;
 use admire_syntax::grammar;
 use admire_syntax::grammar::{FunctionDef, Solved};
 
-/// Arguments of a call.
+/// Argument nodes of a function call.
 type Arguments<'a> = &'a [Node];
 
 impl Build<'_> {
@@ -84,7 +83,7 @@ impl Build<'_> {
         }
     }
 
-    /// Compiles VX(i, j, k, l) and the other velocity and acceleration functions. The last argument is the frame of the time derivative.
+    /// Compiles VX(i, j, k, l) and the other velocity and acceleration functions. Argument l is the frame of the time derivative.
     fn rate(
         &mut self,
         function: &'static FunctionDef,
@@ -275,7 +274,7 @@ impl Build<'_> {
         Ok(self.input(Input::Friction { friction, which }))
     }
 
-    /// Compiles PINVAL(id, component) and POUVAL, which read a variable of the list.
+    /// Compiles PINVAL(id, component) and POUVAL, which read a VARIABLE listed in a PINPUT or POUTPUT.
     fn plant(
         &mut self,
         function: &'static FunctionDef,
@@ -306,7 +305,8 @@ impl Build<'_> {
         Ok(self.input(Input::Variable(variable)))
     }
 
-    /// Compiles BUSH(id, jflag, comp, rm) and similar functions, and NFORCE(id, marker, comp, rm).
+    /// Compiles NFORCE(id, marker, comp, rm), BUSH(id, jflag, comp, rm) and the functions of other elements with the same arguments as
+    /// BUSH.
     fn element(
         &mut self,
         function: &'static FunctionDef,
@@ -358,7 +358,7 @@ impl Build<'_> {
         self.force_of(function, arguments, (element, on_j))
     }
 
-    /// Returns the jflag of a force measure.
+    /// Returns the jflag argument of a force function: whether the force on J is measured.
     fn on_j(
         &self,
         function: &'static FunctionDef,
@@ -371,7 +371,7 @@ impl Build<'_> {
         }
     }
 
-    /// Compiles the force component of an element from the last arguments of a force measure.
+    /// Compiles the force component of an element. The component and the marker `rm` are the last two arguments of the force function.
     fn force_of(
         &mut self,
         function: &'static FunctionDef,
@@ -397,7 +397,7 @@ impl Build<'_> {
         Ok(self.input(Input::Force(measure)))
     }
 
-    /// Returns the marker given by an argument; `None` if it is absent or 0, which denotes ground.
+    /// Returns the marker given by an argument. Returns `None`, which denotes ground, if the argument is absent or 0.
     fn marker(
         &self,
         function: &'static FunctionDef,
@@ -467,65 +467,6 @@ impl Build<'_> {
     }
 }
 
-/// Returns the step kind of a function whose arguments are all values.
-fn plain_kind(name: &'static str) -> Option<Kind> {
-    if let Some(function) = Unary::named(name) {
-        return Some(Kind::Unary(function, name));
-    }
-    if let Some(function) = Binary::named(name) {
-        return Some(Kind::Binary(function, name));
-    }
-    Some(match name {
-        "MAX" => Kind::Max,
-        "MIN" => Kind::Min,
-        "STEP" => Kind::Step(Shape::Cubic, name),
-        "STEP5" => Kind::Step(Shape::Quintic, name),
-        "HAVSIN" => Kind::Step(Shape::Haversine, name),
-        "IMPACT" => Kind::Impact,
-        "BISTOP" => Kind::Bistop,
-        "POLY" => Kind::Poly,
-        "SHF" => Kind::Shf,
-        "FORCOS" => Kind::Forcos,
-        "FORSIN" => Kind::Forsin,
-        "CHEBY" => Kind::Cheby,
-        "SWEEP" => Kind::Sweep,
-        _ => return None,
-    })
-}
-
-fn measure_kind(name: &str) -> Option<MeasureKind> {
-    let angle = |sequence, which, minus| MeasureKind::Angle {
-        sequence,
-        which,
-        minus,
-    };
-    Some(match name {
-        "DX" => MeasureKind::Displacement(0),
-        "DY" => MeasureKind::Displacement(1),
-        "DZ" => MeasureKind::Displacement(2),
-        "DM" => MeasureKind::Distance,
-        "AX" => MeasureKind::ProjectedAngle(0),
-        "AY" => MeasureKind::ProjectedAngle(1),
-        "AZ" => MeasureKind::ProjectedAngle(2),
-        "PSI" => angle(RotationSequence::BODY_313, 0, false),
-        "THETA" => angle(RotationSequence::BODY_313, 1, false),
-        "PHI" => angle(RotationSequence::BODY_313, 2, false),
-        "YAW" => angle(RotationSequence::BODY_321, 0, false),
-        "PITCH" => angle(RotationSequence::BODY_321, 1, true),
-        "ROLL" => angle(RotationSequence::BODY_321, 2, false),
-        "INCANG" => MeasureKind::IncludedAngle,
-        _ => return None,
-    })
-}
-
-fn between_component(name: &str) -> Option<ForceComponent> {
-    let names = ["FM", "FX", "FY", "FZ", "TM", "TX", "TY", "TZ"];
-    names
-        .iter()
-        .position(|known| *known == name)
-        .map(|index| ForceComponent::ALL[index])
-}
-
 fn undefined(function: &FunctionDef, kind: &str, id: u32) -> Diagnostic {
     Diagnostic::error(
         Code::UndefinedId,
@@ -566,37 +507,4 @@ pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
     };
     Diagnostic::error(Code::NotSolvedNatively, format!("{}: {why}", function.name))
         .help("use a command backend that runs ADAMS, or replace the function")
-}
-
-/// Returns the velocity or acceleration that a function measures.
-fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
-    if name == "VR" {
-        return Some((RateKind::Velocity, RateAxis::Along));
-    }
-    let axis = match name.as_bytes().last()? {
-        b'X' => RateAxis::Axis(0),
-        b'Y' => RateAxis::Axis(1),
-        b'Z' => RateAxis::Axis(2),
-        b'M' => RateAxis::Magnitude,
-        _ => return None,
-    };
-    let kind = match &name[..name.len() - 1] {
-        "V" => RateKind::Velocity,
-        "W" => RateKind::AngularVelocity,
-        "ACC" => RateKind::Acceleration,
-        "WDT" => RateKind::AngularAcceleration,
-        _ => return None,
-    };
-    Some((kind, axis))
-}
-
-/// Returns the marker role (I, J, K, L) of each argument. A magnitude has no K, an angular velocity no L.
-fn rate_places(kind: RateKind, axis: RateAxis) -> &'static [usize] {
-    match (kind, axis) {
-        (RateKind::AngularVelocity, RateAxis::Axis(_)) => &[0, 1, 2],
-        // VR is the same in every frame, so its L is ignored.
-        (RateKind::AngularVelocity, _) | (_, RateAxis::Along) => &[0, 1],
-        (_, RateAxis::Magnitude) => &[0, 1, 3],
-        (_, RateAxis::Axis(_)) => &[0, 1, 2, 3],
-    }
 }

@@ -9,7 +9,7 @@ use crate::model::{Model, VectorForceKind};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Compiler of expressions for the objects of one model. It indexes ids for fast lookup and shares prepared splines.
+/// Compiler of expressions for the objects of one model. It indexes ids for fast lookup and prepares each spline only once.
 #[derive(Debug)]
 pub struct ExpressionCompiler<'m> {
     pub(super) model: &'m Model,
@@ -18,7 +18,7 @@ pub struct ExpressionCompiler<'m> {
     interpolants: RefCell<BTreeMap<(usize, Method), Arc<Interpolant>>>,
 }
 
-/// List of the model whose objects share one id space.
+/// Group of model objects whose ids are unique within the group.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Space {
     Marker,

@@ -1,5 +1,5 @@
-/// Returns the slopes at the knots of the natural cubic spline, whose second derivative is continuous and zero at both ends. x must be
-/// strictly increasing, as long as y, with at least two points.
+/// Returns the slopes at the knots of the natural cubic spline, whose second derivative is continuous and zero at both ends. `x` must be
+/// strictly increasing. `x` and `y` must have equal lengths of at least two.
 ///
 /// With `h_i = x_(i+1) - x_i` and chord slopes `m_i`, continuity of the second derivative at inner knots gives
 /// `t_(i-1) / h_(i-1) + 2 t_i (1/h_(i-1) + 1/h_i) + t_(i+1) / h_i = 3 (m_(i-1) / h_(i-1) + m_i / h_i)`. The end conditions are

@@ -3,7 +3,7 @@
 use super::Input;
 use super::program::{Kind, Program};
 
-/// Degree of an expression in a group of inputs taken together.
+/// Polynomial degree of an expression in a group of inputs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Degree {
     /// Independent of these inputs.
@@ -31,7 +31,7 @@ impl Degree {
 
 impl Program {
     /// Returns the degree of the program's value, given the degree of each input. The analysis follows sums, products, quotients and the
-    /// parts of an IF. Any other function of an input counts as nonlinear.
+    /// parts of an IF. Any other function of an input of nonzero degree counts as nonlinear.
     pub(crate) fn degree(&self, of: impl FnMut(&Input) -> Degree) -> Degree {
         let mut degrees: Vec<Degree> = self.inputs.iter().map(of).collect();
         let slots = self.slots.max(self.result as usize + 1);
@@ -45,7 +45,7 @@ impl Program {
                     None | Some(Degree::Nothing) => continue,
                     Some(_) => return Degree::Higher,
                 },
-                // Every part of an IF has its own step with the same target.
+                // Each part of an IF has its own Move step to the same target; the target takes the highest degree.
                 Kind::Move => each
                     .next()
                     .unwrap_or(Degree::Nothing)

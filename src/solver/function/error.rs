@@ -9,7 +9,7 @@ pub enum Fault {
     EqualEnds,
 }
 
-/// Function without a value at the present state. The caller adds the expression text, its address and the state.
+/// Error: a function has no value at the present state. The caller adds the expression text, its location in the deck and the state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{function} {}", match fault {
     Fault::NotDefined => "is not defined for its arguments",

@@ -1,8 +1,8 @@
 use super::RotationSequence;
 use crate::mechanics::{Mat3, Vec3};
 
-/// Threshold for the sine (or cosine) of the middle angle. Below it the first and third axes coincide, and the whole rotation is assigned
-/// to the first angle, as ADAMS does for PSI (guide/formats.md 4.1).
+/// Threshold for the sine (or cosine) of the middle angle. Below this threshold the first and third axes coincide, and the whole rotation
+/// is assigned to the first angle, as ADAMS does for PSI (guide/formats.md 4.1).
 const PARALLEL: f64 = 1e-12;
 
 impl RotationSequence {
@@ -18,8 +18,8 @@ impl RotationSequence {
         }
     }
 
-    /// Returns the number of components of an ORIENT type. Direction cosines have nine; the available help does not state whether type 25
-    /// or type 26 holds them, so both return 9.
+    /// Returns the number of components of an ORIENT type. The direction cosines have nine components; the available help does not state
+    /// whether type 25 or type 26 denotes them, so both return 9.
     pub(crate) const fn components_of_orient(kind: u32) -> u32 {
         match kind {
             27 => 4,
@@ -28,7 +28,8 @@ impl RotationSequence {
         }
     }
 
-    /// Returns the sequence of an ORIENT type: 1 to 12 are body-fixed, 13 to 24 the same sequences fixed in space.
+    /// Returns the rotation sequence of an ORIENT type. Types 1 to 12 are body-fixed; types 13 to 24 are the same sequences about axes
+    /// fixed in space.
     pub(crate) fn of_orient(kind: u32) -> Option<Self> {
         const AXES: [[usize; 3]; 12] = [
             [0, 1, 2],

@@ -7,9 +7,9 @@ pub enum Input {
     Time,
     /// Analysis mode, MODE: 1 kinematics, 3 initial conditions, 4 dynamics, 5 statics, 6 quasi-statics, 7 linear.
     Mode,
-    /// Geometric quantity of markers.
+    /// Geometric quantity between markers, such as a displacement or an angle.
     Measure(Measure),
-    /// Velocity or acceleration of markers; zero in statics.
+    /// Velocity or acceleration of one marker relative to another; zero in statics.
     Rate(RateMeasure),
     /// Value of a VARIABLE, VARVAL: index into `Model::variables`.
     Variable(usize),
@@ -26,9 +26,9 @@ pub enum Input {
     },
     /// Value of a SENSOR, SENVAL: index into `Model::sensors`. Zero until the sensor has triggered.
     SensorValue(usize),
-    /// Force of an element or between two markers.
+    /// Force of an element, or force between two markers.
     Force(ForceMeasure),
-    /// Quantity of a FRICTION; zero in statics.
+    /// Quantity that the function FRICTION returns for a FRICTION element; zero in statics.
     Friction {
         /// Index into `Model::frictions`.
         friction: usize,
@@ -38,15 +38,15 @@ pub enum Input {
     },
 }
 
-/// Number of quantities that FRICTION returns, equal to the components of its result.
+/// Number of quantities that the function FRICTION can return. Its second argument selects one of them.
 pub(super) const FRICTION_NUMBERS: u32 = 26;
 
-/// Geometric quantity of up to three markers. An absent marker is the ground frame.
+/// Geometric quantity of up to three markers. An absent marker stands for the ground frame.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Measure {
     /// Kind of quantity.
     pub kind: MeasureKind,
-    /// I marker; ground if absent (INCANG may name ground).
+    /// I marker; ground if absent. INCANG allows ground here.
     pub i: Option<MarkerIx>,
     /// J marker; ground if absent.
     pub j: Option<MarkerIx>,
@@ -79,18 +79,18 @@ pub enum MeasureKind {
 }
 
 impl MeasureKind {
-    /// Returns whether the value continues from that of the previous solution.
+    /// Returns whether the angle counts full turns, so that its value continues from the previous solution.
     pub(crate) fn counts_turns(self) -> bool {
         matches!(self, Self::ProjectedAngle(_) | Self::IncludedAngle)
     }
 }
 
-/// Velocity or acceleration of I relative to J. An absent marker is the ground frame.
+/// Velocity or acceleration of I relative to J. An absent marker stands for the ground frame.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct RateMeasure {
-    /// Measured vector.
+    /// Kind of vector that is measured.
     pub kind: RateKind,
-    /// Component or magnitude of the vector.
+    /// Component or magnitude of that vector.
     pub axis: RateAxis,
     /// Markers I, J, K (whose axes resolve the vector) and L (the frame of the time derivative).
     pub markers: [Option<MarkerIx>; 4],
@@ -101,7 +101,7 @@ pub struct RateMeasure {
 pub enum RateKind {
     /// VX, VY, VZ, VM, VR: first time derivative, in the frame of L, of the displacement of I from J.
     Velocity,
-    /// WX, WY, WZ, WM: angular velocity of I minus that of J.
+    /// WX, WY, WZ, WM: angular velocity of I minus the angular velocity of J.
     AngularVelocity,
     /// ACCX, ACCY, ACCZ, ACCM: second time derivative, in the frame of L, of the displacement of I from J.
     Acceleration,
@@ -110,7 +110,7 @@ pub enum RateKind {
 }
 
 impl RateKind {
-    /// Returns whether this is an acceleration.
+    /// Returns whether the vector is an acceleration or an angular acceleration.
     pub(crate) const fn is_second(self) -> bool {
         matches!(self, Self::Acceleration | Self::AngularAcceleration)
     }
@@ -127,7 +127,7 @@ pub enum RateAxis {
     Along,
 }
 
-/// Sequence of three rotations about axes 0, 1, 2.
+/// Sequence of three rotations, each about the x, y or z axis (0, 1, 2).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct RotationSequence {
     /// Rotation axes in the order of the rotations.
@@ -164,7 +164,7 @@ impl ForceComponent {
     ];
 }
 
-/// Element of a force measure, given by its index in a list of the model.
+/// Element whose force is measured, given by its index in a list of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum MeasuredElement {
     /// BUSHING: index into `Model::bushings`.
@@ -177,7 +177,7 @@ pub enum MeasuredElement {
     Sforce(usize),
     /// GFORCE, VFORCE or VTORQUE: index into `Model::vector_forces`.
     VectorForce(usize),
-    /// NFORCE at one of its markers.
+    /// NFORCE, measured at one of its markers.
     Nforce {
         /// Index into `Model::nforces`.
         nforce: usize,
@@ -195,14 +195,15 @@ pub enum MeasuredElement {
 /// Force component that a function measures.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum ForceMeasure {
-    /// FM to TZ: force on I, or torque about the I origin, by all elements and constraints that act directly between I and J. With J
-    /// absent, the sum of all that act at I (C++ solver, `cfunc_fx`; the FORTRAN solver counts action-only forces there, `func_fx`).
+    /// FM to TZ: force on I, or torque about the I origin, exerted by all elements and constraints that act directly between I and J. If J
+    /// is absent, the forces of all elements and constraints that act at I are summed. This is the rule of the C++ solver (`cfunc_fx`); the
+    /// FORTRAN solver then counts only action-only forces (`func_fx`).
     Between {
         /// Force or torque component.
         component: ForceComponent,
         /// Marker on which the force acts.
         i: MarkerIx,
-        /// Opposite marker.
+        /// Marker J; if absent, all elements and constraints at I are summed.
         j: Option<MarkerIx>,
         /// Marker whose axes resolve the force; ground if absent.
         k: Option<MarkerIx>,
@@ -211,7 +212,7 @@ pub enum ForceMeasure {
     Element {
         /// Element that exerts the force.
         element: MeasuredElement,
-        /// jflag: selects the force on J at the J origin instead of the force on I.
+        /// Whether to measure the force on J at the J origin (jflag 1) instead of the force on I.
         on_j: bool,
         /// Force or torque component.
         component: ForceComponent,

@@ -1,7 +1,7 @@
 use super::{akima, cubic};
 use crate::model::Spline;
 
-/// Interpolation method of a SPLINE in x.
+/// Method of interpolating a SPLINE in x.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Method {
     /// Akima's method: AKISPL.
@@ -12,7 +12,7 @@ pub(super) enum Method {
     Linear,
 }
 
-/// SPLINE data prepared for interpolation, with the slopes at the knots of every row.
+/// SPLINE data prepared for interpolation, with the slopes at the knots of every row of y values. There is one row per z value.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Interpolant {
     x: Vec<f64>,
@@ -29,8 +29,8 @@ struct Coefficients {
 }
 
 impl Interpolant {
-    /// Prepares the data. Returns `None` if they define no curve: fewer than two points, rows of different length, or x or z not strictly
-    /// increasing.
+    /// Prepares the data. Returns `None` if the data define no curve: fewer than two points, rows of different lengths, or x or z values
+    /// that are not strictly increasing.
     pub(super) fn new(spline: &Spline, method: Method) -> Option<Self> {
         let n = spline.x.len();
         let rising = |values: &[f64]| values.windows(2).all(|pair| pair[0] < pair[1]);
@@ -59,13 +59,13 @@ impl Interpolant {
         })
     }
 
-    /// Returns whether the spline is a surface.
+    /// Returns whether the spline is a surface: it has more than one row (z value).
     pub(super) fn is_surface(&self) -> bool {
         self.rows.len() > 1
     }
 
     /// Returns the derivative of the given order with respect to x at (x, z), and the derivatives of that result with respect to x and z. A
-    /// surface is linear in z between its rows and is extrapolated linearly from the two nearest rows outside.
+    /// surface is interpolated linearly in z between its rows. Outside the rows it is extrapolated linearly from the two nearest rows.
     pub(super) fn at(&self, x: f64, z: f64, order: usize) -> (f64, [f64; 2]) {
         let local = self.locate(x);
         let of = |row: &Coefficients| {
@@ -130,7 +130,7 @@ struct Interval<'a> {
 }
 
 impl Interval<'_> {
-    /// Returns the value and the derivatives of order 1, 2, 3.
+    /// Returns the value at `x` and its derivatives of order 1, 2 and 3.
     fn derivatives(&self, row: &Coefficients) -> [f64; 4] {
         let k = self.first;
         let (x0, x1) = (self.knots[k], self.knots[k + 1]);

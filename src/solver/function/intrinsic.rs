@@ -43,8 +43,8 @@ impl Unary {
         })
     }
 
-    /// Returns value and derivative. A NaN value means that x lies outside the domain. The derivative is returned as zero at kinks and
-    /// jumps, and as infinity at the ends of the domains of SQRT, ASIN and ACOS.
+    /// Returns the value and the derivative at x. A NaN value means that x lies outside the domain. The derivative is returned as zero at
+    /// kinks and jumps, and as infinity at the ends of the domains of SQRT, ASIN and ACOS.
     pub(super) fn at(self, x: f64) -> (f64, f64) {
         match self {
             Self::Abs => (x.abs(), if x == 0.0 { 0.0 } else { x.signum() }),
@@ -110,8 +110,8 @@ impl Binary {
             Self::Atan2 => {
                 let square = a * a + b * b;
                 if square == 0.0 {
-                    // Zero at the origin, as in the C++ solver since 2016 (cfunc_atan2). Arguments whose squares underflow are not the
-                    // origin.
+                    // The value is zero at the origin, as in the C++ solver since 2016 (cfunc_atan2). Arguments whose squares underflow to
+                    // zero are not the origin.
                     let value = if a == 0.0 && b == 0.0 {
                         0.0
                     } else {
@@ -128,7 +128,7 @@ impl Binary {
                     (0.0, [0.0, 0.0])
                 }
             }
-            // The operator keeps the sign of a, as FORTRAN's MOD does, and is exact.
+            // Rust's `%` keeps the sign of a, as FORTRAN's MOD does, and is exact.
             Self::Modulo => (a % b, [1.0, -(a / b).trunc()]),
             Self::Sign => {
                 let sign = if b < 0.0 { -1.0 } else { 1.0 };
@@ -146,7 +146,7 @@ const PRODUCTS: [f64; 4] = [2.0, 3.0, 4.0, 5.0];
 /// not finite. The exception is the derivative with respect to y, which is zero for x <= 0, because only integer y make sense there.
 pub(super) fn power(x: f64, y: f64) -> (f64, [f64; 2]) {
     let (value, by_x) = if PRODUCTS.contains(&y) {
-        // Common in rubber laws; many times faster than the general case.
+        // Small integer exponents are common in rubber laws. Multiplication is many times faster than `pow`.
         let before = (1..y as u32 - 1).fold(x, |product, _| product * x);
         (before * x, y * before)
     } else {

@@ -1,14 +1,14 @@
 //! Geometric measures of markers: value and derivatives with respect to the motion of each marker.
 //!
-//! Depends on poses only, not on the part of a marker or on the part coordinates.
+//! Depends on marker poses only. Independent of the parts that carry the markers and of the part coordinates.
 
 use super::{Measure, MeasureKind};
 use crate::mechanics::{Mat3, Pose, Vec3, Vec6, projected_angles, unwrap_near};
 
 /// Value of a measure and its derivatives with respect to the motion of each of its markers.
 ///
-/// The motion consists of the translation of the marker's origin in ground axes and a rotation vector in ground axes with
-/// `R <- exp(dphi) R`. The caller must omit the derivatives of absent markers.
+/// The motion of a marker consists of the translation of its origin in ground axes and a rotation vector dphi in ground axes, with `R <-
+/// exp(dphi) R`. The caller must omit the derivatives of absent markers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Measured {
     /// Value, in length units or radians.
@@ -42,11 +42,11 @@ impl Reference {
     };
 }
 
-/// Evaluates a measure at the world poses of its markers; for absent ones pass [`Pose::identity`].
+/// Evaluates a measure at the world poses of its markers. For an absent marker, pass [`Pose::identity`].
 ///
-/// AX, AY, AZ and INCANG are taken nearest to the reference, so that they count full turns (guide/formats.md 4.3). Other measures ignore
-/// it. The derivative is returned as zero where it does not exist: at zero distance, for angles of a singular sequence, and for INCANG
-/// while its lines are still parallel at the start.
+/// AX, AY, AZ and INCANG count full turns: they are shifted by full turns to the value nearest to the reference (guide/formats.md 4.3).
+/// Other measures ignore the reference. The derivative is returned as zero where it does not exist: at zero distance, for angles of a
+/// singular sequence, and for INCANG while its lines are still parallel at the start.
 pub fn evaluate(
     measure: &Measure,
     i: &Pose,
@@ -107,8 +107,8 @@ fn pair(translation: &Vec3, rotation: &Vec3) -> Vec6 {
     )
 }
 
-/// Returns a measure of the rotation of I in J, given its derivative `row_j` with respect to a rotation `dtheta` in J axes:
-/// `dtheta = R_jg (dphi_i - dphi_j)`.
+/// Returns a measure of the rotation of I in J with its derivatives. `row_j` is the derivative with respect to a rotation `dtheta` in J
+/// axes, where `dtheta = R_jg (dphi_i - dphi_j)`.
 fn relative(j: &Pose, value: f64, row_j: &Vec3) -> Measured {
     let by_rotation = pair(&Vec3::zeros(), &(j.R * row_j));
     Measured {
@@ -119,7 +119,7 @@ fn relative(j: &Pose, value: f64, row_j: &Vec3) -> Measured {
     }
 }
 
-/// Returns `(p_i - p_j) . e`, where e is an axis of K and de = dphi_k x e.
+/// Returns the displacement `(p_i - p_j) . e` with its derivatives. e is an axis of K, and `de = dphi_k x e`.
 fn displacement(axis: usize, i: &Pose, j: &Pose, k: &Pose) -> Measured {
     let d = i.p - j.p;
     let e: Vec3 = k.R.column(axis).into();
@@ -131,7 +131,7 @@ fn displacement(axis: usize, i: &Pose, j: &Pose, k: &Pose) -> Measured {
     }
 }
 
-/// Returns the reference for the next solution, with the markers at these poses.
+/// Returns the reference for the next solution, computed from the marker poses of this solution.
 pub(crate) fn next_reference(
     measure: &Measure,
     i: &Pose,
@@ -149,7 +149,8 @@ pub(crate) fn next_reference(
 
 /// Returns the angle from `a = p_i - p_j` to `b = p_k - p_j` about their common normal n, and n itself.
 ///
-/// The sign of n continues that of the previous solution. The derivatives are `dangle/da = a x n / a^2` and `dangle/db = n x b / b^2`.
+/// The sign of n is chosen to continue the normal of the previous solution. The derivatives are `dangle/da = a x n / a^2` and `dangle/db =
+/// n x b / b^2`.
 fn included_angle(i: &Pose, j: &Pose, k: &Pose, reference: &Reference) -> (Measured, Vec3) {
     let (a, b) = (i.p - j.p, k.p - j.p);
     let (cross, cos) = (a.cross(&b), a.dot(&b));
@@ -163,7 +164,7 @@ fn included_angle(i: &Pose, j: &Pose, k: &Pose, reference: &Reference) -> (Measu
     let normal = if sin > STRAIGHT * a.norm() * b.norm() {
         cross * (side / sin)
     } else {
-        // Parallel lines define no normal: use the previous one, made perpendicular to them.
+        // Parallel lines define no normal: use the previous normal, made perpendicular to the lines.
         let along = a.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
         let left = reference.normal - along * along.dot(&reference.normal);
         left.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
@@ -183,11 +184,11 @@ fn included_angle(i: &Pose, j: &Pose, k: &Pose, reference: &Reference) -> (Measu
     (measured, normal)
 }
 
-/// Returns the derivative of AX, AY or AZ with respect to a rotation in J axes. For v = zi (AX, AY) or xi (AZ) in J axes, dv = dtheta x v
-/// and `d atan2(p, q) = (q dp - p dq) / (p^2 + q^2)`.
+/// Returns the derivative of AX, AY or AZ with respect to a rotation `dtheta` of I in J axes. For v = zi (AX, AY) or xi (AZ) in J axes, `dv
+/// = dtheta x v` and `d atan2(p, q) = (q dp - p dq) / (p^2 + q^2)`.
 fn projected_row(R_ji: &Mat3, axis: usize) -> Vec3 {
     let v: Vec3 = R_ji.column(if axis == 2 { 0 } else { 2 }).into();
-    // atan2(p, q) with p, q along the J axes `up` and `along`.
+    // The angle is atan2(p, q); p and q are the components of v along the J axes `up` and `along`.
     let (p, q, up, along) = match axis {
         0 => (-v.y, v.z, -Vec3::y(), Vec3::z()),
         1 => (v.x, v.z, Vec3::x(), Vec3::z()),
@@ -201,7 +202,8 @@ fn projected_row(R_ji: &Mat3, axis: usize) -> Vec3 {
     (v.cross(&up) * q - v.cross(&along) * p) / square
 }
 
-/// Returns e0 or a component of e, and its derivative: `de0 = -e . dtheta / 2`, `de = (e0 dtheta + dtheta x e) / 2`.
+/// Returns Euler parameter `which` (0 for e0, 1 to 3 for the components of e) and its derivative with respect to `dtheta`: `de0 = -e .
+/// dtheta / 2`, `de = (e0 dtheta + dtheta x e) / 2`.
 fn euler_parameter(R: &Mat3, which: usize) -> (f64, Vec3) {
     let q = nalgebra::UnitQuaternion::from_rotation_matrix(
         &nalgebra::Rotation3::from_matrix_unchecked(*R),

@@ -1,13 +1,14 @@
 //! FUNCTION expressions compiled to flat programs: value and exact derivatives.
 //!
-//! A program works on numbers only: the state quantities it reads ([`Input`]) and the literals of its text, both passed in by the caller.
-//! It is independent of part positions, of forces and of the assembly of a system. The geometric quantities are evaluated in [`measure`]
+//! A program works on plain numbers: the state quantities that it reads ([`Input`]) and the literals of its text. The caller passes both. A
+//! program is independent of part positions, of forces and of the assembly of a system. Geometric quantities are evaluated in [`measure`]
 //! from given poses. Forces of other elements enter as inputs that the caller fills.
 
 mod akima;
 mod breaks;
 mod build;
 mod call;
+mod called;
 mod compiler;
 mod cubic;
 mod degree;

@@ -11,9 +11,9 @@ use super::{EvalError, Fault, Input, impact, series};
 
 /// FUNCTION expression compiled to a flat list of steps over numbered slots.
 ///
-/// The slots hold, in this order, the inputs, the literals in use, the constants, and the results of the steps. Every step stores its
-/// partial derivatives with respect to its operands while it runs. A backward pass over the executed steps then gives all derivatives at
-/// once (reverse accumulation). Only the selected branch of an IF runs.
+/// The slots hold, in this order, the inputs, the literals in use, the constants, and the results of the steps. While it runs, every step
+/// stores its partial derivatives with respect to its operands. A backward pass over the executed steps then gives all derivatives at once
+/// (reverse accumulation). Only the selected branch of an IF runs.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// Distinct state quantities that the program reads, in the order in which `eval` takes them.
@@ -27,11 +27,11 @@ pub struct Program {
     pub(super) slots: usize,
     pub(super) result: u32,
     pub(super) branches: bool,
-    /// For each step whose piece can be held fixed (switch), whether its piece depends on time alone.
+    /// For each switch (a step whose piece can be held fixed), whether its piece depends on time alone.
     pub(super) switches: Vec<bool>,
 }
 
-/// Switch number of a step that is not a switch.
+/// Value of [`Instruction::switch`] for a step that is not a switch.
 pub(super) const NO_SWITCH: u32 = u32::MAX;
 
 /// Step of a program. Its operands are `operands[first..first + count]`; its result is stored in slot `target`.
@@ -41,11 +41,11 @@ pub(super) struct Instruction {
     pub(super) first: u32,
     pub(super) count: u32,
     pub(super) target: u32,
-    /// Number of the step among the switches, or [`NO_SWITCH`].
+    /// Index of the step among the switches, or [`NO_SWITCH`].
     pub(super) switch: u32,
 }
 
-/// Operation of a step.
+/// Operation that a step performs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kind {
     Negate,
@@ -81,8 +81,9 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Returns whether a step must be watched as a switch: a function with several formulas, of which the arguments select one. Steps whose
-    /// switching times are known in advance are excluded. `slopes` holds the time slope of each argument that is linear in time.
+    /// Returns whether a step must be watched as a switch: its function has several formulas, and the arguments select one of them. Steps
+    /// whose switching times are known in advance are excluded. `slopes` holds the time slope of each argument; it is `None` for an
+    /// argument that is not linear in time.
     pub(super) fn is_watched(self, mut slopes: impl Iterator<Item = Option<f64>>) -> bool {
         match self {
             Self::Impact | Self::Bistop => true,
@@ -90,7 +91,7 @@ impl Kind {
             | Self::Min
             | Self::Unary(Unary::Abs, _)
             | Self::Binary(Binary::Dim | Binary::Sign, _) => slopes.any(|slope| slope.is_none()),
-            // An argument that varies linearly in time crosses one piece after another.
+            // An argument that varies linearly in time passes from piece to piece repeatedly.
             Self::Unary(Unary::Nearest | Unary::Truncate, _) | Self::Binary(Binary::Modulo, _) => {
                 slopes.any(|slope| slope != Some(0.0))
             }
@@ -142,22 +143,22 @@ pub struct EvaluationMemory {
     pub(super) trace: Vec<u32>,
     blends: Vec<Blend>,
     seen: Vec<SwitchState>,
-    /// Time derivatives of all slots, kept to avoid reallocation.
+    /// First and second time derivatives of all slots, kept to avoid reallocation.
     pub(super) rates: Vec<[f64; 2]>,
 }
 
 /// State of an IF that is held between its negative and its positive part during an evaluation.
 #[derive(Clone, Copy, Debug)]
 struct Blend {
-    /// Target slot of the value.
+    /// Target slot of the IF.
     target: u32,
-    /// Index of the partial derivative with respect to the test.
+    /// Index in `partials` of the derivative of the IF with respect to its test.
     by_test: usize,
     /// Start of the positive part; `None` once that part has started.
     positive: Option<u32>,
     /// Weights of the negative and the positive part.
     weights: [f64; 2],
-    /// Derivative of the second weight with respect to the test.
+    /// Derivative of the weight of the positive part with respect to the test.
     slope: f64,
     /// Value of the negative part.
     negative: f64,
@@ -187,13 +188,15 @@ impl Program {
         self.branches
     }
 
-    /// Returns, for each switch, whether its piece depends on time alone. Switches are the steps whose piece can be held fixed: IMPACT,
-    /// BISTOP, AINT, ANINT and MOD always; ABS, SIGN, DIM, MAX, MIN and IF unless their switching times are known in advance.
+    /// Returns, for each switch, whether its piece depends on time alone. Switches are the steps whose piece can be held fixed. IMPACT,
+    /// BISTOP, AINT, ANINT and MOD are always switches. ABS, SIGN, DIM, MAX, MIN and IF are switches unless their switching times are known
+    /// in advance.
     pub(crate) fn switches(&self) -> &[bool] {
         &self.switches
     }
 
-    /// Returns whether the value can jump at a switch (SIGN and IF), so that its two sides can oppose each other.
+    /// Returns whether the function at a switch can jump (SIGN and IF). Both sides of a jump can push towards the switching point (sliding
+    /// mode).
     pub(crate) fn may_jump(&self, switch: usize) -> bool {
         let steps = &self.steps;
         steps.iter().any(|step| {
@@ -208,7 +211,7 @@ impl Program {
     /// Returns the value for the given inputs (in the order of `inputs`) and literals (all literals of the expression, angles in radians).
     ///
     /// # Errors
-    /// The function that has no value there, and the reason.
+    /// [`EvalError`] with the function that has no value for these inputs, and the reason.
     pub fn eval(
         &self,
         inputs: &[f64],
@@ -221,8 +224,8 @@ impl Program {
         self.forward(inputs, literals, &[], scratch)
     }
 
-    /// Returns the value and its derivatives with respect to each input and each literal (in radians for those in degrees). Literals that
-    /// are ids or codes have derivative zero.
+    /// Returns the value and its derivatives with respect to each input and each literal. For a literal in degrees, the derivative is per
+    /// radian. Literals that are ids or codes have derivative zero.
     ///
     /// A derivative that is infinite at the evaluation point (SQRT at 0, ASIN at 1) is replaced by zero, so that an iteration can continue.
     ///
@@ -236,11 +239,11 @@ impl Program {
         by_input: &mut [f64],
         by_literal: &mut [f64],
     ) -> Result<f64, EvalError> {
-        self.eval_on_pieces(inputs, literals, &[], scratch, (by_input, by_literal))
+        self.eval_on_pieces(inputs, literals, &[], scratch, by_input, by_literal)
     }
 
-    /// Returns value and derivatives as [`Self::eval_with_derivatives`], with each switch held on its entry of `pieces`. If `pieces` is
-    /// empty, the arguments select the piece of every switch. The observed switch states are left in the scratch.
+    /// Returns the value and the derivatives like [`Self::eval_with_derivatives`], but holds each switch on its entry of `pieces`. If
+    /// `pieces` is empty, the arguments select the piece of every switch. The observed switch states are left in `scratch`.
     ///
     /// # Errors
     /// As [`eval`](Self::eval).
@@ -250,7 +253,8 @@ impl Program {
         literals: &[f64],
         pieces: &[Piece],
         scratch: &mut EvaluationMemory,
-        (by_input, by_literal): (&mut [f64], &mut [f64]),
+        by_input: &mut [f64],
+        by_literal: &mut [f64],
     ) -> Result<f64, EvalError> {
         by_literal.fill(0.0);
         if self.steps.is_empty() {
@@ -425,7 +429,7 @@ impl Program {
         Ok(values[self.result as usize])
     }
 
-    /// Evaluates a function with more than two arguments.
+    /// Evaluates a function that takes its arguments as a slice.
     fn call(&self, kind: Kind, a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
         Ok(match kind {
             Kind::Max => intrinsic::extreme(true, a, by),
@@ -485,7 +489,7 @@ impl Program {
     }
 }
 
-/// Evaluates a piecewise function on the piece on which it is held.
+/// Evaluates a piecewise function on the piece `held`, or on the piece that the arguments select if `held` is `None`.
 fn held_on(kind: Kind, a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched, Fault> {
     Ok(match kind {
         Kind::Max => extreme_on(true, a, held, by),

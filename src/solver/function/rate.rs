@@ -1,6 +1,7 @@
-//! Velocities and accelerations of markers: value, and derivatives with respect to position, velocity and acceleration of each marker.
+//! Velocities and accelerations of markers: the value, and its derivatives with respect to position, velocity and acceleration of each
+//! marker.
 //!
-//! Depends on the motion of the markers only, not on the part of a marker or on the part coordinates.
+//! Depends on the motion of the markers only. Independent of the parts that carry the markers and of the part coordinates.
 
 use super::{RateAxis, RateKind, RateMeasure};
 use crate::mechanics::{Pose, Vec3};
@@ -10,18 +11,18 @@ use crate::mechanics::{Pose, Vec3};
 pub struct MovingFrame {
     /// Pose of the frame.
     pub pose: Pose,
-    /// Velocity of its origin.
+    /// Velocity of the origin of the frame.
     pub v: Vec3,
-    /// Angular velocity.
+    /// Angular velocity of the frame.
     pub w: Vec3,
-    /// Acceleration of its origin.
+    /// Acceleration of the origin of the frame.
     pub a: Vec3,
-    /// Angular acceleration.
+    /// Angular acceleration of the frame.
     pub b: Vec3,
 }
 
 impl MovingFrame {
-    /// Returns the ground frame, at rest.
+    /// Returns the ground frame, which is at rest.
     pub(crate) fn ground() -> Self {
         Self {
             pose: Pose::identity(),
@@ -33,8 +34,8 @@ impl MovingFrame {
     }
 }
 
-/// Derivatives with respect to the motion of one marker: a displacement of its origin, a rotation vector, and the four vectors of its
-/// motion.
+/// Derivatives with respect to the motion of one marker: the displacement of its origin, its rotation vector, and the four motion vectors
+/// of [`MovingFrame`].
 #[derive(Clone, Copy, PartialEq, Debug)]
 #[allow(missing_docs)] // The letters are those of `MovingFrame`.
 pub struct ByMotion {
@@ -64,23 +65,23 @@ impl Default for ByMotion {
 /// markers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MeasuredRate {
-    /// Value of the measure.
+    /// Value of the velocity or acceleration.
     pub value: f64,
     /// Derivatives with respect to the motion of I, J, K, L.
     pub by: [ByMotion; 4],
 }
 
-/// Evaluates a velocity or acceleration; for absent markers pass [`MovingFrame::ground`].
+/// Evaluates a velocity or acceleration. For an absent marker, pass [`MovingFrame::ground`].
 ///
-/// d = p_i - p_j, w and b are the angular velocity and acceleration of the frame L of the time derivative, and u is the measured vector:
+/// With d = p_i - p_j, and w and b the angular velocity and acceleration of L (the frame of the time derivative), the measured vector u is:
 /// - velocity: `u = v_i - v_j - w x d`;
 /// - angular velocity: `u = w_i - w_j`;
 /// - acceleration: `u = a_i - a_j - b x d - 2 w x (v_i - v_j) + w x (w x d)`;
 /// - angular acceleration: `u = b_i - b_j - w x (w_i - w_j)`.
 ///
-/// The value is the component of u along an axis of K, its magnitude, or (VR) its component along d. The derivative of the magnitude or of
-/// the direction is zero where the vector vanishes. Source: Adams Solver help, `cfunc_vx`, `cfunc_accx`, `cfunc_wdtx`; the formulas are
-/// those of a moving frame.
+/// The value is the component of u along an axis of K, the magnitude of u, or (VR) the component of u along d. Where u or d vanishes, the
+/// derivative of its magnitude or direction is returned as zero. Source: Adams Solver help, `cfunc_vx`, `cfunc_accx`, `cfunc_wdtx`; the
+/// formulas follow from the kinematics of a moving frame.
 pub fn evaluate(measure: &RateMeasure, [i, j, k, l]: [&MovingFrame; 4]) -> MeasuredRate {
     let d = i.pose.p - j.pose.p;
     let v = i.v - j.v;
@@ -95,7 +96,7 @@ pub fn evaluate(measure: &RateMeasure, [i, j, k, l]: [&MovingFrame; 4]) -> Measu
         RateKind::AngularAcceleration => i.b - j.b - w.cross(&turning),
     };
     let mut by = [ByMotion::default(); 4];
-    // Weight e of u in the value, and the contribution of the direction of e.
+    // The value is e . u. The derivatives that come from the change of e are set here.
     let (value, e) = match measure.axis {
         RateAxis::Axis(axis) => {
             let e: Vec3 = k.pose.R.column(axis).into();

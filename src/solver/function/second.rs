@@ -1,4 +1,4 @@
-//! Second time derivatives of programs along a motion of their inputs.
+//! Second time derivatives of programs, given the time derivatives of their inputs.
 
 use super::intrinsic::{Binary, Unary};
 use super::program::{EvaluationMemory, Kind, Program};
@@ -8,11 +8,11 @@ use super::series;
 pub(crate) type TimeRates = [f64; 2];
 
 impl Program {
-    /// Returns the exact first and second time derivatives of the value for given derivatives of the inputs. This program must have been
-    /// evaluated before with the same scratch.
+    /// Returns the exact first and second time derivatives of the value, given the time derivatives of the inputs. This program must have
+    /// been evaluated before with the same scratch.
     ///
-    /// For a step `f(a, b, ..)` they are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they belong to the
-    /// side whose derivatives the evaluation returned. Returns `None` where a step has no second derivatives.
+    /// For a step `f(a, b, ..)` the time derivatives are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they
+    /// belong to the side whose derivatives the evaluation returned. Returns `None` where a step has no second derivatives.
     pub(crate) fn rates_along(
         &self,
         inputs: &[TimeRates],
@@ -45,7 +45,7 @@ impl Program {
             arguments.extend(taken.map(|slot| (scratch.values[slot], slots[slot])));
             let mut rates = [0.0; 2];
             for (by, (_, [first, second])) in by.iter().zip(&arguments) {
-                // An infinite derivative contributes only if its argument moves.
+                // An infinite partial derivative contributes only if its argument varies in time.
                 for (rate, along) in rates.iter_mut().zip([first, second]) {
                     *rate += if *along == 0.0 { 0.0 } else { by * along };
                 }
@@ -73,7 +73,7 @@ impl Program {
     fn second_order_term(&self, kind: Kind, arguments: &[(f64, TimeRates)]) -> Option<f64> {
         let (x, [dx, _]) = arguments[0];
         let (y, [dy, _]) = arguments.get(1).copied().unwrap_or_default();
-        // True if all arguments after the first are constant.
+        // True if all arguments after the first are constant in time.
         let alone = arguments[1..].iter().all(|(_, [first, _])| *first == 0.0);
         let values = || -> Vec<f64> { arguments.iter().map(|(value, _)| *value).collect() };
         let of_first = |second: f64| alone.then_some(second * dx * dx);

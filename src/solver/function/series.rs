@@ -30,7 +30,7 @@ pub(super) fn poly_second(a: &[f64]) -> f64 {
 pub(super) fn cheby(a: &[f64], by: &mut [f64]) -> f64 {
     let u = a[0] - a[1];
     let (mut value, mut slope) = (0.0, 0.0);
-    // T_j and T_j' for this j and the next.
+    // Pairs (T_j, T_j') for the current j and for j + 1.
     let (mut t, mut dt) = ((1.0, 0.0), (u, 1.0));
     for (&coefficient, out) in a[2..].iter().zip(&mut by[2..]) {
         *out = t.0;
@@ -48,7 +48,7 @@ pub(super) fn cheby(a: &[f64], by: &mut [f64]) -> f64 {
 /// Returns the second derivative of [`cheby`] with respect to x, using `T_j'' = 4 T_(j-1)' + 2 u T_(j-1)'' - T_(j-2)''`.
 pub(super) fn cheby_second(a: &[f64]) -> f64 {
     let u = a[0] - a[1];
-    // T_j, T_j' and T_j'' for this j and the next.
+    // Triples (T_j, T_j', T_j'') for the current j and for j + 1.
     let (mut t, mut next) = ([1.0, 0.0, 0.0], [u, 1.0, 0.0]);
     let mut sum = 0.0;
     for &coefficient in &a[2..] {
@@ -83,7 +83,8 @@ pub(super) fn fourier(sine: bool, a: &[f64], by: &mut [f64]) -> f64 {
     value
 }
 
-/// Returns the second derivative of [`fourier`] with respect to x: `-w^2 sum_(j>0) j^2 a_j cos(j w (x - x0))`, or with sin.
+/// Returns the second derivative of [`fourier`] with respect to x: `-w^2 sum_(j>0) j^2 a_j cos(j w (x - x0))`. For FORSIN, sin replaces
+/// cos.
 pub(super) fn fourier_second(sine: bool, a: &[f64]) -> f64 {
     let (u, w) = (a[0] - a[1], a[2]);
     let terms = a.iter().enumerate().skip(4).map(|(j, coefficient)| {
@@ -170,7 +171,7 @@ pub(super) fn sweep(args: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
 
 /// Returns the second derivative of SWEEP with respect to x.
 ///
-/// With y = E sin p, p = 2 pi h: `y'' = (E'' - E p'^2) sin p + (2 E' p' + E p'') cos p`.
+/// With the value a y, y = E sin p, the envelope E and the phase p = 2 pi h: `y'' = (E'' - E p'^2) sin p + (2 E' p' + E p'') cos p`.
 pub(super) fn sweep_second(args: &[f64]) -> f64 {
     let &[x, a, x0, f0, x1, f1, dx] = args else {
         unreachable!("the grammar gives SWEEP seven arguments");

@@ -12,7 +12,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Returns s(u) and its derivative for u in [0, 1].
+    /// Returns the shape function s(u), which rises from 0 to 1, and its derivative for u in [0, 1].
     pub(super) fn at(self, u: f64) -> (f64, f64) {
         match self {
             Self::Cubic => (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u)),
@@ -27,7 +27,7 @@ impl Shape {
         }
     }
 
-    /// Returns the second derivative of s for u in [0, 1].
+    /// Returns the second derivative of the shape function s(u) for u in [0, 1].
     pub(super) fn second(self, u: f64) -> f64 {
         use std::f64::consts::PI;
         match self {

@@ -1,4 +1,4 @@
-//! Pieces of functions that are not smooth: the active piece, and the distance of the arguments from its end.
+//! Piecewise functions: the active piece (formula), and the distance of the arguments from the end of that piece.
 //!
 //! An integrator step is smooth only if every function keeps one formula during the step. The integrator therefore holds each piecewise
 //! function on the piece active at the start of the step, even beyond the end of that piece. The functions are IMPACT, BISTOP, ABS, SIGN,
@@ -8,7 +8,7 @@ use super::Fault;
 use super::impact::Stop;
 use super::intrinsic::extreme;
 
-/// Piece on which a function is held; `None` selects the piece from the arguments.
+/// Code of the piece on which a function is held; `None` selects the piece from the arguments.
 pub(crate) type Piece = Option<i64>;
 
 /// Observed state of a piecewise function after an evaluation.
@@ -28,32 +28,32 @@ impl SwitchState {
     };
 }
 
-/// Value of a function on a piece, with the observed state.
+/// Value of a piecewise function, with the observed state.
 pub(super) struct Switched {
     pub value: f64,
     pub seen: SwitchState,
 }
 
 /// Returns the piece code of a function that is held between its two sides, where both sides push towards the switching point (sliding
-/// mode). The value then varies linearly from one side to the other over the half width `width` of the argument, rounded down to a power of
-/// two. A sticking motion creeps by less than that width.
+/// mode). The value then varies linearly from one side to the other while the argument lies within the half width `width` of zero. The half
+/// width is rounded down to a power of two. A sticking motion creeps by less than this width.
 pub(crate) fn between(width: f64) -> i64 {
     (libm::log2(width).floor() as i64).clamp(-1000, -1)
 }
 
-/// Returns the half width of a function that is held between its sides, or `None` if it is not.
+/// Returns the half width of a function that is held between its two sides, or `None` for any other piece.
 pub(crate) fn half_width(held: Piece) -> Option<f64> {
     let between = held.filter(|piece| *piece < 0)?;
     Some(libm::exp2(between as f64))
 }
 
-/// Piece codes of the sign of an argument. IF uses all three, ABS and DIM only negative and positive.
+/// Piece code of a negative argument. IF uses all three codes, ABS and DIM only negative and positive.
 const NEGATIVE: i64 = 0;
 const ZERO: i64 = 1;
 const POSITIVE: i64 = 2;
 
-/// Returns the part of an IF and its observed state. The part follows the sign of the test, or is the one on which the IF is held. An IF
-/// held between its sides returns the negative part.
+/// Returns the selected part of an IF and its observed state. If the IF is held on a part, that part is returned; otherwise the sign of the
+/// test selects the part. An IF held between its two sides returns the negative part.
 pub(super) fn part_of(test: f64, held: Piece) -> (i64, SwitchState) {
     let piece = match test {
         test if test < 0.0 => NEGATIVE,
@@ -74,16 +74,16 @@ pub(super) fn part_of(test: f64, held: Piece) -> (i64, SwitchState) {
 
 /// Piece code of IMPACT and BISTOP without contact.
 const APART: i64 = 0;
-/// Piece codes of contact with a force at the lower and at the upper stop.
+/// Piece codes of contact with a force: first at the lower stop, then at the upper stop.
 const PRESSED: [i64; 2] = [1, 3];
-/// Piece codes of penetration without force, because the damping would pull, at the lower and at the upper stop.
+/// Piece codes of penetration without a force, because the damping would pull: first at the lower stop, then at the upper stop.
 const LEAVING: [i64; 2] = [2, 4];
 
 /// Evaluates IMPACT(x, xdot, x1, k, e, cmax, d) or BISTOP(x, xdot, x1, x2, k, e, cmax, d) on the piece on which it is held, with partial
 /// derivatives.
 ///
-/// Beyond the end of the piece the penetration is negative: the spring force then pulls symmetrically, and the damping is zero unless d =
-/// 0.
+/// A function held in contact beyond the end of its piece has a negative penetration. The spring force is then continued as an odd
+/// function, and the damping is zero unless d = 0.
 pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched, Fault> {
     by.fill(0.0);
     let (x, rate) = (a[0], a[1]);
@@ -128,8 +128,8 @@ pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched
     })
 }
 
-/// Returns the observed state of a function on a piece. `excess` is zero at the end of that piece and is ignored if the function is not
-/// held.
+/// Returns the observed state of a function whose arguments belong to `piece`. `excess` is zero at the end of the held piece; it is ignored
+/// if the function is not held.
 fn seen(piece: i64, held: Piece, excess: f64) -> SwitchState {
     SwitchState {
         piece: Some(piece),
@@ -191,7 +191,7 @@ pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     }
 }
 
-/// Evaluates AINT(x) or ANINT(x) on the piece on which it is held, which is an integer.
+/// Evaluates AINT(x) or ANINT(x) on the piece on which it is held. The piece code is the integer value of the function.
 pub(super) fn whole_on(nearest: bool, x: f64, held: Piece, by: &mut [f64]) -> Switched {
     let own = if nearest { x.round() } else { x.trunc() };
     let piece = own as i64;
@@ -208,7 +208,7 @@ pub(super) fn whole_on(nearest: bool, x: f64, held: Piece, by: &mut [f64]) -> Sw
     }
 }
 
-/// Evaluates MOD(a, b) on the piece on which it is held, which is the integer part of a/b.
+/// Evaluates MOD(a, b) on the piece on which it is held. The piece code is the integer part of a/b.
 pub(super) fn modulo_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     let quotient = a / b;
     let piece = quotient.trunc() as i64;
@@ -222,7 +222,7 @@ pub(super) fn modulo_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched
     }
 }
 
-/// Returns the distance by which x lies beyond the interval of numbers that round or truncate to `whole`.
+/// Returns the distance by which x lies outside the interval of numbers that round or truncate to `whole`; negative inside.
 fn beyond_whole(nearest: bool, x: f64, whole: f64) -> f64 {
     let (below, above) = match (nearest, whole) {
         (true, _) => (0.5, 0.5),
@@ -234,7 +234,7 @@ fn beyond_whole(nearest: bool, x: f64, whole: f64) -> f64 {
     (lower - x - rounding(lower, x)).max(x - upper - rounding(upper, x))
 }
 
-/// Evaluates MAX or MIN on the piece on which it is held, which is the index of an argument.
+/// Evaluates MAX or MIN on the piece on which it is held. The piece code is the index of the selected argument.
 pub(super) fn extreme_on(largest: bool, a: &[f64], held: Piece, by: &mut [f64]) -> Switched {
     extreme(largest, a, by);
     let piece = by.iter().position(|partial| *partial != 0.0).unwrap_or(0);

@@ -1,7 +1,8 @@
-//! Sorting of the additions of a first assembly into the order of the matrix entries.
+//! Sorting of the values that a first assembly adds to a matrix into the order of the matrix entries.
 
-/// Returns the indices of the additions, sorted by column, then by row, then by order of arrival. `place` returns (column, row). A counting
-/// sort by columns is followed by a sort within each column, which is short.
+/// Returns the indices of the additions (values added to matrix entries), sorted by column, then by row, then by order of arrival. `place`
+/// returns (column, row) of an addition. A counting sort by column is followed by a comparison sort within each column, because columns are
+/// short.
 pub(super) fn by_columns<T>(n: usize, all: &[T], place: impl Fn(&T) -> (u32, u32)) -> Vec<u32> {
     let mut ends = vec![0_u32; n + 1];
     for addition in all {

@@ -4,8 +4,8 @@ use super::entries::Entries;
 use super::ordering::by_shared_rows;
 use super::pivoting::{RANK_TOLERANCE, eliminated};
 
-/// Returns columns whose removal leaves a linearly independent set with the same span; all empty columns are among them. Of several possible
-/// choices, the elimination order with little fill selects one.
+/// Returns the indices of columns whose removal leaves linearly independent columns with the same span; all empty columns are among them. If
+/// several choices are possible, the low-fill elimination order determines which columns are returned.
 pub(crate) fn dependent_columns(matrix: &Entries<'_, f64>) -> Vec<u32> {
     eliminated(matrix, by_shared_rows(matrix), false, RANK_TOLERANCE).free
 }
@@ -14,7 +14,7 @@ pub(crate) fn dependent_columns(matrix: &Entries<'_, f64>) -> Vec<u32> {
 mod tests {
     use crate::linear::{Matrix, Sink, dependent_columns};
 
-    /// One of three columns in a plane is dependent, and so is an empty column.
+    /// Of three columns with rank two, one is returned as dependent; the empty fourth column is returned, too.
     #[test]
     fn one_of_dependent_columns_is_named() {
         let columns = [

@@ -1,6 +1,6 @@
-//! LU factors in the form that solutions read: row by row, without zeros.
+//! LU factors that are stored row by row without zeros, as forward and back substitution read them.
 //!
-//! At least half of the entries in the factors of a mechanism are zero, because axes are parallel to those of the model and blocks are
+//! At least half of the entries in the factors of a mechanism are zero, because many axes are parallel to axes of the model and many blocks are
 //! diagonal.
 
 use std::ops::{Div, Mul};
@@ -8,7 +8,7 @@ use std::ops::{Div, Mul};
 use super::scalar::Scalar;
 use super::upper::{UpperRow, back, forwards_transposed};
 
-/// A row of the factors: its row and column in the matrix, and the ends of its entries of L and U.
+/// A row of the factors: the row and column of its pivot in the matrix, and the ends of its entries in the lists of L and U.
 #[derive(Clone, Copy, Debug, Default)]
 struct RowRange {
     row: u32,
@@ -17,21 +17,21 @@ struct RowRange {
     upper: u32,
 }
 
-/// Rows of L and U in the order of elimination.
+/// L and U, row by row in the order of elimination.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factors<T> {
-    /// Of every row, behind one in front of the first.
+    /// Ranges of the rows. The first item is a sentinel: the entries of row k lie between the ends in items k and k + 1.
     ends: Vec<RowRange>,
     pivots: Vec<T>,
-    /// Matrix rows of which the rows of L subtract multiples.
+    /// For each entry of L, the matrix row whose multiple is subtracted.
     lower_rows: Vec<u32>,
-    /// Multipliers of L.
+    /// For each entry of L, the multiplier.
     lower: Vec<T>,
     upper_columns: Vec<u32>,
     upper: Vec<T>,
 }
 
-/// Factors while they are written row by row.
+/// Access to [`Factors`] that are being written row by row.
 pub(super) struct Written<'a, T> {
     ends: &'a mut Vec<RowRange>,
     pivots: &'a mut Vec<T>,
@@ -44,7 +44,7 @@ pub(super) struct Written<'a, T> {
 }
 
 impl<T: Scalar> Written<'_, T> {
-    /// Appends an entry of L to the current row.
+    /// Appends an entry of L to the current row: `multiplier` times the matrix row `row` is subtracted from it.
     #[inline]
     pub(super) fn push_lower(&mut self, row: u32, multiplier: T) {
         let at = self.counts.0;
@@ -53,7 +53,8 @@ impl<T: Scalar> Written<'_, T> {
         self.counts.0 = at + 1;
     }
 
-    /// Appends an entry of U to the current row, unless it is zero. The code has no branch, which would be unpredictable.
+    /// Appends an entry of U to the current row, unless its value is zero. The code contains no branch, because a branch would be
+    /// unpredictable.
     #[inline]
     pub(super) fn push_upper(&mut self, column: u32, value: T) {
         let at = self.counts.1;
@@ -62,7 +63,7 @@ impl<T: Scalar> Written<'_, T> {
         self.counts.1 = at + usize::from(value != T::default());
     }
 
-    /// Ends the current row.
+    /// Ends the current row, whose pivot is at (`row`, `column`) of the matrix.
     #[inline]
     pub(super) fn end_row(&mut self, row: u32, column: u32, pivot: T) {
         self.ends.push(RowRange {
@@ -74,7 +75,7 @@ impl<T: Scalar> Written<'_, T> {
         self.pivots.push(pivot);
     }
 
-    /// Returns columns and values of U in the k-th row.
+    /// Returns the columns and the values of the entries in the k-th row of U.
     #[inline]
     pub(super) fn upper(&self, k: usize) -> (&[u32], &[T]) {
         let range = self.ends[k].upper as usize..self.ends[k + 1].upper as usize;
@@ -83,7 +84,7 @@ impl<T: Scalar> Written<'_, T> {
 }
 
 impl<T: Scalar> Factors<T> {
-    /// Starts new factors, with room for `lower` entries of L and `upper` entries of U.
+    /// Discards the factors and starts to write new ones, with room for `lower` entries of L and `upper` entries of U.
     pub(super) fn begin(&mut self, lower: usize, upper: usize) -> Written<'_, T> {
         self.ends.clear();
         self.ends.push(RowRange::default());
@@ -103,7 +104,7 @@ impl<T: Scalar> Factors<T> {
         }
     }
 
-    /// Iterates over the rows of L: the matrix row, the rows of which it subtracts multiples, and the multipliers.
+    /// Iterates over the rows of L. Each item contains the matrix row, the rows whose multiples are subtracted from it, and the multipliers.
     fn lower(&self) -> impl DoubleEndedIterator<Item = (u32, &[u32], &[T])> {
         self.ends.windows(2).map(|pair| {
             let range = pair[0].lower as usize..pair[1].lower as usize;
@@ -127,8 +128,8 @@ impl<T: Scalar> Factors<T> {
         })
     }
 
-    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. Unknowns without a pivot must be zero in `x` on
-    /// entry.
+    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. On entry, `x` must be zero for unknowns without a
+    /// pivot.
     pub(super) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -143,12 +144,13 @@ impl<T: Scalar> Factors<T> {
         back(self.upper(), x, |row| b[row as usize]);
     }
 
-    /// Completes `x`, in which an unknown without a pivot is given, to a null vector of the matrix.
+    /// Completes `x` to a null vector of the matrix. On entry, `x` contains the values of the unknowns without a pivot.
     pub(super) fn follow_free(&self, x: &mut [T]) {
         back(self.upper(), x, |_| T::default());
     }
 
-    /// Solves with the transposed matrix and writes the solution to `y`. Rows without a pivot must be zero in `y` on entry.
+    /// Solves the transposed system for the right side `b`, which is overwritten, and writes the solution to `y`. On entry, `y` must be zero
+    /// for rows without a pivot.
     pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
         forwards_transposed(self.upper(), b, y);
         for (row, rows, multipliers) in self.lower().rev() {

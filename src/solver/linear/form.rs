@@ -1,10 +1,10 @@
-//! The two forms in which factors are stored.
+//! The two forms in which LU factors are stored: a list of recorded operations, and rows without zeros.
 //!
-//! In statics, one or two solutions follow a factorisation. Repeating recorded operations is fastest there, and the solutions read the values
-//! where they are, zeros included.
+//! In statics, only one or two solutions follow each factorisation. Repeating the recorded operations is fastest there. The solutions read the
+//! values in place, including zeros.
 //!
-//! In motion, many solutions follow, often for several right sides at once. They repay the cost of writing rows without zeros. Large systems
-//! also do without a long list of operations.
+//! In motion analysis, many solutions follow each factorisation, often for several right sides at once. They repay the cost of writing rows
+//! without zeros. For large systems, this form also avoids a long list of operations.
 
 use std::ops::{Div, Mul};
 
@@ -14,33 +14,34 @@ use super::pattern::{Pattern, Spread};
 use super::pivoting::Eliminated;
 use super::recorded::Recorded;
 use super::scalar::Scalar;
+use super::step::Scales;
 
-/// Factors, with the information needed to factor other matrices of the same pattern.
+/// Factors in one of the two forms, with the information needed to factor other matrices of the same pattern.
 #[derive(Clone, Debug)]
 pub(super) enum Form<T> {
-    /// Form for few solutions per factorisation.
+    /// Recorded operations, for few solutions per factorisation.
     Operations(Recorded<T>),
-    /// Form for many solutions per factorisation.
+    /// Rows without zeros, for many solutions per factorisation.
     Rows(Pattern, Factors<T>, Spread<T>),
 }
 
 impl<T: Scalar> Form<T> {
-    /// Creates the form for few solutions, without factors.
+    /// Creates the form for few solutions per factorisation, without factors.
     pub(super) fn operations() -> Self {
         Self::Operations(Recorded::default())
     }
 
-    /// Creates the form for many solutions, without factors.
+    /// Creates the form for many solutions per factorisation, without factors.
     pub(super) fn rows() -> Self {
         Self::Rows(Pattern::default(), Factors::default(), Spread::default())
     }
 
-    /// Returns true if the form needs the targets of an elimination.
+    /// Returns true if the form needs the list of targets of an elimination ([`Eliminated::targets`]).
     pub(super) fn takes_targets(&self) -> bool {
         matches!(self, Self::Operations(_))
     }
 
-    /// Takes over the result of an elimination of the matrix.
+    /// Replaces the stored factors by the result of an elimination of `matrix`.
     pub(super) fn take(&mut self, done: &mut Eliminated<T>, matrix: &Entries<'_, T>) {
         match self {
             Self::Operations(recorded) => *recorded = Recorded::of(done, matrix.values.len()),
@@ -48,7 +49,7 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Takes over the pattern of other factors. Returns false if one of the two forms has none.
+    /// Copies the pattern of other factors. Returns false if either form is [`Self::Operations`], which has no separate pattern.
     pub(super) fn follow<R: Scalar>(&mut self, other: &Form<R>) -> bool {
         match (self, other) {
             (Self::Rows(pattern, ..), Form::Rows(other, ..)) => {
@@ -59,12 +60,12 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Factors another matrix. Returns false if a pivot has shrunk too far, judged by the scales of rows and columns and by the allowed
-    /// `growth`.
+    /// Factors another matrix of the same pattern. Returns false if a pivot has become too small, judged by the scales of the rows and columns
+    /// and by the allowed `growth`.
     pub(super) fn repeat(
         &mut self,
         matrix: &Entries<'_, T>,
-        scales: (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
     ) -> bool {
         match self {
@@ -75,8 +76,8 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. Unknowns without a pivot must be zero in `x` on
-    /// entry.
+    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. On entry, `x` must be zero for unknowns without a
+    /// pivot.
     pub(super) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -87,7 +88,7 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Completes `x`, in which an unknown without a pivot is given, to a null vector of the matrix.
+    /// Completes `x` to a null vector of the matrix. On entry, `x` contains the values of the unknowns without a pivot.
     pub(super) fn follow_free(&self, x: &mut [T]) {
         match self {
             Self::Operations(recorded) => recorded.follow_free(x),
@@ -95,7 +96,8 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Solves with the transposed matrix and writes the solution to `y`. Rows without a pivot must be zero in `y` on entry.
+    /// Solves the transposed system for the right side `b`, which is overwritten, and writes the solution to `y`. On entry, `y` must be zero
+    /// for rows without a pivot.
     pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
         match self {
             Self::Operations(recorded) => recorded.solve_transposed(b, y),
@@ -103,7 +105,7 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Returns the number of entries of the factors.
+    /// Returns the number of entries in the factors.
     #[cfg(test)]
     pub(super) fn places(&self) -> usize {
         match self {

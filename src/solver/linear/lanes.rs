@@ -1,4 +1,4 @@
-//! Several numbers that undergo the same operations side by side.
+//! Numbers from several right sides that undergo the same operations side by side.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 

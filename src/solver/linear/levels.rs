@@ -4,27 +4,29 @@ use super::entries::Entries;
 use super::occupied::Occupied;
 use super::scalar::Scalar;
 
-/// A sparse matrix of three levels with one pattern: derivatives by the unknowns, by their first rates and by their second rates. A separate
-/// column contains derivatives by time.
+/// Sparse matrix of three levels with a common pattern: derivatives with respect to the unknowns, to their first rates and to their second
+/// rates. A separate column contains the derivatives with respect to time.
 ///
-/// Column c of an addition stands for unknown c % n at level c / n; level 3 is time. Entries arrive in the same order in every assembly.
+/// Column c of an added value stands for unknown c % n at level c / n; level 3 is time. Values must be added in the same order in every
+/// assembly.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
     n: usize,
     /// (column, row) of every entry, sorted.
     places: Vec<(u32, u32)>,
-    /// Indices of the entries that have a derivative by a first or second rate, in ascending order.
+    /// Indices into `places` of the entries that have a derivative with respect to a first or second rate, in ascending order.
     rates: Vec<u32>,
     /// (column, row) of the entries in `rates`.
     rated: Vec<(u32, u32)>,
-    /// Derivatives of every entry by the unknown, then two values for each entry in `rates`. These are few and adjacent.
+    /// Derivative of every entry with respect to the unknown, followed by the derivatives with respect to its first and second rate for each
+    /// entry in `rates`. Few entries have these two values, so that they are stored together at the end.
     values: Vec<f64>,
-    /// Derivative of every row by time.
+    /// Derivative of every row with respect to time.
     pub time: Vec<f64>,
-    /// Index into `values` of the k-th addition.
+    /// Index in `values` of the derivative to which the k-th added value goes.
     slots: Vec<u32>,
     next: usize,
-    /// Additions of the first assembly: column, row, level, value.
+    /// Values added in the first assembly: column, row, level, value.
     first: Vec<(u32, u32, u8, f64)>,
     known: bool,
     occupied: Occupied,
@@ -71,7 +73,7 @@ impl Levels {
         }
     }
 
-    /// Prepares for an assembly.
+    /// Prepares for an assembly: sets all values to zero.
     pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
         self.time.fill(0.0);
@@ -81,7 +83,7 @@ impl Levels {
         }
     }
 
-    /// Finishes an assembly. The first one determines the pattern.
+    /// Finishes an assembly. The first assembly determines the pattern.
     pub(crate) fn finish(&mut self) {
         if self.known {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
@@ -125,7 +127,8 @@ impl Levels {
         self.occupy();
     }
 
-    /// Returns the levels at which each entry was added, whatever its value, in the order of [`Self::entries`].
+    /// Returns, for every entry and level, whether the assembly adds a value there, even if that value is zero. The order is that of
+    /// [`Self::entries`].
     pub(crate) fn standing(&self) -> Vec<[bool; 3]> {
         let mut out = vec![[false; 3]; self.places.len()];
         for &slot in &self.slots {
@@ -137,8 +140,8 @@ impl Levels {
         out
     }
 
-    /// Fills `values` with the sum of the levels, weighted by row and column. Returns it as a matrix of the entries that have ever been
-    /// nonzero.
+    /// Writes the weighted sum of the three levels of every entry to `values`; `weights(row, column)` returns the three weights. Returns a view
+    /// of the entries that have ever been nonzero.
     pub(crate) fn combined<'a, T: Scalar>(
         &'a self,
         values: &'a mut Vec<T>,
@@ -160,7 +163,7 @@ impl Levels {
         self.occupied.entries(self.n, values)
     }
 
-    /// Registers the entries that are nonzero for the first time.
+    /// Records the entries that are nonzero for the first time.
     fn occupy(&mut self) {
         let (values, rates) = self.values.split_at(self.places.len());
         self.occupied.begin(values.len());
@@ -177,7 +180,7 @@ impl Levels {
         self.occupied.end(&self.places);
     }
 
-    /// Iterates by columns over all entries: (row, column, [by the unknown, by its rate, by its second rate]).
+    /// Iterates over all entries, column by column: (row, column, derivatives with respect to [the unknown, its first rate, its second rate]).
     pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> + '_ {
         let mut rates = self.by_rates().peekable();
         let places = self.places.iter().zip(&self.values).enumerate();
@@ -187,13 +190,14 @@ impl Levels {
         })
     }
 
-    /// Iterates by columns over the entries with derivatives by rates: (row, column, [by the rate, by the second rate]).
+    /// Iterates, column by column, over the entries with derivatives with respect to rates: (row, column, derivatives with respect to [the
+    /// first rate, the second rate]).
     pub(crate) fn rates(&self) -> impl Iterator<Item = (usize, usize, [f64; 2])> + '_ {
         let rates = self.rated.iter().zip(self.by_rates());
         rates.map(|(&(column, row), (_, values))| (row as usize, column as usize, values))
     }
 
-    /// Iterates over index and values of the entries of [`Self::rates`].
+    /// Iterates over the entries of [`Self::rates`]: index into `places`, and derivatives with respect to [the first rate, the second rate].
     fn by_rates(&self) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
         let values = self.values[self.places.len()..].chunks_exact(2);
         let rates = self.rates.iter().zip(values);

@@ -1,13 +1,14 @@
 //! Sparse LU factors with an elimination order that is chosen once.
 //!
-//! The first factorisation takes the columns in faer's approximate minimum degree order, or searches for sparse columns in small systems
-//! (Markowitz). In each column it chooses the shortest row whose pivot is large enough for stability, and it records its operations. Later
-//! factorisations repeat them with other values. A pivot that has shrunk too far causes a new choice. Columns without any pivot (motions
-//! without stiffness) are set aside, and their unknowns are held at zero.
+//! The first factorisation eliminates the columns in faer's approximate minimum degree order. In small systems it searches for sparse columns
+//! instead (Markowitz). In each column it chooses the shortest row whose pivot is large enough for stability, and it records its operations.
+//! Later factorisations repeat these operations with other values. If a pivot becomes too small, a new order is chosen. Columns without any
+//! acceptable pivot (motions without stiffness) are set aside, and their unknowns are held at zero.
 //!
 //! faer's complete sparse LU is not used, because it offers neither a refactorisation with frozen pivots nor a report of columns without a
-//! pivot. On chains of 100, 1,000 and 10,000 links (670 to 67,140 unknowns) its refactorisation takes 10, 11 and 5 times as long. Its first
-//! factorisation, including the order, is 1.5 to 2.5 times as fast: `cargo test --lib compared_with_faer -- --nocapture`.
+//! pivot. On chains of 100, 1,000 and 10,000 links (670 to 67,140 unknowns), its refactorisation takes 10, 11 and 5 times as long as the
+//! refactorisation in this module. Its first factorisation, including the order, is 1.5 to 2.5 times as fast. The times are printed by
+//! `cargo test --lib compared_with_faer -- --nocapture`.
 
 use std::ops::{Div, Mul};
 
@@ -18,7 +19,7 @@ use super::matrix::Matrix;
 use super::ordering::columns_of;
 use super::pivoting::{RANK_TOLERANCE, eliminated};
 use super::scalar::Scalar;
-use super::step::{GROWTH, GROWTH_OF_STEPS};
+use super::step::{GROWTH, GROWTH_OF_STEPS, Scales};
 
 /// Number of right sides that are solved side by side.
 const WIDTH: usize = 8;
@@ -35,35 +36,38 @@ pub(crate) struct Lu<T = f64> {
     work: Vec<T>,
     /// [`Entries::fingerprint`] of the matrix for which the order was chosen.
     fingerprint: u64,
-    /// Number of times that an order was chosen.
+    /// Number of elimination orders chosen so far.
     pub(crate) orders: usize,
-    /// Largest ratio allowed between an entry below a shrunk pivot and the pivot.
+    /// Largest allowed ratio of an entry below a shrunk pivot to that pivot.
     growth: f64,
-    /// Size below which a pivot counts as zero, after rows and columns are scaled to one.
+    /// Size below which a pivot counts as zero, after the rows and columns are scaled so that their largest entries are about one.
     rank_tolerance: f64,
-    /// False if every matrix gets its own order, because a repeated order does not detect pivots that have vanished.
+    /// Whether later factorisations reuse the elimination order. If false, every matrix gets its own order, because a reused order does not
+    /// detect pivots that have vanished.
     repeats: bool,
 }
 
 impl Lu {
-    /// Factors a matrix. All matrices passed to one object must have the same pattern, or entries of a common pattern ([`super::Occupied`]).
+    /// Factors a matrix. All matrices passed to one object must have the same pattern, or contain part of the entries of a common pattern
+    /// ([`super::Occupied`]).
     pub(crate) fn factor(&mut self, matrix: &Matrix) {
         self.factor_entries(&matrix.view());
     }
 }
 
 impl<T: Scalar> Lu<T> {
-    /// Creates factors for final answers, with one or two solutions per factorisation.
+    /// Creates factors for final results, when only one or two solutions follow each factorisation.
     pub(crate) fn new(n: usize) -> Self {
         Self::with(n, Form::operations(), GROWTH)
     }
 
-    /// Creates factors for final answers, with many solutions per factorisation or for large systems.
+    /// Creates factors for final results, when many solutions follow each factorisation or the system is large.
     pub(crate) fn for_many(n: usize) -> Self {
         Self::with(n, Form::rows(), GROWTH)
     }
 
-    /// Creates factors for many solutions that are only corrections of an iteration. An order then remains in use for longer.
+    /// Creates factors for many solutions that serve only as corrections in an iteration. Smaller pivots are then acceptable, so that an order
+    /// remains in use for longer.
     pub(crate) fn for_steps(n: usize) -> Self {
         Self::with(n, Form::rows(), GROWTH_OF_STEPS)
     }
@@ -85,14 +89,14 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
-    /// Sets the scaled size below which a pivot counts as zero. Each matrix then gets its own order.
+    /// Sets the size below which a scaled pivot counts as zero. Every matrix then gets its own elimination order.
     pub(crate) fn set_rank_tolerance(&mut self, tolerance: f64) {
         self.rank_tolerance = tolerance;
         self.repeats = false;
     }
 
-    /// Takes over the order of other factors, unless an order was chosen already. Their matrix must have the same pattern and similar
-    /// magnitudes, and both objects must be for many solutions.
+    /// Copies the elimination order of other factors, unless these factors already have an order. Both matrices must have the same pattern and
+    /// similar magnitudes. Both objects must be made for many solutions ([`Self::for_many`] or [`Self::for_steps`]).
     pub(crate) fn follow<R: Scalar>(&mut self, other: &Lu<R>) {
         let may = self.orders == 0 && other.orders > 0 && other.free.is_empty();
         if !(may && self.form.follow(&other.form)) {
@@ -105,12 +109,14 @@ impl<T: Scalar> Lu<T> {
         self.orders = 1;
     }
 
-    /// Factors a matrix. All matrices passed to one object must have the same pattern, or entries of a common pattern ([`super::Occupied`]).
+    /// Factors a matrix. All matrices passed to one object must have the same pattern, or contain part of the entries of a common pattern
+    /// ([`super::Occupied`]).
     pub(crate) fn factor_entries(&mut self, matrix: &Entries<'_, T>) {
         self.factor_in_order(matrix, columns_of);
     }
 
-    /// Factors a matrix. If an order is chosen, the columns are taken as `order` returns them; if that is empty, pivots are searched for.
+    /// Factors a matrix. If a new order is needed, the columns are eliminated as `order` lists them. If that list is empty, pivots are searched
+    /// for.
     pub(crate) fn factor_in_order(
         &mut self,
         matrix: &Entries<'_, T>,
@@ -122,7 +128,7 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
-    /// Eliminates the matrix and chooses a new order.
+    /// Eliminates a matrix in a newly chosen order and stores this order.
     fn eliminate(
         &mut self,
         matrix: &Entries<'_, T>,
@@ -142,13 +148,16 @@ impl<T: Scalar> Lu<T> {
         self.work.resize(self.n, T::default());
     }
 
-    /// Repeats the known operations. Returns false if a pivot has shrunk too far.
+    /// Factors a matrix by repeating the stored operations. Returns false if a pivot has become too small.
     fn repeat(&mut self, matrix: &Entries<'_, T>) -> bool {
-        let scales = (&self.row_scale[..], &self.column_scale[..]);
+        let scales = Scales {
+            row: &self.row_scale,
+            column: &self.column_scale,
+        };
         self.form.repeat(matrix, scales, self.growth)
     }
 
-    /// Solves in place for a right side; unknowns without a pivot are zero.
+    /// Replaces the right side `b` by the solution. Unknowns without a pivot are set to zero.
     pub(crate) fn solve(&mut self, b: &mut [T]) {
         let mut x = std::mem::take(&mut self.work);
         self.solve_into(b, &mut x);
@@ -156,7 +165,8 @@ impl<T: Scalar> Lu<T> {
         self.work = x;
     }
 
-    /// Solves for many right sides that follow one another in `all`. The solutions are bitwise equal to those of separate calls.
+    /// Solves for many right sides that are stored one after another in `all`, and replaces them by the solutions. The solutions are bitwise
+    /// equal to those of separate calls of [`Self::solve`].
     pub(crate) fn solve_many(&self, all: &mut [f64])
     where
         Lanes<WIDTH>: Mul<T, Output = Lanes<WIDTH>> + Div<T, Output = Lanes<WIDTH>>,
@@ -182,7 +192,8 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
-    /// Solves for a right side of another number type. The solution is written to `x`, and `b` is overwritten.
+    /// Solves for a right side whose number type may differ from the matrix's. Writes the solution to `x` and overwrites `b`. Unknowns without
+    /// a pivot are set to zero.
     pub(crate) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -193,7 +204,7 @@ impl<T: Scalar> Lu<T> {
         self.form.solve_into(b, x);
     }
 
-    /// Solves with the transposed matrix.
+    /// Replaces the right side `b` by the solution of the transposed system. Components of rows without a pivot are set to zero.
     pub(crate) fn solve_transposed(&mut self, b: &mut [T]) {
         let y = &mut self.work;
         for &row in &self.idle {
@@ -203,17 +214,17 @@ impl<T: Scalar> Lu<T> {
         b.copy_from_slice(y);
     }
 
-    /// Returns the number of columns without a pivot, that is of motions without stiffness.
+    /// Returns the number of columns without a pivot, which equals the number of motions without stiffness.
     pub(crate) fn deficiency(&self) -> usize {
         self.free.len()
     }
 
-    /// Returns the rows without a pivot; they are as many as the columns without one.
+    /// Returns the rows without a pivot. There are as many of them as columns without a pivot.
     pub(crate) fn rows_without_pivot(&self) -> &[u32] {
         &self.idle
     }
 
-    /// Returns the m-th null vector of the matrix, in which the m-th unknown without a pivot is one.
+    /// Returns the m-th null vector of the matrix. Of the unknowns without a pivot, the m-th is one and all others are zero.
     pub(crate) fn null_vector(&self, m: usize) -> Vec<T> {
         let mut x = vec![T::default(); self.n];
         x[self.free[m] as usize] = T::ONE;
@@ -221,13 +232,13 @@ impl<T: Scalar> Lu<T> {
         x
     }
 
-    /// Returns the number of entries of the factors.
+    /// Returns the number of entries in the factors.
     #[cfg(test)]
     pub(crate) fn places(&self) -> usize {
         self.form.places()
     }
 
-    /// Returns the norm of a residual with its rows scaled.
+    /// Returns the Euclidean norm of a residual whose rows are multiplied by the row scales of the factors.
     pub(crate) fn scaled_norm(&self, g: &[f64]) -> f64 {
         let sum: f64 = g
             .iter()
@@ -254,7 +265,7 @@ mod tests {
         m
     }
 
-    /// Returns both forms, without factors.
+    /// Creates empty factors in both storage forms.
     fn forms(n: usize) -> [Lu; 2] {
         [Lu::new(n), Lu::for_many(n)]
     }
@@ -335,7 +346,8 @@ mod tests {
         }
     }
 
-    /// Factors of a known pattern with other values give correct solutions, also transposed; both forms give bitwise equal solutions.
+    /// Checks that repeated factorisations of a known pattern give correct solutions, also for the transposed matrix. The solutions of both
+    /// storage forms are bitwise equal.
     #[test]
     fn a_known_pattern_takes_other_values() {
         let n = 60;

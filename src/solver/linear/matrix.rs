@@ -3,17 +3,17 @@ use super::additions::by_columns;
 use super::entries::Entries;
 use super::occupied::Occupied;
 
-/// A sparse matrix whose entries arrive in the same order in every assembly, so that the position of each is looked up only once.
+/// Sparse matrix to which values are added in the same order in every assembly, so that the position of each value is looked up only once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Matrix {
     n: usize,
     /// (column, row) of every entry, sorted.
     places: Vec<(u32, u32)>,
     values: Vec<f64>,
-    /// Index of the entry that the k-th addition goes to.
+    /// Index of the entry to which the k-th added value goes.
     slots: Vec<u32>,
     next: usize,
-    /// Additions of the first assembly.
+    /// Values added in the first assembly: column, row, value.
     first: Vec<(u32, u32, f64)>,
     known: bool,
 }
@@ -59,13 +59,13 @@ impl Matrix {
         self.n
     }
 
-    /// Prepares for an assembly.
+    /// Prepares for an assembly: sets all values to zero.
     pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
         self.next = 0;
     }
 
-    /// Finishes an assembly. The first one determines the pattern.
+    /// Finishes an assembly. The first assembly determines the pattern.
     pub(crate) fn finish(&mut self) {
         if self.known {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
@@ -88,14 +88,14 @@ impl Matrix {
         self.next = self.slots.len();
     }
 
-    /// Adds to an entry after the assembly; entries outside the pattern are ignored.
+    /// Adds a value to an entry after the assembly. A value outside the pattern is ignored.
     pub(crate) fn add_later(&mut self, row: usize, column: usize, value: f64) {
         if let Ok(at) = self.places.binary_search(&(column as u32, row as u32)) {
             self.values[at] += value;
         }
     }
 
-    /// Iterates by columns over (row, column, value) of every entry.
+    /// Iterates over (row, column, value) of every entry, column by column.
     pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.places
             .iter()
@@ -108,7 +108,8 @@ impl Matrix {
         &self.values
     }
 
-    /// Returns the entries that have ever been nonzero, with their values in `values`.
+    /// Returns a view of the entries that have ever been nonzero. `occupied` keeps the record of these entries, and `values` receives their
+    /// values.
     pub(crate) fn occupied<'a>(
         &self,
         occupied: &'a mut Occupied,
@@ -126,7 +127,7 @@ impl Matrix {
         occupied.entries(self.n, values)
     }
 
-    /// Returns all entries of the pattern.
+    /// Returns a view of all entries of the pattern.
     pub(crate) fn view(&self) -> Entries<'_, f64> {
         Entries::whole(self.n, &self.places, &self.values)
     }

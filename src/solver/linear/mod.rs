@@ -1,6 +1,6 @@
 //! Sparse linear algebra: a matrix that is assembled repeatedly, its LU factors and their elimination order.
 //!
-//! Independent of equations and units.
+//! The module is independent of equations and units.
 
 mod additions;
 mod dependent;

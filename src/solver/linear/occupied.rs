@@ -1,23 +1,24 @@
 //! Record of the entries of a matrix that have ever been nonzero.
 //!
-//! A pattern contains every entry that may be nonzero. In a mechanism, three quarters of them stay zero, and factors of the others have only
-//! a fraction of the entries. An entry that becomes nonzero joins at the next factorisation, which then chooses a new order.
+//! A pattern contains every entry that may be nonzero. In a mechanism, three quarters of these entries stay zero. Without them, the factors
+//! have only a fraction of the entries. An entry that becomes nonzero joins the record at the next factorisation, which then chooses a new
+//! order.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::entries::Entries;
 use super::scalar::Scalar;
 
-/// Number of times that entries may join the record separately; after that, the whole pattern joins.
+/// Number of times that only the newly nonzero entries join the record. The next time, the whole pattern joins.
 const GROWTHS: usize = 5;
 
-/// Entries of a pattern that have ever been nonzero. None is ever removed.
+/// Record of the entries of a pattern that have ever been nonzero. No entry is ever removed from it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Occupied {
     marks: Vec<bool>,
-    /// Indices of these entries in the pattern.
+    /// Indices of the recorded entries in the pattern.
     kept: Vec<u32>,
-    /// (column, row) of these entries.
+    /// (column, row) of the recorded entries.
     places: Vec<(u32, u32)>,
     fingerprint: u64,
     growths: usize,
@@ -39,7 +40,7 @@ impl Occupied {
         }
     }
 
-    /// Finishes the marking; `places` are the positions of the pattern.
+    /// Finishes the marking and updates the record. `places` contains (column, row) of every entry of the pattern.
     pub(super) fn end(&mut self, places: &[(u32, u32)]) {
         if !std::mem::take(&mut self.grown) {
             return;
@@ -61,7 +62,7 @@ impl Occupied {
         &self.kept
     }
 
-    /// Returns a matrix with n rows and columns that contains the recorded entries with the given values.
+    /// Returns a view of the recorded entries, with the given values, as a matrix with n rows and columns.
     pub(super) fn entries<'a, T: Scalar>(&'a self, n: usize, values: &'a [T]) -> Entries<'a, T> {
         Entries {
             n,
@@ -77,7 +78,8 @@ mod tests {
     use super::Occupied;
     use crate::linear::{Lu, Matrix, Sink};
 
-    /// A row of springs on slides. The directions across a slide are uncoupled unless it leans; `lean` selects one that does.
+    /// Returns the stiffness matrix of a row of springs on slides. The three directions of a slide are uncoupled unless the slide leans. `lean`
+    /// is the index of the leaning slide.
     fn springs(count: usize, lean: Option<usize>) -> Matrix {
         let mut matrix = Matrix::new(3 * count);
         for k in 0..count {
@@ -110,7 +112,8 @@ mod tests {
         assert!(left.iter().all(|left| left.abs() < 1e-13), "{left:?}");
     }
 
-    /// Zeros are omitted from the factors. The entries of a leaning slide join, and they remain when it stands straight again.
+    /// Entries that are zero are omitted from the factors. The entries of a leaning slide join the record, and they remain in it when the slide
+    /// stands straight again.
     #[test]
     fn zeros_join_when_they_are_none_any_more() {
         let count = 40;
@@ -130,7 +133,7 @@ mod tests {
         assert_eq!(lu.orders, 3);
     }
 
-    /// If more and more entries join, the whole pattern joins in the end, and the order remains.
+    /// If new entries become nonzero again and again, the whole pattern joins the record in the end, and the order no longer changes.
     #[test]
     fn places_that_join_one_by_one_do_not_choose_for_ever() {
         let count = 40;
@@ -144,7 +147,8 @@ mod tests {
         assert_eq!(lu.orders, super::GROWTHS + 1);
     }
 
-    /// Factors that follow others with different entries choose their own order, even if the number of entries is the same.
+    /// Factors with a copied elimination order choose a new order if their matrix has different entries, even if the number of entries is the
+    /// same.
     #[test]
     fn other_places_are_told_apart() {
         let count = 40;

@@ -1,4 +1,4 @@
-//! Column order for the elimination of large systems: approximate minimum degree, by faer. It depends on the pattern alone.
+//! Column order for the elimination of large systems: approximate minimum degree, by faer. It depends only on the pattern of the matrix.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -8,13 +8,14 @@ use super::entries::Entries;
 use super::postorder::rearranged;
 use super::scalar::Scalar;
 
-/// Number of unknowns from which a precomputed order is better than a search for each pivot, which considers only the current entries.
+/// Number of unknowns from which a precomputed order is better than a search for each pivot. The search considers only the entries at the
+/// current elimination step.
 const LARGE: usize = 500;
 
-/// Rows with more entries than this are ignored by [`by_shared_rows`]; they would connect too many columns with each other.
+/// Rows with more entries than this are ignored by [`by_shared_rows`], because they would connect too many columns with each other.
 const CROWD: usize = 300;
 
-/// Returns the column order; empty for small systems, whose pivots are searched for.
+/// Returns the column order of a matrix. The order is empty for a small system, whose pivots are searched for during the elimination.
 pub(super) fn columns_of<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     if matrix.n < LARGE {
         return Vec::new();
@@ -22,7 +23,7 @@ pub(super) fn columns_of<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     minimum_degree(matrix)
 }
 
-/// Returns the column order by the pattern of A + A'.
+/// Returns the minimum degree order of the columns for the pattern of A + A'.
 pub(crate) fn minimum_degree<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     of_pattern(
         matrix.n,
@@ -30,8 +31,9 @@ pub(crate) fn minimum_degree<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     )
 }
 
-/// Returns the column order by a pattern of groups, for systems in which a row may have its large entries in any column of its own group.
-/// `group[k]` is the group of row k and of column k, counted from zero. The order is empty for small systems, whose pivots are searched for.
+/// Returns a column order for systems in which a row may have its large entries in any column of its own group. The groups are in minimum
+/// degree order, and the columns of a group follow one another. `group[k]` is the group of row k and of column k, counted from zero. The order
+/// is empty for a small system, whose pivots are searched for.
 pub(crate) fn by_groups<T: Scalar>(matrix: &Entries<'_, T>, group: &[u32]) -> Vec<u32> {
     if matrix.n < LARGE {
         return Vec::new();
@@ -52,8 +54,8 @@ pub(crate) fn by_groups<T: Scalar>(matrix: &Entries<'_, T>, group: &[u32]) -> Ve
     columns.copied().collect()
 }
 
-/// Returns the column order by the pattern of A' A, which connects columns that share a row. Rows with more than [`CROWD`] entries are
-/// ignored.
+/// Returns the minimum degree order of the columns for the pattern of A' A, which connects columns that share a row. Rows with more than
+/// [`CROWD`] entries are ignored.
 pub(super) fn by_shared_rows<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     let mut rows = vec![Vec::new(); matrix.n];
     for (row, column, _) in matrix.iter() {
@@ -76,7 +78,8 @@ pub(super) fn by_shared_rows<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     order
 }
 
-/// Returns the minimum degree order of a pattern given by (column, row) in sorted order; empty if faer cannot handle its size.
+/// Returns the minimum degree order of a pattern. `places` contains (column, row) of each entry, sorted. The order is empty if the pattern is
+/// too large for faer.
 fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32> {
     let (mut starts, mut rows) = (vec![0_usize; n + 1], Vec::new());
     for (column, row) in places {
@@ -98,7 +101,7 @@ fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32
     );
     match found {
         Ok(_) => rearranged(&order, &starts, &rows),
-        // The pattern is too large for faer: the pivots are searched for.
+        // The pattern is too large for faer; the pivots are searched for.
         Err(_) => Vec::new(),
     }
 }

@@ -1,18 +1,19 @@
-//! Pattern of the LU factors found by an elimination, and eliminations that fill it with other values.
+//! Pattern of the LU factors found by a first elimination, and factorisations of further matrices with this pattern.
 //!
-//! These eliminations go row by row, and each row subtracts the contributions of the rows above it. No list of operations is stored: a row is
-//! scattered into a dense vector over all columns, and the entries of U determine where the products go. Zeros, which are numerous, are
-//! neither stored nor subtracted. Each entry receives its products in the order of the steps, as in the elimination that chose the pivots.
+//! A further factorisation goes row by row: each row subtracts multiples of the rows above it. No list of operations is stored. The row is
+//! scattered into a dense vector over all columns, and the column indices of U determine where the products go. Zeros, which are numerous, are
+//! neither stored nor subtracted. Each entry receives its products in the order of the elimination steps, as in the first elimination, which
+//! chose the pivots.
 
 use super::entries::Entries;
 use super::factors::Factors;
 use super::pivoting::Eliminated;
 use super::scalar::Scalar;
-use super::step::{EliminationStep, Pivot};
+use super::step::{EliminationStep, Pivot, Scales};
 
 const NOWHERE: u32 = u32::MAX;
 
-/// A step, and the ends of its row in the lists of the pattern.
+/// An elimination step, and the ends of its row in the lists of the pattern.
 #[derive(Clone, Copy, Debug)]
 struct PivotRow {
     step: EliminationStep,
@@ -21,22 +22,22 @@ struct PivotRow {
     upper: u32,
 }
 
-/// Steps of an elimination, and the entries of the factors that may be nonzero.
+/// Steps of an elimination, and the positions at which the factors may be nonzero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pattern {
     rows: Vec<PivotRow>,
-    /// Entries of the matrix with their columns, by the rows of the steps.
+    /// (index, column) of the entries of the matrix, grouped by elimination step.
     entries: Vec<(u32, u32)>,
-    /// Step and column of each entry of L, grouped by the rows of the steps.
+    /// Entries of L, grouped by elimination step: the earlier step whose row is subtracted, and the pivot column of that step.
     lower: Vec<(u32, u32)>,
-    /// Columns of the entries of U.
+    /// Columns of the entries of U, grouped by elimination step.
     upper: Vec<u32>,
 }
 
-/// Work space of an elimination.
+/// Work space of a factorisation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spread<T> {
-    /// One row, scattered over all columns. It is zero between two rows, and empty after an elimination that was aborted.
+    /// The current row, scattered over all columns. It is zero between two rows, and empty after an aborted factorisation.
     row: Vec<T>,
     pivots: Vec<Pivot<T>>,
 }
@@ -48,7 +49,7 @@ impl Pattern {
         matrix: &Entries<'_, T>,
     ) -> (Self, Factors<T>) {
         let count = done.steps.len();
-        // Rows without a pivot have no step.
+        // Rows without a pivot have no elimination step.
         let mut step_of = vec![NOWHERE; matrix.n];
         for (k, step) in done.steps.iter().enumerate() {
             step_of[step.row as usize] = k as u32;
@@ -101,17 +102,18 @@ impl Pattern {
         (pattern, factors)
     }
 
-    /// Returns the number of entries of the factors.
+    /// Returns the number of entries in the factors.
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
         self.rows.len() + self.lower.len() + self.upper.len()
     }
 
-    /// Factors a matrix. Returns false if a pivot has shrunk too far, judged by the scales of rows and columns and by the allowed `growth`.
+    /// Factors another matrix of the same pattern. Returns false if a pivot has become too small, judged by the scales of the rows and columns
+    /// and by the allowed `growth`.
     pub(super) fn fill<T: Scalar>(
         &self,
         matrix: &Entries<'_, T>,
-        (row_scale, column_scale): (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
         spread: &mut Spread<T>,
         factors: &mut Factors<T>,
@@ -119,13 +121,7 @@ impl Pattern {
         let Spread { row, pivots } = spread;
         row.resize(matrix.n, T::default());
         pivots.clear();
-        let done = self.run(
-            matrix,
-            (row_scale, column_scale),
-            growth,
-            (row, pivots),
-            factors,
-        );
+        let done = self.run(matrix, scales, growth, (row, pivots), factors);
         if !done {
             row.clear();
         }
@@ -135,7 +131,7 @@ impl Pattern {
     fn run<T: Scalar>(
         &self,
         matrix: &Entries<'_, T>,
-        (row_scale, column_scale): (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
         (row, pivots): (&mut [T], &mut Vec<Pivot<T>>),
         factors: &mut Factors<T>,
@@ -148,14 +144,14 @@ impl Pattern {
             for &(k, column) in &self.entries[entry..ends.entries as usize] {
                 row[column as usize] = matrix.values[k as usize];
             }
-            let scale = row_scale[step.row as usize];
+            let row_scale = scales.row[step.row as usize];
             for &(k, column) in &self.lower[lower..ends.lower as usize] {
                 let value = std::mem::take(&mut row[column as usize]);
                 if value == zero {
                     continue;
                 }
                 let pivot = &pivots[k as usize];
-                if !pivot.is_acceptable(value, scale) {
+                if !pivot.is_acceptable(value, row_scale) {
                     return false;
                 }
                 let multiplier = value * pivot.inverse;
@@ -170,8 +166,8 @@ impl Pattern {
             }
             let value = std::mem::take(&mut row[step.column as usize]);
             to.end_row(step.row, step.column, value);
-            let scales = (scale, column_scale[step.column as usize]);
-            let Some(pivot) = step.pivot(value, scales, growth) else {
+            let column_scale = scales.column[step.column as usize];
+            let Some(pivot) = step.pivot(value, row_scale, column_scale, growth) else {
                 return false;
             };
             pivots.push(pivot);
@@ -185,8 +181,8 @@ impl Pattern {
     }
 }
 
-/// Groups items by row, with `count` rows in all, in order of arrival within a row. Returns the ends of the rows and the grouped items. Items
-/// without a row are omitted.
+/// Groups (row, item) pairs by row. Within a row, the items keep their order of arrival. Pairs whose row is [`NOWHERE`] are omitted. `count` is
+/// the number of rows. Returns the end of each row in the grouped list, and the list.
 fn by_rows<I>(count: usize, items: impl Fn() -> I) -> (Vec<u32>, Vec<(u32, u32)>)
 where
     I: Iterator<Item = (u32, (u32, u32))>,

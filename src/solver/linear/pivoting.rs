@@ -1,32 +1,33 @@
-//! The first elimination of a pattern: it chooses the pivots and records the operations.
+//! First elimination of a pattern, which chooses the pivots and records the operations.
 
 use super::entries::Entries;
 use super::scalar::Scalar;
 use super::step::EliminationStep;
 
-/// Size below which a pivot counts as zero, after rows and columns are scaled to one.
+/// Size below which a pivot counts as zero, after the rows and columns are scaled so that their largest entries are about one.
 pub(super) const RANK_TOLERANCE: f64 = 1e-11;
-/// Smallest ratio of a pivot to the largest entry of its column.
+/// Smallest allowed ratio of a pivot to the largest entry of its column, both scaled.
 const THRESHOLD: f64 = 0.1;
-/// Entries below this share of the others in their column or row are round-off of directions, such as cos 90 degrees.
+/// Entries below this share of the largest entry in their column or row are round-off of direction cosines, such as cos 90 degrees.
 const NOISE: f64 = 1e-14;
-/// Number of columns examined for one pivot.
+/// Number of columns examined in the search for one pivot.
 const CANDIDATES: usize = 4;
 const NOWHERE: u32 = u32::MAX;
 
-/// Record of an elimination. Values are stored in order of creation: entries of the matrix, then fill. A place is the index of a value.
+/// Record of an elimination. `values` is in order of creation: first the entries of the matrix, then the fill. The "place" of a value is its
+/// index in `values`.
 pub(super) struct Eliminated<T> {
     pub values: Vec<T>,
     pub steps: Vec<EliminationStep>,
-    /// Places of the pivots.
+    /// Place of the pivot of each elimination step.
     pub pivots: Vec<u32>,
-    /// (column, place) of the entries of U of all steps.
+    /// (column, place) of the entries of U, for all elimination steps in turn.
     across: Vec<(u32, u32)>,
-    /// (row, place) of the entries of L of all steps.
+    /// (row, place) of the entries of L, for all elimination steps in turn.
     down: Vec<(u32, u32)>,
-    /// Ends of each step in `across` and `down`.
+    /// End of each elimination step in `across` and in `down`.
     ends: Vec<(usize, usize)>,
-    /// Places that products were subtracted from, by steps and, within a step, by rows of L. Empty unless requested.
+    /// Place from which each product was subtracted, ordered by elimination step and, within a step, by rows of L. Empty unless requested.
     pub targets: Vec<u32>,
     /// Columns without a pivot.
     pub free: Vec<u32>,
@@ -37,7 +38,7 @@ pub(super) struct Eliminated<T> {
 }
 
 impl<T> Eliminated<T> {
-    /// Returns (column, place) of the entries of U and (row, place) of the entries of L, both of the k-th step.
+    /// Returns the entries of the k-th elimination step: (column, place) for U, and (row, place) for L.
     pub(super) fn of_step(&self, k: usize) -> (&[(u32, u32)], &[(u32, u32)]) {
         let (upper, lower) = k.checked_sub(1).map_or((0, 0), |k| self.ends[k]);
         let ends = self.ends[k];
@@ -50,20 +51,20 @@ struct Elimination<T> {
     done: Eliminated<T>,
     with_targets: bool,
     rank_tolerance: f64,
-    /// (column, place) of the entries of each active row.
+    /// (column, place) of the entries of each row that is not yet eliminated.
     rows: Vec<Vec<(u32, u32)>>,
-    /// (row, place) of the entries of each column in active rows.
+    /// (row, place) of the entries of each column, in rows that are not yet eliminated.
     columns: Vec<Vec<(u32, u32)>>,
-    /// Columns by their number of entries; some items may be out of date.
+    /// Columns grouped by their number of entries; some items may be out of date.
     buckets: Vec<Vec<u32>>,
-    /// Columns in the given order, the next one last; empty if columns are searched for.
+    /// Columns in the given elimination order, with the next column last. Empty if columns are searched for.
     given: Vec<u32>,
-    /// Marks columns that are eliminated or set aside.
+    /// Whether each column has been eliminated or set aside.
     closed: Vec<bool>,
     place: Vec<u32>,
 }
 
-/// Eliminates a matrix with its columns in the order `given`; if that is empty, columns are searched for.
+/// Eliminates the columns of a matrix in the order `given`. If `given` is empty, the columns are searched for.
 pub(super) fn eliminated<T: Scalar>(
     matrix: &Entries<'_, T>,
     mut given: Vec<u32>,
@@ -131,7 +132,8 @@ impl<T: Scalar> Elimination<T> {
             * self.done.column_scale[column as usize]
     }
 
-    /// Chooses the pivot of the next step: large enough, and with few entries in its row and column.
+    /// Chooses the (row, column) of the next pivot, which is large enough and has few entries in its row and column. Returns `None` if no pivot
+    /// is left.
     fn choose(&mut self) -> Option<(u32, u32)> {
         while let Some(column) = self.given.pop() {
             self.closed[column as usize] = true;
@@ -278,8 +280,8 @@ impl<T: Scalar> Elimination<T> {
     }
 }
 
-/// Computes powers of two that scale the largest entry of every row, then of every column, to about one. An entry that is round-off relative
-/// to the others of its column does not count for the scale of its row, and vice versa. A row with nothing but such entries thus stays small
+/// Computes powers of two that scale the largest entry of every row, then of every column, to about one. An entry that is round-off relative to
+/// the largest entry of its column is ignored in the scale of its row, and vice versa. A row that contains only such entries thus stays small
 /// and gets no pivot.
 fn scale<T: Scalar>(matrix: &Entries<'_, T>, rows: &mut [f64], columns: &mut [f64]) {
     rows.fill(0.0);

@@ -1,13 +1,14 @@
-//! Rearrangement of an elimination order with the same fill, so that related columns are eliminated close together.
+//! Rearrangement of an elimination order that brings related columns close together and leaves the fill unchanged.
 //!
-//! The elimination of a column changes later columns; the first of these is its parent. All orders in which children precede their parents
-//! have the same fill. Minimum degree orders place the largest child last, which suits a stack of matrices. In a long chain with a short
-//! branch at every link they eliminate all branches, then all links. Here the largest child comes first, and every branch next to its link.
-//! The values that a step reads are then still in the cache.
+//! The elimination of a column changes columns that are eliminated later. The first of these is its parent. All orders in which children
+//! precede their parents have the same fill. Minimum degree orders place the child with the largest subtree last, which suits multifrontal
+//! methods. In a long chain with a short branch at every link, such an order eliminates all branches first, then all links. Here the child with
+//! the largest subtree comes first, so that every branch is eliminated next to its link. The values that an elimination step reads are then
+//! still in the cache.
 
 const NONE: u32 = u32::MAX;
 
-/// Returns the rearranged order. The pattern is treated as symmetric; `starts` and `rows` describe its columns.
+/// Returns the rearranged elimination order. `starts` and `rows` give the pattern in compressed columns. The pattern is treated as symmetric.
 pub(super) fn rearranged(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
     let parents = parents(order, starts, rows);
     let n = order.len();
@@ -17,7 +18,7 @@ pub(super) fn rearranged(order: &[usize], starts: &[usize], rows: &[usize]) -> V
             sizes[parents[k] as usize] += sizes[k];
         }
     }
-    // Linked lists of the children of every step, and one more list of the roots. New items are inserted at the front.
+    // Linked lists of the children of every elimination step, and one more list of the roots. New items are inserted at the front.
     let mut first = vec![NONE; n + 1];
     let mut next = vec![NONE; n];
     let list = |k: usize| match parents[k] {
@@ -48,7 +49,7 @@ pub(super) fn rearranged(order: &[usize], starts: &[usize], rows: &[usize]) -> V
     }
 }
 
-/// Returns the parent of every elimination step, by Liu's algorithm.
+/// Returns the parent of every elimination step by Liu's algorithm; [`NONE`] for a root.
 fn parents(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
     let n = order.len();
     let mut step = vec![0_u32; n];
@@ -67,7 +68,8 @@ fn parents(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
     let (mut parents, mut roots) = (vec![NONE; n], vec![NONE; n]);
     for k in 0..n as u32 {
         for &earlier in &before[k as usize] {
-            // Ascend to the root of what has been eliminated so far. The path is shortened for the next time.
+            // Ascend to the root of the tree that contains the earlier step. Each step passed on the way is linked to `k` directly, which
+            // shortens later ascents.
             let mut at = earlier;
             while at != k {
                 let up = roots[at as usize];
@@ -87,12 +89,12 @@ fn parents(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
 mod tests {
     use super::*;
 
-    /// A chain with a branch at every link: branches and links alternate, and no column is eliminated before its children.
+    /// In a chain with a branch at every link, branches and links alternate in the order, and no column is eliminated before its children.
     #[test]
     fn branches_stand_next_to_their_links() {
         let links = 200;
         let n = 2 * links;
-        // Links come first, branch k is column links + k.
+        // The columns of the links come first; the column of branch k is links + k.
         let mut columns = vec![Vec::new(); n];
         let mut joined = |a: usize, b: usize| {
             columns[a].push(b);

@@ -1,24 +1,24 @@
-//! LU factors with a list of all operations that produce them.
+//! LU factors with a list of all operations that compute them from a matrix.
 //!
-//! A repetition knows the target of every product and searches for nothing. The list has one item per product.
+//! The list contains the target of every product, so that a repeated factorisation needs no search. It has one item per product.
 
 use std::ops::{Div, Mul, Range};
 
 use super::entries::Entries;
 use super::pivoting::Eliminated;
 use super::scalar::Scalar;
-use super::step::EliminationStep;
+use super::step::{EliminationStep, Scales};
 use super::upper::{UpperRow, back, forwards_transposed};
 
-/// A step and the positions of its values. The pivots, each followed by its row of U, come first; the columns of L of all steps follow. In a
-/// large system, forward substitution then reads nothing of U, and back substitution nothing of L.
+/// An elimination step and the positions of its values. In the list of values, the pivots come first, each followed by its row of U. The
+/// columns of L of all steps follow. In a large system, forward substitution then reads no values of U, and back substitution no values of L.
 #[derive(Clone, Copy, Debug)]
 struct Operation {
     step: EliminationStep,
-    /// Place of the pivot; U follows.
+    /// Index of the pivot in the list of values. The entries of its row of U follow.
     at: u32,
     upper: u32,
-    /// Index of the first entry of L.
+    /// Index of the first entry of the column of L.
     below: u32,
     lower: u32,
 }
@@ -41,19 +41,19 @@ impl Operation {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Recorded<T> {
     operations: Vec<Operation>,
-    /// Index of the value that each entry of the matrix goes to.
+    /// Index into `values` of each entry of the matrix.
     entries: Vec<u32>,
-    /// Column (in U) or row (in L) of every value.
+    /// Column (for U and pivots) or row (for L) of every value.
     index: Vec<u32>,
     values: Vec<T>,
-    /// Indices of the values that products are subtracted from, by steps and, within a step, by rows of L.
+    /// Index into `values` from which each product is subtracted, ordered by elimination step and, within a step, by rows of L.
     targets: Vec<u32>,
-    /// The row of U of the current step.
+    /// Row of U of the current elimination step.
     row: Vec<T>,
 }
 
 impl<T: Scalar> Recorded<T> {
-    /// Takes over the elimination of a matrix with the given number of entries, including its targets.
+    /// Takes over the result of an elimination, including its targets. `entries` is the number of entries of the matrix.
     pub(super) fn of(done: &mut Eliminated<T>, entries: usize) -> Self {
         let mut order = Vec::with_capacity(done.values.len());
         let mut operations = Vec::with_capacity(done.steps.len());
@@ -73,7 +73,7 @@ impl<T: Scalar> Recorded<T> {
             operation.below = order.len() as u32;
             order.extend(done.of_step(k).1);
         }
-        // Values that belong to no step go to an additional value at the end.
+        // Matrix entries that belong to no elimination step go to an additional, unused value at the end.
         let mut moved = vec![order.len() as u32; done.values.len()];
         for (new, (_, old)) in order.iter().enumerate() {
             moved[*old as usize] = new as u32;
@@ -90,18 +90,18 @@ impl<T: Scalar> Recorded<T> {
         }
     }
 
-    /// Returns the number of entries of the factors.
+    /// Returns the number of entries in the factors.
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
         self.index.len()
     }
 
-    /// Repeats the operations with another matrix. Returns false if a pivot has shrunk too far, judged by the scales of rows and columns and
-    /// by the allowed `growth`.
+    /// Repeats the operations with another matrix. Returns false if a pivot has become too small, judged by the scales of the rows and columns
+    /// and by the allowed `growth`.
     pub(super) fn repeat(
         &mut self,
         matrix: &Entries<'_, T>,
-        (row_scale, column_scale): (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
     ) -> bool {
         let (zero, values) = (T::default(), &mut self.values[..]);
@@ -112,11 +112,12 @@ impl<T: Scalar> Recorded<T> {
         let mut targets = &self.targets[..];
         for operation in &self.operations {
             let step = &operation.step;
-            let scales = (
-                row_scale[step.row as usize],
-                column_scale[step.column as usize],
-            );
-            let Some(pivot) = step.pivot(values[operation.at as usize], scales, growth) else {
+            let Some(pivot) = step.pivot(
+                values[operation.at as usize],
+                scales.row[step.row as usize],
+                scales.column[step.column as usize],
+                growth,
+            ) else {
                 return false;
             };
             self.row.clear();
@@ -128,7 +129,7 @@ impl<T: Scalar> Recorded<T> {
                 if value == zero {
                     continue;
                 }
-                if !pivot.is_acceptable(value, row_scale[self.index[k] as usize]) {
+                if !pivot.is_acceptable(value, scales.row[self.index[k] as usize]) {
                     return false;
                 }
                 let multiplier = value * pivot.inverse;
@@ -152,7 +153,7 @@ impl<T: Scalar> Recorded<T> {
         })
     }
 
-    /// Iterates over the columns of L: the matrix row of the pivot, the rows below it, and the multipliers.
+    /// Iterates over the columns of L. Each item contains the matrix row of the pivot, the rows below it, and their multipliers.
     fn lower(&self) -> impl DoubleEndedIterator<Item = (u32, &[u32], &[T])> {
         self.operations.iter().map(|operation| {
             let down = operation.down();
@@ -161,8 +162,8 @@ impl<T: Scalar> Recorded<T> {
         })
     }
 
-    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. Unknowns without a pivot must be zero in `x` on
-    /// entry.
+    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. On entry, `x` must be zero for unknowns without a
+    /// pivot.
     pub(super) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -179,12 +180,13 @@ impl<T: Scalar> Recorded<T> {
         back(self.upper(), x, |row| b[row as usize]);
     }
 
-    /// Completes `x`, in which an unknown without a pivot is given, to a null vector of the matrix.
+    /// Completes `x` to a null vector of the matrix. On entry, `x` contains the values of the unknowns without a pivot.
     pub(super) fn follow_free(&self, x: &mut [T]) {
         back(self.upper(), x, |_| T::default());
     }
 
-    /// Solves with the transposed matrix and writes the solution to `y`. Rows without a pivot must be zero in `y` on entry.
+    /// Solves the transposed system for the right side `b`, which is overwritten, and writes the solution to `y`. On entry, `y` must be zero
+    /// for rows without a pivot.
     pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
         forwards_transposed(self.upper(), b, y);
         for (row, rows, multipliers) in self.lower().rev() {

@@ -3,7 +3,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use nalgebra::Complex;
 
-/// Number type of matrices and their factors: real or complex.
+/// Number type of matrices, factors and right sides: real, complex, or several numbers side by side.
 pub(crate) trait Scalar:
     Copy
     + Debug
@@ -19,10 +19,10 @@ pub(crate) trait Scalar:
 {
     const ONE: Self;
 
-    /// Returns the size by which pivots are compared; NaN for a NaN.
+    /// Returns the magnitude by which pivots are compared; NaN if the number is NaN.
     fn size(self) -> f64;
 
-    /// Returns the size by which multipliers are bounded: the largest of several numbers that are stored side by side.
+    /// Returns the magnitude by which multipliers are bounded. For several numbers stored side by side, it is the largest of their magnitudes.
     #[inline]
     fn reach(self) -> f64 {
         self.size()

@@ -1,22 +1,23 @@
-/// Receiver of the entries of a matrix. Entries at the same position are added up.
+/// Receiver of the entries of a matrix. Values added at the same position are summed.
 pub trait Sink {
-    /// False if the receiver ignores all entries, so that they need not be computed.
+    /// False if the receiver ignores the entries outside the constraint rows, so that they need not be computed.
     const NEEDS_ENTRIES: bool = true;
 
-    /// False if the receiver also ignores the rows of the constraints.
+    /// False if the receiver also ignores the entries in the constraint rows.
     const ROWS: bool = Self::NEEDS_ENTRIES;
 
     /// Adds `value` to one entry.
     fn add(&mut self, row: usize, column: usize, value: f64);
 
-    /// Adds to consecutive entries of a column, starting at `row`.
+    /// Adds `values` to consecutive entries of a column, starting at `row`.
     fn add_column(&mut self, row: usize, column: usize, values: &[f64]) {
         for (k, value) in values.iter().enumerate() {
             self.add(row + k, column, *value);
         }
     }
 
-    /// Adds the effect of a multiplier on the balances from `first` on, and the row of its equation, which is the negative of that column.
+    /// Adds the two blocks of a Lagrange multiplier: `column` in the force balances from row `first` on, and the negative of `column` in the
+    /// row of the constraint equation.
     fn add_reaction(&mut self, multiplier: usize, first: usize, column: &[f64]) {
         for (k, value) in column.iter().enumerate() {
             self.add(multiplier, first + k, -value);

@@ -1,17 +1,27 @@
-//! A step of an elimination, and the test whether its pivot is still acceptable.
+//! An elimination step, and the test whether its pivot is still acceptable for other values.
 
 use super::scalar::Scalar;
 
-/// Ratio of a pivot to its size when the order was chosen, above which the pivot is acceptable whatever stands below it.
+/// Ratio of a pivot to its size when the order was chosen. Above this ratio, the pivot is acceptable regardless of the entries below it.
 const SHRUNK: f64 = 1e-3;
-/// Smallest size of a pivot below the ratio [`SHRUNK`], after rows and columns are scaled as when the order was chosen. It applies with
-/// [`GROWTH`] and is smaller in proportion where more growth is allowed.
+/// Smallest acceptable size of a pivot whose ratio is below [`SHRUNK`], multiplied by the row and column scales from when the order was chosen.
+/// The limit applies with [`GROWTH`]; where more growth is allowed, the limit is smaller in proportion.
 const SMALL: f64 = 1e-8;
-/// Largest ratio of an entry below a shrunk pivot to the pivot, for final answers. It bounds the multipliers and thus the growth of
-/// round-off.
+/// Largest allowed ratio of an entry below a shrunk pivot to that pivot, for factors of final results. It bounds the multipliers and thus the
+/// growth of round-off.
 pub(super) const GROWTH: f64 = 1e3;
-/// Largest ratio of an entry below a shrunk pivot to the pivot, for corrections of an iteration whose residuals show the remaining error.
+/// Largest allowed ratio of an entry below a shrunk pivot to that pivot, for corrections in an iteration whose residuals show the remaining
+/// error.
 pub(super) const GROWTH_OF_STEPS: f64 = 1e7;
+
+/// Factors that scale the rows and columns of a matrix to largest entries of about one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scales<'a> {
+    /// Factor of each row.
+    pub row: &'a [f64],
+    /// Factor of each column.
+    pub column: &'a [f64],
+}
 
 /// One step of an elimination.
 #[derive(Clone, Copy, Debug)]
@@ -23,11 +33,13 @@ pub(super) struct EliminationStep {
 }
 
 impl EliminationStep {
-    /// A pivot for it; none if it has shrunk too far. `growth` bounds what stands below a small one.
+    /// Returns the pivot of this step with the given value, or `None` if the value has become too small. For a shrunk pivot, `growth` bounds
+    /// the ratio of the entries below it to the pivot.
     pub(super) fn pivot<T: Scalar>(
         &self,
         value: T,
-        (row_scale, column_scale): (f64, f64),
+        row_scale: f64,
+        column_scale: f64,
         growth: f64,
     ) -> Option<Pivot<T>> {
         // Written so that a NaN fails.
@@ -50,12 +62,12 @@ impl EliminationStep {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pivot<T> {
     pub inverse: T,
-    /// Largest entry allowed below the pivot, in scaled rows.
+    /// Largest entry allowed below the pivot, after multiplication by its row scale.
     most: f64,
 }
 
 impl<T: Scalar> Pivot<T> {
-    /// Returns true if the pivot is large enough for an entry below it.
+    /// Returns true if the pivot is large enough for the entry `below` it, whose row has the scale `row_scale`.
     #[inline]
     pub(super) fn is_acceptable(&self, below: T, row_scale: f64) -> bool {
         self.most == f64::INFINITY || below.reach() * row_scale <= self.most

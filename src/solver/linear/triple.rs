@@ -1,6 +1,6 @@
 //! A real and a complex number that undergo the same operations side by side.
 //!
-//! The real and the complex matrix of an integration step have the same pattern and similar magnitudes. Factored side by side they share one
+//! The real and the complex matrix of an integration step have the same pattern and similar magnitudes. Factored side by side, they share one
 //! elimination order, and its index lists are read once for both.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -9,7 +9,7 @@ use nalgebra::Complex;
 
 use super::scalar::Scalar;
 
-/// A real number and a complex one.
+/// A real number and a complex number.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(crate) struct Triple {
     pub alone: f64,
@@ -22,7 +22,7 @@ impl Triple {
         Self { alone, pair }
     }
 
-    /// Combines the sizes of both numbers; NaN if one of them is NaN.
+    /// Combines the magnitudes of both numbers by `chosen`. Returns NaN if either number is NaN.
     #[inline]
     fn sizes(self, chosen: impl Fn(f64, f64) -> f64) -> f64 {
         let (alone, pair) = (self.alone.size(), self.pair.size());
@@ -88,7 +88,7 @@ impl Div<f64> for Triple {
     }
 }
 
-/// Multiplies a real number by the real number of a triple; the complex one is ignored.
+/// Multiplies a real number by the real number of a triple and ignores the complex number.
 impl Mul<Triple> for f64 {
     type Output = f64;
 
@@ -136,7 +136,7 @@ impl Scalar for Triple {
         pair: Complex::new(1.0, 0.0),
     };
 
-    /// Returns the smaller of the two sizes, because a pivot must serve both matrices.
+    /// Returns the smaller of the two magnitudes, because a pivot must serve both matrices.
     #[inline]
     fn size(self) -> f64 {
         self.sizes(f64::min)
@@ -163,8 +163,8 @@ mod tests {
     use super::*;
     use crate::linear::{Entries, Lu};
 
-    /// Both matrices have the same solutions as when factored separately, in a first factorisation and in a repetition. A real right side has
-    /// the solution of the real matrix.
+    /// Checks that both matrices give the same solutions as when factored separately, in a first and in a repeated factorisation. A real right
+    /// side gives the solution of the real matrix.
     #[test]
     fn side_by_side_is_as_alone() {
         let n = 5;

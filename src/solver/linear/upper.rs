@@ -1,10 +1,10 @@
-//! Solutions with the factor U, independent of its storage.
+//! Solutions of triangular systems with the factor U, independent of its storage form.
 
 use std::ops::{Div, Mul};
 
 use super::scalar::Scalar;
 
-/// A row of U: its row and column in the matrix, its pivot, and its other entries.
+/// A row of U: the row and column of its pivot in the matrix, the pivot, and the other entries of the row.
 pub(super) struct UpperRow<'a, T> {
     pub row: u32,
     pub column: u32,
@@ -13,7 +13,7 @@ pub(super) struct UpperRow<'a, T> {
     pub factors: &'a [T],
 }
 
-/// Solves with U by back substitution. `of_row` returns the right side of each row.
+/// Solves U x = b by back substitution. `of_row` returns the component of b for a matrix row.
 #[inline]
 pub(super) fn back<'a, T, R>(
     rows: impl DoubleEndedIterator<Item = UpperRow<'a, T>>,
@@ -32,8 +32,8 @@ pub(super) fn back<'a, T, R>(
     }
 }
 
-/// Solves with the transpose of U, whose rows are the columns of the matrix, by forward substitution. Overwrites `b` and writes the solution
-/// to `y`.
+/// Solves the system with the transpose of U by forward substitution. The right side `b`, which is overwritten, has one component per matrix
+/// column. The solution `y` has one component per matrix row.
 pub(super) fn forwards_transposed<'a, T: Scalar + 'a>(
     rows: impl Iterator<Item = UpperRow<'a, T>>,
     b: &mut [T],

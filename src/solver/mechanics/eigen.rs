@@ -1,25 +1,26 @@
 //! Eigenvalues and singular values with a bounded number of iterations.
 //!
-//! nalgebra's plain functions iterate without a limit, and entries whose products underflow can keep them from terminating. Here such entries
-//! are cleared first, because the round-off of the iteration is larger, and the number of iterations is limited.
+//! nalgebra's own functions iterate without a limit and may never terminate if products of entries underflow. Here, entries smaller than the
+//! round-off of the iteration are first set to zero, and the number of iterations is limited.
 //!
-//! faer computes the eigenvalues of unsymmetric matrices: nalgebra's iteration has no exceptional shifts and never converges for a spinning
-//! top that falls. faer also computes singular values: nalgebra's product of the three factors can differ from the matrix by a thousandth of
-//! its largest entry. Large symmetric matrices are left to faer because it is faster.
+//! faer computes the eigenvalues of unsymmetric matrices, because nalgebra's iteration has no exceptional shifts and never converges for a
+//! spinning top that falls. faer also computes the singular values, because the product of nalgebra's three factors can differ from the matrix
+//! by a thousandth of its largest entry. Large symmetric matrices are passed to faer because it is faster.
 
 use faer::{MatRef, Side};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, SVD, SymmetricEigen};
 
-/// Entries below this share of the largest are cleared.
+/// Entries smaller than this share of the largest entry are set to zero.
 const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON;
-/// Largest number of QR steps per row; two or three are usual.
+/// Largest number of QR steps per row of the matrix; two or three steps per row are usual.
 const STEPS: usize = 100;
-/// Largest number of sweeps of Jacobi's method; six to ten are usual.
+/// Largest number of sweeps of Jacobi's method; six to ten sweeps are usual.
 const SWEEPS: usize = 100;
-/// Number of rows from which a symmetric matrix counts as large.
+/// Number of rows from which a symmetric matrix counts as large and is passed to faer.
 const LARGE: usize = 32;
 
-/// Returns all eigenvalues of a square matrix, in no particular order. `None` if an entry is not finite or the iteration does not converge.
+/// Returns all eigenvalues of a square matrix, in no particular order. Returns `None` if an entry is not finite or the iteration does not
+/// converge.
 pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if matrix.is_empty() {
         return Some(Vec::new());
@@ -31,7 +32,8 @@ pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(values.ok()?.iter().map(scaled_back).collect())
 }
 
-/// Returns eigenvalues and orthonormal eigenvectors of a symmetric matrix, in no particular order. Entries that are not finite count as zero.
+/// Returns the eigenvalues and orthonormal eigenvectors of a symmetric matrix, in no particular order. Entries that are not finite count as
+/// zero.
 pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     let n = matrix.nrows();
     let finite = matrix.map(|value| if value.is_finite() { value } else { 0.0 });
@@ -48,7 +50,8 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     eigen
 }
 
-/// Computes the decomposition of a large matrix by faer. Returns `None` for a small matrix, or if faer's iteration does not converge.
+/// Computes the eigendecomposition of a large symmetric matrix with faer. Returns `None` if the matrix is small or faer's iteration does not
+/// converge.
 fn of_large(matrix: &DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
     let n = matrix.nrows();
     if n < LARGE {
@@ -63,8 +66,8 @@ fn of_large(matrix: &DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
     })
 }
 
-/// Returns the pseudo-inverse of a matrix; singular values up to `least` count as zero. `None` if an entry is not finite or the iteration
-/// does not converge.
+/// Returns the pseudo-inverse of a matrix. Singular values up to `least` count as zero. Returns `None` if an entry is not finite or the
+/// iteration does not converge.
 pub fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
     if matrix.is_empty() || matrix.iter().all(|value| *value == 0.0) {
         return Some(DMatrix::zeros(matrix.ncols(), matrix.nrows()));
@@ -74,8 +77,8 @@ pub fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> 
         .ok()
 }
 
-/// Returns the singular values of a matrix, largest first, with the left and right singular vectors if requested. `None` if the matrix is
-/// empty, an entry is not finite or the iteration does not converge.
+/// Returns the singular values of a matrix, largest first, with the left and right singular vectors if requested. Returns `None` if the matrix
+/// is empty, an entry is not finite or the iteration does not converge.
 pub fn singular_values(
     matrix: DMatrix<f64>,
     left: bool,
@@ -97,8 +100,8 @@ pub fn singular_values(
     })
 }
 
-/// Divides a matrix by its largest entry and clears negligible entries. Returns the result and the largest entry; `None` if an entry is not
-/// finite.
+/// Divides a matrix by the magnitude of its largest entry and sets negligible entries to zero. Returns the scaled matrix and that magnitude, or
+/// `None` if an entry is not finite.
 fn scaled(mut matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
     if matrix.iter().any(|value| !value.is_finite()) {
         return None;
@@ -115,7 +118,8 @@ fn scaled(mut matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
     Some((matrix, largest))
 }
 
-/// Computes the decomposition by Jacobi's method, which always converges (Golub and Van Loan, Matrix Computations, 8.5).
+/// Computes the eigendecomposition of a symmetric matrix by Jacobi's method, which always converges (Golub and Van Loan, Matrix Computations,
+/// 8.5).
 fn jacobi(mut a: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     let n = a.nrows();
     let mut v = DMatrix::identity(n, n);
@@ -186,7 +190,7 @@ mod tests {
 
     #[test]
     fn products_that_underflow_do_not_keep_the_iteration_from_ending() {
-        // Real decks produced such a matrix from a marker 1e-154 mm from the origin of its part.
+        // A marker 1e-154 mm from the origin of its part produces such a matrix in real decks.
         let tiny = 1e-154;
         let a =
             DMatrix::from_row_slice(3, 3, &[2.0, tiny, tiny, tiny, 2.0, tiny, -tiny, tiny, 2.0]);
@@ -198,7 +202,8 @@ mod tests {
         assert!(eigenvalues(DMatrix::from_element(2, 2, f64::NAN)).is_none());
     }
 
-    /// The gradients of an arm on a pin and of a slider on the arm, slightly rotated: nalgebra's factors miss some of these matrices by 6e-8.
+    /// Checks that the product of the three factors equals the matrix. The matrices contain the constraint gradients of an arm on a pin and of
+    /// a slider on the arm, for small rotations. With nalgebra, the product differs from some of these matrices by 6e-8.
     #[test]
     fn singular_values_give_the_matrix_back() {
         for k in -400_i32..400 {
@@ -209,7 +214,7 @@ mod tests {
             for i in 0..3 {
                 G[(i, i)] = 1.0;
                 G[(3 + i, 3 + i)] = 1.0 / l;
-                // Rotations of both parts, in axes of the arm.
+                // Relative rotation of the two parts; the columns are transformed to axes of the arm below.
                 G[(8 + i, 3 + i)] = -1.0 / l;
                 G[(8 + i, 9 + i)] = 1.0 / l;
             }

@@ -1,10 +1,10 @@
-//! Poses, rotations and relative motion; eigenvalues.
+//! Poses, rotations, relative motion and eigenvalues.
 //!
-//! Independent of names, units and files. Frames are part of the names of variables: `R_ji` turns components in I axes into components in J
-//! axes, and `p_ij_j` is the position of I relative to J, resolved in J axes.
+//! The module is independent of names, units and files. The names of variables state their frames: `R_ji` turns components in I axes into
+//! components in J axes, and `p_ij_j` is the position of I relative to J, resolved in J axes.
 //!
-//! Here and in the modules above, everything that enters a solution takes sines, exponentials and powers from the crate `libm`. Results of
-//! the C library differ between systems in the last digits, and for large angles in all digits.
+//! In this module and in the modules that build on it, all sines, exponentials and powers that affect a solution are computed by the crate
+//! `libm`. The C libraries of different systems give results that differ in the last digits, and for large angles in all digits.
 
 pub mod eigen;
 mod nan;
@@ -24,9 +24,9 @@ pub(crate) use rotation::{turning_rate, unwrap_near};
 
 /// A vector in three dimensions.
 pub type Vec3 = nalgebra::Vector3<f64>;
-/// A 3 by 3 matrix; the columns of a rotation matrix are the axes of the rotated frame.
+/// A 3 by 3 matrix. If it is a rotation matrix, its columns are the axes of the rotated frame.
 pub type Mat3 = nalgebra::Matrix3<f64>;
 /// A pair of vectors: (translation, rotation) of a motion, or (force, torque) of a wrench.
 pub type Vec6 = nalgebra::Vector6<f64>;
-/// A 6 by 6 matrix that acts on pairs as in [`Vec6`].
+/// A 6 by 6 matrix that acts on vectors like [`Vec6`].
 pub type Mat6 = nalgebra::Matrix6<f64>;

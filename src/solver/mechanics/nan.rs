@@ -1,11 +1,11 @@
-//! Comparisons that keep a NaN: `f64::max` drops it.
+//! Comparisons that propagate NaN, which `f64::max` does not.
 
-/// Returns the larger of two numbers, NaN if either is NaN.
+/// Returns the larger of two numbers, or NaN if either is NaN.
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if exceeds(b, a) { b } else { a }
 }
 
-/// Returns true if `value` is larger than `most`, or NaN. A NaN in `most` is exceeded by another NaN only.
+/// Returns true if `value` is larger than `most` or is NaN. If `most` is NaN, the result is true only for a NaN `value`.
 pub(crate) fn exceeds(value: f64, most: f64) -> bool {
     value > most || value.is_nan()
 }

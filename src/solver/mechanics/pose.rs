@@ -3,9 +3,9 @@ use super::{Mat3, Vec3, exp};
 /// Position and orientation of a frame: `x_base = p + R * x_local`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Pose {
-    /// Origin, in base axes.
+    /// Origin of the frame, in axes of the base frame.
     pub p: Vec3,
-    /// Rotation matrix; its columns are the frame's axes in the base.
+    /// Rotation matrix; its columns are the axes of the frame, resolved in the base frame.
     pub R: Mat3,
 }
 
@@ -24,7 +24,7 @@ impl Pose {
     }
 
     #[must_use]
-    /// Returns the pose of a frame that is given in this frame: `self * other`.
+    /// Composes two poses: `other` is relative to this frame, and the result is relative to the base frame (`self * other`).
     pub fn compose(&self, other: &Self) -> Self {
         Self {
             p: self.point(&other.p),
@@ -33,9 +33,9 @@ impl Pose {
     }
 
     #[must_use]
-    /// Returns the pose after one unit of time of steady motion. The origin starts with velocity `v`, and the frame rotates with angular
-    /// velocity `w`, both in base axes. This is the exponential map of a twist: Murray, Li and Sastry, A Mathematical Introduction to Robotic
-    /// Manipulation, equation 2.36.
+    /// Returns the pose after one unit of time of a steady screw motion. The origin starts with velocity `v`, and the frame rotates with
+    /// constant angular velocity `w`, both in base axes. This is the exponential map of a twist: Murray, Li and Sastry, A Mathematical
+    /// Introduction to Robotic Manipulation, equation 2.36.
     pub fn displaced(&self, v: &Vec3, w: &Vec3) -> Self {
         let angle = w.norm();
         let (once, twice) = if angle > 1e-6 {

@@ -1,18 +1,19 @@
 use super::{Mat3, Pose, Vec3, projected_angles, unwrap_near};
 
-/// Marker I seen from marker J: everything that a force law or a constraint may depend on.
+/// Position and orientation of marker I relative to marker J, on which force laws and constraints depend.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RelativeMotion {
     /// Position of the I origin relative to the J origin, in J axes.
     pub p_ij_j: Vec3,
     /// Rotation of I in J; the columns are the I axes in J axes.
     pub R_ji: Mat3,
-    /// AX, AY, AZ of I with respect to J, including full turns, in radians.
+    /// Projected angles AX, AY, AZ of I with respect to J, in radians, including full turns.
     pub angles: Vec3,
 }
 
 impl RelativeMotion {
-    /// Computes the relative motion of two markers given in ground. The angles are those nearest to `angles_before`.
+    /// Computes the relative motion of two markers from their poses in ground. Each angle includes as many full turns as bring it nearest to
+    /// `angles_before`.
     pub fn between(i: &Pose, j: &Pose, angles_before: &Vec3) -> Self {
         let R_jg = j.R.transpose();
         let R_ji = R_jg * i.R;
@@ -23,7 +24,8 @@ impl RelativeMotion {
         }
     }
 
-    /// Returns the derivatives of AX, AY, AZ (rows) by a rotation `dtheta` of I relative to J, in J axes (`R_ji <- exp(dtheta) R_ji`).
+    /// Returns the derivatives of AX, AY, AZ (rows) with respect to a rotation `dtheta` of I relative to J (columns), in J axes
+    /// (`R_ji <- exp(dtheta) R_ji`).
     ///
     /// For z = zi in J axes, dz = dtheta x z. Hence d atan2(-z.y, z.z) = (-z.z dz.y + z.y dz.z) / (z.y^2 + z.z^2), and similarly for the
     /// other angles.

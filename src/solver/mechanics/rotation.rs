@@ -5,11 +5,11 @@ pub fn skew(a: &Vec3) -> Mat3 {
     Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
-/// Returns the rotation by the rotation vector `a` (Rodrigues' formula).
+/// Returns the rotation matrix of the rotation vector `a` (Rodrigues' formula).
 pub fn exp(a: &Vec3) -> Mat3 {
     let angle2 = a.norm_squared();
     let s = skew(a);
-    // sin(t)/t and (1 - cos t)/t^2, by series where the quotients lose digits.
+    // f = sin(t)/t and g = (1 - cos t)/t^2; small angles use the series, because the quotients would lose digits.
     let (f, g) = if angle2 < 1e-8 {
         (1.0 - angle2 / 6.0, 0.5 - angle2 / 24.0)
     } else {
@@ -19,7 +19,7 @@ pub fn exp(a: &Vec3) -> Mat3 {
     Mat3::identity() + s * f + s * s * g
 }
 
-/// Returns the matrix that turns an angular velocity in the outer axes into the rate of the rotation vector `a`. With `R = exp(a) R_0` and
+/// Returns the matrix that maps an angular velocity in base axes to the time derivative of the rotation vector `a`. With `R = exp(a) R_0` and
 /// `R' = w~ R`, `a' = (1 - a~/2 + (1 - (t/2) cot(t/2)) / t^2 a~^2) w`, where t = |a|.
 pub(crate) fn turning_rate(a: &Vec3) -> Mat3 {
     let angle2 = a.norm_squared();
@@ -33,7 +33,7 @@ pub(crate) fn turning_rate(a: &Vec3) -> Mat3 {
     Mat3::identity() - s * 0.5 + s * s * g
 }
 
-/// Returns the rotation vector of a rotation matrix, of length at most pi.
+/// Returns the rotation vector of a rotation matrix. Its length is at most pi.
 pub fn log(R: &Mat3) -> Vec3 {
     let q = nalgebra::UnitQuaternion::from_rotation_matrix(
         &nalgebra::Rotation3::from_matrix_unchecked(*R),
@@ -46,7 +46,7 @@ pub fn log(R: &Mat3) -> Vec3 {
     v * (2.0 * libm::atan2(sine, q.w.abs()) / sine)
 }
 
-/// Returns the body-fixed 3-1-3 rotation `Rz(psi) * Rx(theta) * Rz(phi)` (guide/formats.md 4.1). Angles in radians.
+/// Returns the matrix of the body-fixed 3-1-3 rotation `Rz(psi) * Rx(theta) * Rz(phi)` (guide/formats.md 4.1). The angles are in radians.
 pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
     let (sa, ca) = libm::sincos(psi);
     let (sb, cb) = libm::sincos(theta);
@@ -64,8 +64,8 @@ pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
     )
 }
 
-/// Returns PSI, THETA, PHI of a rotation matrix in radians: theta in [0, pi], the others in (-pi, pi]. At theta = 0 or pi, psi contains the
-/// whole rotation about z (guide/formats.md 4.1).
+/// Returns the angles PSI, THETA, PHI of a rotation matrix in radians. THETA is in [0, pi]; PSI and PHI are in (-pi, pi]. At THETA = 0 or pi,
+/// PHI is zero and PSI contains the whole rotation about z (guide/formats.md 4.1).
 pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
     let s = libm::hypot(R[(0, 2)], R[(1, 2)]);
     if s < 1e-12 {
@@ -77,7 +77,8 @@ pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
         return [libm::atan2(R[(1, 0)], R[(0, 0)]), theta, 0.0];
     }
     let (sin, cos) = (R[(0, 2)] / s, -R[(1, 2)] / s);
-    // From R with psi removed. Near theta = 0, where psi is inaccurate, the sum of both angles then stays accurate.
+    // phi is computed from R after the rotation psi is removed. Near theta = 0, where psi is inaccurate, the sum of psi and phi then stays
+    // accurate.
     let phi = libm::atan2(
         0.0 - (cos * R[(0, 1)] + sin * R[(1, 1)]),
         cos * R[(0, 0)] + sin * R[(1, 0)],
@@ -86,7 +87,7 @@ pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
 }
 
 /// Returns AX, AY, AZ of I with respect to J from `R_ji`: `atan2(-zi.yj, zi.zj)`, `atan2(zi.xj, zi.zj)`, `atan2(xi.yj, xi.xj)`
-/// (guide/formats.md 2.7, 4.3). Radians, each in (-pi, pi].
+/// (guide/formats.md 2.7, 4.3). Each angle is in radians in (-pi, pi].
 pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
     Vec3::new(
         atan2(-R_ji[(1, 2)], R_ji[(2, 2)]),
@@ -95,7 +96,7 @@ pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
     )
 }
 
-/// Returns `y.atan2(x)`. Small angles, which are usual at bushings, use the series: it is as accurate and much faster.
+/// Returns `y.atan2(x)`. Small angles, which are usual at bushings, are computed by a series that is as accurate and much faster.
 fn atan2(y: f64, x: f64) -> f64 {
     let small = x > 0.0 && y.abs() <= 0.1 * x;
     if !small {
@@ -103,7 +104,7 @@ fn atan2(y: f64, x: f64) -> f64 {
     }
     let t = y / x;
     let u = -t * t;
-    // The next term is below 1e-17 of the first.
+    // The first omitted term of the series is below 1e-17 of the first term.
     let tail = 1.0 / 11.0 + u * (1.0 / 13.0 + u / 15.0);
     t + t * u * (1.0 / 3.0 + u * (0.2 + u * (1.0 / 7.0 + u * (1.0 / 9.0 + u * tail))))
 }
@@ -131,7 +132,7 @@ mod tests {
             (2.0, std::f64::consts::PI - 1e-10, 0.7),
             (1.0, 1e-13, 0.5),
         ] {
-            // The round-off of many products is included.
+            // The additional rotation and its inverse add the round-off of many products.
             let R = exp(&Vec3::new(0.3, 0.2, 0.1)) * euler313(psi, theta, phi);
             let R = exp(&Vec3::new(0.3, 0.2, 0.1)).transpose() * R;
             let [a, b, c] = psi_theta_phi(&R);

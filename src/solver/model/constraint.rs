@@ -41,7 +41,7 @@ impl JointKind {
         }
     }
 
-    /// Returns PITCH or PD, if the joint has one.
+    /// Returns the parameter PITCH or PD of a SCREW or RACKPIN joint. Other joints have no parameter.
     pub(crate) const fn number(self) -> Option<f64> {
         match self {
             Self::Screw { pitch } => Some(pitch),
@@ -54,17 +54,17 @@ impl JointKind {
 /// JOINT statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Joint {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Type.
+    /// Type of the joint.
     pub kind: JointKind,
     /// I marker.
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// Initial displacement along zj and, if given, its rate (IC or ICTRAN).
+    /// Initial displacement along zj and, if given, its initial rate (IC or ICTRAN).
     pub initial_translation: Option<(f64, Option<f64>)>,
-    /// Initial rotation about zj in radians and, if given, its rate (IC or ICROT).
+    /// Initial rotation about zj in radians and, if given, its initial rate (IC or ICROT).
     pub initial_rotation: Option<(f64, Option<f64>)>,
 }
 
@@ -97,9 +97,9 @@ impl PrimitiveKind {
 /// JPRIM statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Primitive {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Type.
+    /// Type of the joint primitive.
     pub kind: PrimitiveKind,
     /// I marker.
     pub i: MarkerIx,
@@ -107,7 +107,7 @@ pub struct Primitive {
     pub j: MarkerIx,
 }
 
-/// Displacement of a joint that enters a COUPLER.
+/// Joint displacement that enters the sum of a COUPLER.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CouplerKind {
     /// Translation along zj.
@@ -116,19 +116,19 @@ pub enum CouplerKind {
     Rotation,
 }
 
-/// COUPLER: the sum of the joint displacements, each times its scale, is zero.
+/// COUPLER: constrains the sum of joint displacements, each multiplied by its scale, to zero.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Coupler {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Terms: index into `Model::joints`, displacement, scale.
+    /// Terms of the sum: the joint as an index into `Model::joints`, its displacement, and the scale.
     pub terms: Vec<(usize, CouplerKind, f64)>,
 }
 
 /// GEAR statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Gear {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// The two joints, as indices into `Model::joints`.
     pub joints: [usize; 2],
@@ -139,7 +139,7 @@ pub struct Gear {
 /// GCON: constrains a function to zero.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Gcon {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// I marker, at which the reaction is reported.
     pub i: Option<MarkerIx>,
@@ -152,14 +152,14 @@ pub struct Gcon {
 pub enum MotionAxis {
     /// Displacement component along an axis of J: 0, 1, 2 for X, Y, Z.
     Translation(usize),
-    /// Rotation about zj (joint motions).
+    /// Rotation about zj, used by motions of a joint.
     RotationZ,
     /// Body-fixed 1-2-3 angle: 0, 1, 2 for B1, B2, B3.
     Body123(usize),
 }
 
 impl MotionAxis {
-    /// Returns the keyword in the statement.
+    /// Returns the keyword of this displacement in the MOTION statement.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Translation(axis) => ["X", "Y", "Z"][axis],
@@ -169,7 +169,7 @@ impl MotionAxis {
     }
 }
 
-/// Time derivative that a MOTION prescribes.
+/// Order of the time derivative that a MOTION prescribes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum MotionOrder {
@@ -178,12 +178,12 @@ pub enum MotionOrder {
     Acceleration,
 }
 
-/// MOTION statement, resolved to its markers.
+/// MOTION statement. A named joint is resolved to its I and J markers.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Motion {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Driven joint (index into `Model::joints`), if the motion names a joint.
+    /// Driven joint (index into `Model::joints`), if the statement names a joint.
     pub joint: Option<usize>,
     /// I marker.
     pub i: MarkerIx,
@@ -191,12 +191,12 @@ pub struct Motion {
     pub j: MarkerIx,
     /// Prescribed displacement.
     pub axis: MotionAxis,
-    /// Prescribed time derivative: displacement, velocity or acceleration.
+    /// Order of the prescribed time derivative: displacement, velocity or acceleration.
     pub order: MotionOrder,
     /// Initial displacement, ICDISP.
     pub initial_displacement: Option<f64>,
     /// Initial velocity, ICVEL.
     pub initial_velocity: Option<f64>,
-    /// Prescribed value, FUNCTION.
+    /// FUNCTION: the prescribed value as a function of time or of the state.
     pub function: Function,
 }

@@ -10,12 +10,12 @@ use admire_syntax::{Address, Argument, Dataset, Expression, Number, Statement, V
 
 /// Returns the edits that convert a dataset to other units.
 ///
-/// Numbers with a dimension are scaled. Functions keep their own numbers: the quantities they measure are converted back to the old units,
-/// and their result is scaled. Variables, splines and arrays, which functions use, stay unchanged. Diagnostics list tolerances that stay
-/// unchanged because they apply to lengths and angles alike.
+/// Numbers with a dimension are scaled. The literals inside functions stay: the quantities that a function measures are converted back to
+/// the old units, and its result is scaled. Variables, splines and arrays stay unchanged, because functions use them. The diagnostics are
+/// warnings about tolerances that stay unchanged because they apply to lengths and angles alike.
 ///
 /// # Errors
-/// A diagnostic for every statement and function that cannot be converted, with its position.
+/// A diagnostic, with its position, for every statement and function that cannot be converted.
 pub fn convert_units(
     dataset: &Dataset,
     model: &Model,
@@ -61,7 +61,7 @@ struct Conversion<'a> {
 }
 
 impl Conversion<'_> {
-    /// Returns the conversion factor of a dimension.
+    /// Returns the factor that converts a quantity of this dimension from the old units to the new ones.
     fn factor(&self, dimension: Dimension) -> f64 {
         let [force, mass, length, time] = self.new;
         (self.old.force.si / force.si).powi(i32::from(dimension.force))
@@ -123,7 +123,7 @@ impl Conversion<'_> {
             | "CONTACT" | "CURVE" | "SURFACE" | "PTCV" | "CVCV" | "SECTION" => true,
             "SPLINE" => statement.has("FILE"),
             "COUPLER" => self.is_mixed(statement),
-            // Their coefficients depend on the unit of time.
+            // The coefficients of these statements depend on the unit of time.
             "DIFF" | "LSE" | "GSE" | "TFSISO" => self.factor(Dimension::TIME) != 1.0,
             _ => false,
         };
@@ -166,7 +166,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// Reports tolerances that keep their numbers.
+    /// Warns about tolerances whose values stay unchanged although the units change.
     fn tolerances(&mut self, statement: &Statement, kind: &str) {
         let names = match kind {
             "IC" | "KINEMATICS" => &["AERROR", "ERROR", "VERROR"][..],
@@ -190,7 +190,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// Writes out the defaults of a FRICTION that depend on the units.
+    /// Adds to a FRICTION statement the default values that depend on the units, converted to the new units.
     fn defaults_of_friction(&mut self, statement: &Statement) {
         let joint = statement.first("JOINT").map(|id| id as u32);
         let joint = joint.and_then(|id| self.dataset.statement("JOINT", Some(id)));
@@ -228,7 +228,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// Returns the dimension of one number of an argument. Some arguments mix dimensions within one list.
+    /// Returns the dimension of the number at index `at` of an argument. Some arguments mix dimensions within one list.
     fn dimension(&self, statement: &Statement, def: &ArgumentDef, at: usize) -> Dimension {
         let angular = |k: usize| k % 6 >= 3;
         let of_wrench = |torque| {
@@ -247,7 +247,7 @@ impl Conversion<'_> {
         match (statement.kind(), def.name) {
             (Some("FIELD"), "FORCE") => of_wrench(angular(at)),
             (Some("FIELD"), "LENGTH") if !angular(at) => Dimension::LENGTH,
-            // The row sets force or torque, the column length or angle.
+            // The row determines force or torque; the column determines whether it is per length or per angle.
             (Some("FIELD"), "KMATRIX") => per(
                 of_wrench(angular(at % 6)),
                 if at / 6 < 3 { -1 } else { 0 },
@@ -285,7 +285,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// Returns the dimension of a function's result.
+    /// Returns the dimension of the result of a FUNCTION argument.
     fn yielded(&self, statement: &Statement, argument: &Argument) -> Dimension {
         match (statement.kind(), argument.kind()) {
             (Some("SFORCE"), _) if statement.has("ROTATIONAL") => Dimension::TORQUE,
@@ -373,7 +373,8 @@ impl Conversion<'_> {
         }
     }
 
-    /// Returns whether a coupler mixes translations and rotations and cannot be converted: only the ratio of its scales has a unit.
+    /// Returns whether a COUPLER mixes translations and rotations, so that a change of the length unit cannot be applied: only the ratio of
+    /// its scales has a unit.
     fn is_mixed(&self, coupler: &Statement) -> bool {
         let translate: Vec<bool> = coupler
             .numbers("JOINTS")
@@ -392,7 +393,7 @@ impl Conversion<'_> {
     }
 }
 
-/// Returns the dimension of the quantity that a call measures, and `NONE` for purely arithmetic functions.
+/// Returns the dimension of the quantity that a function call measures. Returns `NONE` for purely arithmetic functions.
 fn measured(
     function: &FunctionDef,
     arguments: &[Node],
@@ -431,7 +432,7 @@ fn measured(
     })
 }
 
-/// Rounds to fifteen digits, because unit factors are not exact in binary.
+/// Rounds to fifteen significant digits, because unit factors are not exact in binary.
 fn rounded(value: f64) -> f64 {
     format!("{value:.14e}").parse().unwrap_or(value)
 }

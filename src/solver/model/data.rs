@@ -2,21 +2,21 @@ use super::{Function, Header, MarkerIx};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// VARIABLE: v = e, where e may depend on v (implicit).
+/// VARIABLE statement: an algebraic variable that equals its FUNCTION. The FUNCTION may depend on the variable itself (implicit equation).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Variable {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Starting guess, IC.
+    /// Initial guess, IC.
     pub ic: f64,
-    /// Value, FUNCTION.
+    /// FUNCTION: the value of the variable.
     pub function: Function,
 }
 
 /// DIFF statement: a first-order differential equation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Diff {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// Initial value of the state, IC.
     pub ic: f64,
@@ -26,16 +26,16 @@ pub struct Diff {
     pub static_hold: bool,
     /// DYNAMIC_HOLD: the state is constant in dynamics.
     pub dynamic_hold: bool,
-    /// Time derivative of the state, or implicit equation, FUNCTION.
+    /// FUNCTION: the time derivative of the state, or the implicit equation.
     pub function: Function,
 }
 
-/// LSE, GSE or TFSISO, as linear state equations x' = A x + B u, y = C x + D u.
+/// LSE or TFSISO statement, as linear state equations x' = A x + B u, y = C x + D u.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LinearStates {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Statement kind: `LSE`, `GSE` or `TFSISO`.
+    /// Statement kind: `LSE` or `TFSISO`.
     pub kind: &'static str,
     /// Id of the X array (states).
     pub x: u32,
@@ -43,7 +43,8 @@ pub struct LinearStates {
     pub u: u32,
     /// Id of the Y array (outputs).
     pub y: Option<u32>,
-    /// Id of the IC array with the initial states, which STATIC_HOLD keeps. Zeros if absent.
+    /// Id of the IC array with the initial values of the states; zeros if absent. With STATIC_HOLD, the states keep these values in
+    /// statics.
     pub ic: Option<u32>,
     /// Matrix A, row by row.
     pub a: Vec<Vec<f64>>,
@@ -60,7 +61,7 @@ pub struct LinearStates {
 /// Content of an ARRAY.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ArrayKind {
-    /// NUMBERS: plain values, as for initial conditions (IC).
+    /// NUMBERS: plain values, for example initial conditions (IC).
     Numbers(Vec<f64>),
     /// U array: ids of the VARIABLEs that are inputs.
     Variables(Vec<u32>),
@@ -73,22 +74,22 @@ pub enum ArrayKind {
 /// ARRAY statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ArrayData {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Content.
+    /// Content of the array.
     pub kind: ArrayKind,
 }
 
-/// SPLINE: a curve (one row) or a surface (one row per z).
+/// SPLINE: a curve (one row of y values) or a surface (one row per z).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Spline {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// X values.
+    /// x values of the points.
     pub x: Vec<f64>,
-    /// z of each row; one zero for a curve.
+    /// z value of each row of `y`; a single zero for a curve.
     pub z: Vec<f64>,
-    /// y values, one row per z.
+    /// y values, one row per z value.
     pub y: Vec<Vec<f64>>,
     /// Whether the spline is extrapolated linearly, LINEAR_EXTRAPOLATE.
     pub linear_extrapolate: bool,
@@ -97,13 +98,13 @@ pub struct Spline {
 /// STRING statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StringData {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// Text of the string.
     pub text: String,
 }
 
-/// Comparison of a SENSOR.
+/// Comparison of a SENSOR's function with VALUE.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum SensorCompare {
@@ -115,9 +116,9 @@ pub enum SensorCompare {
 /// SENSOR statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sensor {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Comparison.
+    /// Comparison of the function with VALUE.
     pub compare: SensorCompare,
     /// Threshold, VALUE.
     pub value: f64,
@@ -137,13 +138,13 @@ pub struct Sensor {
     pub stepsize: Option<f64>,
     /// PRINT: an output step is added where the sensor triggers.
     pub prints: bool,
-    /// Given actions that only ADAMS performs: CODGEN, YYDUMP.
+    /// Actions in the statement that only ADAMS performs, such as CODGEN and YYDUMP. They have no effect here.
     pub without_effect: Vec<&'static str>,
 }
 
 impl Sensor {
-    /// Returns whether the sensor triggers at a function value. For EQ the value must equal VALUE within ERROR. For GE and LE it must lie
-    /// on the stated side of VALUE, with a tolerance of ERROR.
+    /// Returns whether the sensor triggers at a function value. For EQ, the value must equal VALUE within ERROR. For GE and LE, the value
+    /// must lie on the stated side of VALUE, with a tolerance of ERROR.
     pub fn fires(&self, value: f64) -> bool {
         let beyond = value - self.value;
         match self.compare {
@@ -154,14 +155,14 @@ impl Sensor {
     }
 }
 
-/// PINPUT, POUTPUT or PSTATE: the variables that are inputs, outputs or states of a plant.
+/// PINPUT, POUTPUT or PSTATE: list of the variables that are inputs, outputs or states of a plant.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PlantPort {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// Statement kind: `PINPUT`, `POUTPUT` or `PSTATE`.
     pub kind: &'static str,
-    /// Ids of VARIABLEs.
+    /// Ids of the VARIABLEs in the list.
     pub variables: Vec<u32>,
 }
 
@@ -169,40 +170,40 @@ pub struct PlantPort {
 #[derive(Clone, PartialEq, Debug)]
 #[allow(missing_docs)] // The fields are the manual's.
 pub enum RequestKind {
-    /// DISPLACEMENT of I from J in RM axes.
+    /// DISPLACEMENT: displacement of I relative to J, in RM axes.
     Displacement {
         i: MarkerIx,
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// VELOCITY of I from J in RM axes; zero in statics.
+    /// VELOCITY: velocity of I relative to J, in RM axes; zero in statics.
     Velocity {
         i: MarkerIx,
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// ACCELERATION of I from J in RM axes; zero in statics.
+    /// ACCELERATION: acceleration of I relative to J, in RM axes; zero in statics.
     Acceleration {
         i: MarkerIx,
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// FORCE on I, exerted by the elements between I and J, in RM axes.
+    /// FORCE: force on I exerted by the elements between I and J, in RM axes.
     Force {
         i: MarkerIx,
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// Component functions F1 to F8.
+    /// F1 to F8: functions of the components.
     Functions(Box<[Option<Function>; 8]>),
-    /// User subroutine, FUNCTION=USER(...).
+    /// FUNCTION=USER(...): a user subroutine, with its text as written.
     User(String),
 }
 
 /// REQUEST statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Request {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// Reported quantity.
     pub kind: RequestKind,
@@ -217,7 +218,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// Creates a request that is not part of a deck. Its component 2 evaluates a function given as text.
+    /// Creates a request that is not part of a deck. Its component 2 evaluates the function given as text.
     ///
     /// # Errors
     /// Returns an error if the text is not an expression.

@@ -8,16 +8,16 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::Edit;
 use admire_syntax::{Dataset, NewStatement, ObjectId, Removal, Statement, Topology};
 
-/// Returns the edits that reduce a dataset to some bodies, the elements attached to them, and the objects these need.
+/// Returns the edits that reduce a dataset to some bodies, the elements attached to them, and the objects that these elements refer to.
 ///
-/// Markers on other bodies become ground markers at their design position. The elements then hold the bodies as the rest of the model would
-/// at rest.
+/// Markers on other bodies become ground markers at their design position. The elements then act on the bodies as if the rest of the model
+/// were at rest.
 ///
-/// Diagnostics: functions that measure markers which are now at rest.
+/// The diagnostics are warnings about functions that measure markers which are now at rest.
 ///
 /// # Errors
-/// `no-ground` without a ground part. `unknown-target` if an element needs an object that is not attached to the bodies, or a marker
-/// on a body whose position only ADAMS knows.
+/// `no-ground` without a ground part. `unknown-target` if an element needs an object that is not attached to the bodies, or a marker on a
+/// body whose position only ADAMS can compute.
 pub fn extract(
     dataset: &Dataset,
     model: &Model,
@@ -59,7 +59,7 @@ pub fn extract(
                 .attached(statement)
                 .iter()
                 .any(|body| bodies.contains(body));
-        // Settings have no id and are kept; their references to removed objects are deleted below.
+        // Settings have no id and are kept; arguments of settings that refer to removed objects are deleted below.
         if own || of_marker || touches || statement.object().is_none() {
             chosen.kept.insert(at);
         }
@@ -134,7 +134,7 @@ impl Chosen<'_> {
                     };
                     let named = &self.dataset.statements()[place];
                     if named.is_body() {
-                        // A marker states its own position; CM and similar arguments name markers.
+                        // A reference to a body adds nothing: markers on other bodies are placed on ground afterwards.
                         continue;
                     }
                     if !self.kept.contains(&place) {
@@ -153,7 +153,7 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// Adds motions, friction, couplers and graphics of kept joints and forces, if all their references are kept.
+    /// Adds motions, friction, couplers and graphics that refer to joints and forces, if all objects they refer to are kept.
     fn driven(&mut self) {
         for (at, statement) in self.dataset.statements().iter().enumerate() {
             let names: Vec<usize> = statement
@@ -207,8 +207,8 @@ impl Chosen<'_> {
     }
 }
 
-/// Returns whether a statement is data that other statements use and that no body is attached to. Such a statement is kept wherever it is
-/// referenced.
+/// Returns whether a statement is data: other statements use it, and it is attached to no body. Such a statement is kept wherever a kept
+/// statement refers to it.
 fn is_data(statement: &Statement) -> bool {
     matches!(
         statement.kind(),
@@ -288,7 +288,7 @@ fn on_ground(
     Ok(Edit::new(statement.span, dataset.written(&new)))
 }
 
-/// Rounds to fifteen digits and sets the round-off of rotations to zero.
+/// Rounds to fifteen significant digits, and sets the round-off of rotations to zero.
 fn rounded(value: f64) -> f64 {
     let value: f64 = format!("{value:.14e}").parse().unwrap_or(value);
     if value.abs() < 1e-12 { 0.0 } else { value }

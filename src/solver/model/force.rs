@@ -1,10 +1,10 @@
 use super::{Function, Header, MarkerIx};
 use admire_syntax::grammar::{ArgumentDef, LawDef, StatementDef};
 
-/// BUSHING. All components in J axes.
+/// BUSHING statement. All components are in J axes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Bushing {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// I marker.
     pub i: MarkerIx,
@@ -24,22 +24,22 @@ pub struct Bushing {
     pub torque: [f64; 3],
 }
 
-/// Force between two markers whose law and parameters are defined by the grammar: FIELD, BEAM.
+/// Force between two markers whose law and parameters are defined by the grammar (FIELD, BEAM).
 #[derive(Clone, PartialEq, Debug)]
 pub struct PairForce {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
-    /// Definition of the statement.
+    /// Definition of the statement in the grammar.
     pub def: &'static StatementDef,
-    /// Law, one of the laws of the statement.
+    /// Force law, one of those that the grammar defines for the statement.
     pub law: &'static LawDef,
     /// I marker.
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// Parameters of the law: the values of its arguments, in order.
+    /// Parameters of the law: the values of its arguments, in the order of the law.
     pub values: Vec<f64>,
-    /// Damping matrix CMATRIX as written, or empty.
+    /// Values of the damping matrix CMATRIX in the order of the statement; empty if not given.
     pub damping: Vec<f64>,
     /// Ratio of damping to stiffness, CRATIO.
     pub damping_ratio: f64,
@@ -71,16 +71,16 @@ pub(crate) fn law_arguments(
 /// Type of a SPRINGDAMPER.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SpringKind {
-    /// Acts along the line between the origins; arguments K, LENGTH, FORCE.
+    /// Spring along the line between the marker origins; arguments K, LENGTH, FORCE.
     Translational,
-    /// Acts about zj; arguments KT, ANGLE, TORQUE.
+    /// Torsion spring about zj; arguments KT, ANGLE, TORQUE.
     Rotational,
 }
 
 /// SPRINGDAMPER statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SpringDamper {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// I marker.
     pub i: MarkerIx,
@@ -101,7 +101,7 @@ pub struct SpringDamper {
 /// Type of an SFORCE.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SforceKind {
-    /// Force along the line between the origins, or along zj if action-only.
+    /// Force along the line between the marker origins, or along zj if action-only.
     Translational,
     /// Torque about zj.
     Rotational,
@@ -110,7 +110,7 @@ pub enum SforceKind {
 /// SFORCE statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sforce {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// I marker.
     pub i: MarkerIx,
@@ -120,11 +120,11 @@ pub struct Sforce {
     pub kind: SforceKind,
     /// ACTIONONLY: no reaction acts on J.
     pub action_only: bool,
-    /// Magnitude, FUNCTION.
+    /// FUNCTION: the magnitude of the force.
     pub function: Function,
 }
 
-/// Statement kind of a vector force.
+/// Kind of statement that defines a vector force.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum VectorForceKind {
@@ -133,10 +133,11 @@ pub enum VectorForceKind {
     Vtorque,
 }
 
-/// GFORCE, VFORCE or VTORQUE: force with components in RM axes applied at I. The reaction acts on the part of JFLOAT at the position of I.
+/// GFORCE, VFORCE or VTORQUE: force or torque at I with components in RM axes. The reaction acts on the part of JFLOAT at the position of
+/// I.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VectorForce {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// Statement kind.
     pub kind: VectorForceKind,
@@ -146,14 +147,14 @@ pub struct VectorForce {
     pub jfloat: MarkerIx,
     /// RM marker; ground axes if absent.
     pub rm: Option<MarkerIx>,
-    /// Components FX, FY, FZ, TX, TY, TZ; absent ones are zero.
+    /// Components FX, FY, FZ, TX, TY, TZ. Absent components are zero.
     pub components: [Option<Function>; 6],
 }
 
-/// NFORCE: forces on several markers from a stiffness matrix relative to a reference marker.
+/// NFORCE: forces on several markers, given by a stiffness matrix and their deflections relative to a reference marker.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Nforce {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// I markers.
     pub i: Vec<MarkerIx>,

@@ -1,6 +1,6 @@
 use super::Header;
 
-/// INPUTS: the joint loads that cause friction.
+/// INPUTS: joint loads that cause friction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub struct FrictionInputs {
@@ -10,14 +10,15 @@ pub struct FrictionInputs {
     pub torsional_moment: bool,
 }
 
-/// FRICTION: friction in a joint.
+/// FRICTION statement: friction in a joint.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Friction {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// Index of the JOINT in the model.
     pub joint: usize,
-    /// Whether there is friction between the yoke of I and the cross, and between the cross and the yoke of J (HOOKE and UNIVERSAL).
+    /// Whether friction acts between the yoke of I and the cross (0), and between the cross and the yoke of J (1). Used for HOOKE and
+    /// UNIVERSAL joints.
     pub yokes: [bool; 2],
     /// Static friction coefficient, MU_STATIC.
     pub mu_static: f64,
@@ -25,7 +26,7 @@ pub struct Friction {
     pub mu_dynamic: f64,
     /// Velocity below which the joint sticks, STICTION_TRANSITION_VELOCITY.
     pub stiction_velocity: f64,
-    /// TRANSITION_VELOCITY_COEFFICIENT: ratio of the velocity of full dynamic friction to the stiction transition velocity.
+    /// TRANSITION_VELOCITY_COEFFICIENT: velocity of full dynamic friction divided by the stiction transition velocity.
     pub transition: f64,
     /// Maximum stiction deformation, MAX_STICTION_DEFORMATION.
     pub deformation: f64,
@@ -45,14 +46,14 @@ pub struct Friction {
     pub ball_radius: f64,
     /// Radius of the pin, PIN_RADIUS.
     pub pin_radius: f64,
-    /// Lever arm of the torsional reaction, REACTION_ARM.
+    /// REACTION_ARM: lever arm of the torsional reaction.
     pub reaction_arm: f64,
     /// Lever arm of the friction caused by the axial force, FRICTION_ARM.
     pub friction_arm: f64,
     /// Lever arm of the bending reaction, BENDING_REACTION_ARM.
     pub bending_arm: f64,
-    /// Initial overlap of the sliding bodies, INITIAL_OVERLAP.
+    /// INITIAL_OVERLAP: initial overlap of the sliding bodies.
     pub overlap: f64,
-    /// Derivative of the overlap with respect to the displacement: 1, -1 or 0 (OVERLAP_DELTA).
+    /// OVERLAP_DELTA as the derivative of the overlap with respect to the displacement: 1, -1 or 0.
     pub overlap_by_displacement: f64,
 }

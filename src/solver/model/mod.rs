@@ -1,7 +1,7 @@
 //! The resolved model: typed, named objects with values in the dataset's units and angles in radians.
 //!
-//! Independent of the text of the dataset. Each object keeps its `origin`, the index of its statement. The bytes of a number are found
-//! through its [`Address`](crate::syntax) in the dataset.
+//! Independent of the text of the dataset. Each object keeps its `origin`, the index of its statement. The bytes of a number in the file
+//! are found through its [`Address`](crate::syntax) in the dataset.
 
 mod constraint;
 mod convert_units;
@@ -62,7 +62,7 @@ use admire_syntax::units::Units;
 pub struct Header {
     /// Id of the statement.
     pub id: u32,
-    /// Adams/View name, or kind and id (`PART_2`) where the file gives none.
+    /// Adams/View name. If the file gives no name, kind and id, such as `PART_2`.
     pub name: String,
     /// Index of the object's statement in its dataset.
     pub origin: usize,
@@ -70,12 +70,12 @@ pub struct Header {
     pub active: bool,
 }
 
-/// FUNCTION of the model: its text as written (continuation removed) and the parsed expression.
+/// FUNCTION of an object.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Function {
-    /// Expression, shared with the dataset.
+    /// Parsed expression, shared with the dataset. It includes the text as written, without continuation marks.
     Expression(std::sync::Arc<admire_syntax::Expression>),
-    /// `USER(...)`: a subroutine that only real ADAMS can run, with its text as written.
+    /// `USER(...)`: call of a subroutine that only real ADAMS can run, with its text as written.
     User(String),
 }
 
@@ -84,57 +84,57 @@ pub enum Function {
 pub struct Model {
     /// Title: the first line of the dataset.
     pub title: String,
-    /// Units and the consistency factor.
+    /// Units, including the units consistency factor.
     pub units: Units,
     /// Acceleration of gravity in ground axes.
     pub gravity: Vec3,
-    /// Parts and point masses in order of appearance. Exactly one is ground.
+    /// Bodies (parts, point masses, flexible bodies) in order of appearance. Exactly one is ground.
     pub parts: Vec<Part>,
     /// Markers in order of appearance.
     pub markers: Vec<Marker>,
-    /// JOINTs.
+    /// JOINT statements.
     pub joints: Vec<Joint>,
-    /// JPRIMs.
+    /// JPRIM statements.
     pub primitives: Vec<Primitive>,
-    /// COUPLERs.
+    /// COUPLER statements.
     pub couplers: Vec<Coupler>,
-    /// GEARs.
+    /// GEAR statements.
     pub gears: Vec<Gear>,
-    /// GCONs.
+    /// GCON statements.
     pub gcons: Vec<Gcon>,
-    /// MOTIONs.
+    /// MOTION statements.
     pub motions: Vec<Motion>,
-    /// BUSHINGs.
+    /// BUSHING statements.
     pub bushings: Vec<Bushing>,
-    /// FIELDs, BEAMs and all other forces defined by a law of the grammar.
+    /// FIELD and BEAM statements, and all other forces defined by a law of the grammar.
     pub pair_forces: Vec<PairForce>,
-    /// SPRINGDAMPERs.
+    /// SPRINGDAMPER statements.
     pub springdampers: Vec<SpringDamper>,
-    /// SFORCEs.
+    /// SFORCE statements.
     pub sforces: Vec<Sforce>,
-    /// GFORCEs, VFORCEs and VTORQUEs.
+    /// GFORCE, VFORCE and VTORQUE statements.
     pub vector_forces: Vec<VectorForce>,
-    /// NFORCEs.
+    /// NFORCE statements.
     pub nforces: Vec<Nforce>,
-    /// VARIABLEs.
+    /// VARIABLE statements.
     pub variables: Vec<Variable>,
-    /// DIFFs.
+    /// DIFF statements.
     pub diffs: Vec<Diff>,
-    /// LSE, GSE and TFSISO.
+    /// LSE and TFSISO statements.
     pub linear_states: Vec<LinearStates>,
-    /// ARRAYs.
+    /// ARRAY statements.
     pub arrays: Vec<ArrayData>,
-    /// SPLINEs.
+    /// SPLINE statements.
     pub splines: Vec<Spline>,
-    /// STRINGs.
+    /// STRING statements.
     pub strings: Vec<StringData>,
-    /// SENSORs.
+    /// SENSOR statements.
     pub sensors: Vec<Sensor>,
-    /// PINPUTs, POUTPUTs and PSTATEs.
+    /// PINPUT, POUTPUT and PSTATE statements.
     pub plant_ports: Vec<PlantPort>,
-    /// FRICTIONs.
+    /// FRICTION statements.
     pub frictions: Vec<Friction>,
-    /// REQUESTs.
+    /// REQUEST statements.
     pub requests: Vec<Request>,
     /// Settings of EQUILIBRIUM.
     pub equilibrium: EquilibriumSettings,
@@ -142,7 +142,7 @@ pub struct Model {
     pub integrator: IntegratorSettings,
     /// Settings of KINEMATICS.
     pub kinematics: KinematicsSettings,
-    /// Arguments of IC that the dataset states. None has an effect, because initial conditions are satisfied to round-off.
+    /// Arguments of IC that the dataset states. They have no effect, because initial conditions are always satisfied to round-off.
     pub initial_conditions: Vec<&'static str>,
     /// Settings of OUTPUT.
     pub output: OutputSettings,
@@ -161,8 +161,8 @@ impl Model {
             .map(MarkerIx)
     }
 
-    /// Returns the pose of a marker in ground at the design position. `None` for floating markers and for bodies that only real ADAMS
-    /// places.
+    /// Returns the pose of a marker in ground in the design position. `None` for floating markers and for markers on bodies that only real
+    /// ADAMS places.
     pub fn marker_pose(&self, marker: MarkerIx) -> Option<Pose> {
         let marker = &self.markers[marker.0];
         let part = &self.parts[marker.part.0];
@@ -175,21 +175,21 @@ impl Model {
         }))
     }
 
-    /// Returns whether a marker is defined, directly or through other markers (RM), in the frame of one of `others`, so that it moves with
-    /// that marker.
+    /// Returns whether a marker moves with one of the markers `others`. It does if its frame is given relative to that marker (RM),
+    /// directly or through other markers.
     pub fn moves_with(&self, marker: MarkerIx, others: &[MarkerIx]) -> bool {
         let parent = |marker: &MarkerIx| {
             let relative = self.markers[marker.0].relative.as_ref();
             relative.map(|relative| relative.rm)
         };
-        // Markers defined in each other's frames would form an endless chain.
+        // The chain is limited, because markers defined in each other's frames would form an endless chain.
         let chain = std::iter::successors(parent(&marker), parent);
         chain
             .take(self.markers.len())
             .any(|rm| others.contains(&rm))
     }
 
-    /// Returns the number of elements of an array. State and output arrays are as long as the linear state equations that use them
+    /// Returns the number of elements of an array. The size of a state or output array follows from the linear state equations that use it
     /// (state_array).
     pub fn array_size(&self, array: &ArrayData) -> usize {
         let id = array.header.id;

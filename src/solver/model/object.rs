@@ -6,13 +6,13 @@ use super::{
 
 /// Interface common to all objects of a model.
 pub(super) trait Object {
-    /// Returns the header.
+    /// Returns the header of the object.
     fn header(&self) -> &Header;
-    /// Returns the header for modification.
+    /// Returns the header of the object for modification.
     fn header_mut(&mut self) -> &mut Header;
-    /// Returns whether the object was defined by this kind of statement.
+    /// Returns whether a statement of this kind defined the object.
     fn is(&self, kind: &str) -> bool;
-    /// Returns false if no object of this type can come from this kind of statement. This avoids a scan of the long lists of large decks.
+    /// Returns false if no object of this type can come from a statement of this kind. This avoids scanning the long lists of large decks.
     fn may_be(_kind: &str) -> bool {
         true
     }
@@ -86,14 +86,14 @@ impl Object for PairForce {
     }
 }
 
-/// Operation on every list of a model, together with the same list of another model.
+/// Operation on every object list of a model, together with the corresponding list of another model.
 pub(super) trait EachList {
-    /// Performs the operation on one list.
+    /// Performs the operation on one list and the corresponding list of the other model.
     fn list<T: Object>(&mut self, list: &mut Vec<T>, other: &mut Vec<T>);
 }
 
 impl Model {
-    /// Applies an operation to all lists of objects.
+    /// Applies an operation to all object lists of this model and of `other`.
     pub(super) fn each_list(&mut self, other: &mut Self, each: &mut impl EachList) {
         each.list(&mut self.parts, &mut other.parts);
         each.list(&mut self.markers, &mut other.markers);

@@ -11,7 +11,7 @@ pub enum StaticMethod {
     All,
 }
 
-/// EQUILIBRIUM, with the manual's defaults (guide/formats.md 2.15).
+/// EQUILIBRIUM settings, with the manual's defaults (guide/formats.md 2.15).
 #[derive(Clone, PartialEq, Debug)]
 pub struct EquilibriumSettings {
     /// ALIMIT: maximum rotation step of one iteration, radians.
@@ -26,7 +26,7 @@ pub struct EquilibriumSettings {
     pub maxit: usize,
     /// Whether the deck states MAXIT. A stated limit applies to iterations of every kind.
     pub maxit_stated: bool,
-    /// PATTERN: whether each iteration evaluates a new Jacobian, repeated cyclically.
+    /// PATTERN: for each iteration, whether it evaluates a new Jacobian. The pattern repeats cyclically.
     pub pattern: Vec<bool>,
     /// STABILITY: factor of the mass matrix added to the static Jacobian.
     pub stability: f64,
@@ -56,7 +56,7 @@ impl Default for EquilibriumSettings {
     }
 }
 
-/// INTEGRATOR settings. Values that are not given follow from the simulation.
+/// INTEGRATOR settings. The simulation chooses the values that are not given.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IntegratorSettings {
     /// Integration method that the deck requests: `GSTIFF`, `HHT`, ...
@@ -79,7 +79,7 @@ pub struct IntegratorSettings {
     pub adaptivity: f64,
     /// INTERPOLATE=ON: output values are interpolated between integration steps.
     pub interpolate: bool,
-    /// Given arguments without effect on the built-in method: KMAX, PATTERN, ...
+    /// Arguments given in the deck that have no effect on the built-in method, such as KMAX and PATTERN.
     pub without_effect: Vec<&'static str>,
 }
 
@@ -116,8 +116,8 @@ impl Default for IntegratorSettings {
 pub struct KinematicsSettings {
     /// HMAX: maximum step size.
     pub hmax: Option<f64>,
-    /// Given arguments without effect: constraints are always satisfied to round-off, whatever error tolerances and iteration limits are
-    /// given.
+    /// Arguments given in the deck that have no effect. Error tolerances and iteration limits are among them, because constraints are
+    /// always satisfied to round-off.
     pub without_effect: Vec<&'static str>,
 }
 
@@ -138,7 +138,8 @@ pub struct OutputSettings {
     pub fixed: bool,
     /// TELETYPE: the tables are at most 72 columns wide.
     pub teletype: bool,
-    /// DZERO, VZERO, AZERO, FZERO: magnitudes below these are written as zero in requests and tables.
+    /// DZERO, VZERO, AZERO, FZERO: thresholds for displacements, velocities, accelerations and forces. Smaller magnitudes are written as
+    /// zero in requests and tables.
     pub zero: [f64; 4],
 }
 

@@ -7,7 +7,7 @@ use crate::mechanics::Vec3;
 use admire_syntax::grammar::ValueKind;
 use admire_syntax::{Dataset, Value};
 
-/// Summary of a model in a few numbers.
+/// Key facts about a model.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct Summary {
     /// Title: the first line of the dataset.
@@ -18,15 +18,15 @@ pub struct Summary {
     pub units_stated: bool,
     /// Units consistency factor: force * UCF = mass * acceleration.
     pub ucf: f64,
-    /// Number of statements by full keyword, in alphabetical order; unknown ones under `(unknown)`.
+    /// Number of statements for each full keyword, in alphabetical order. Statements with an unknown keyword count under `(unknown)`.
     pub statements: BTreeMap<&'static str, usize>,
-    /// Mass of all parts and point masses except ground.
+    /// Total mass of all parts and point masses except ground.
     pub mass: f64,
-    /// Centre of this mass in ground axes at the positions of the dataset; absent without mass.
+    /// Centre of the total mass in ground axes, at the positions in the dataset. Absent if the total mass is zero.
     pub centre_of_mass: Option<[f64; 3]>,
-    /// Ids and names of unreferenced markers, in order of appearance.
+    /// Ids and names of the markers that nothing refers to, in order of appearance.
     pub unused_markers: Vec<(u32, String)>,
-    /// Whether USER subroutines are called, whose parameters can also refer to markers.
+    /// Whether USER subroutines are called. Their parameters can also refer to markers.
     pub calls_subroutines: bool,
     /// Kind, id and reason of each statement that the built-in solver leaves out.
     pub unsolved: Vec<(&'static str, u32, String)>,

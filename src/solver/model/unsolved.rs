@@ -1,4 +1,4 @@
-//! Statements that the built-in solver cannot solve: the effect of each, and leaving them out on request.
+//! Statements that the built-in solver cannot solve: the effect of each statement, and how they are left out on request.
 
 use super::object::Object;
 use super::{Function, Header, Model};
@@ -8,13 +8,13 @@ use admire_syntax::grammar::{Role, find_statement};
 /// Statement that the built-in solver cannot solve, with the reason.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Unsolved {
-    /// Id, name, origin.
+    /// Id and name of the object, and index of its statement.
     pub header: Header,
     /// Keyword of the statement in capitals.
     pub kind: &'static str,
     /// Diagnostic code: `UserSubroutine` or `NotSolvedNatively`.
     pub code: Code,
-    /// Reason why only real ADAMS can solve it.
+    /// Reason why only real ADAMS can solve the statement.
     pub why: String,
 }
 
@@ -32,8 +32,8 @@ impl Object for Unsolved {
     }
 }
 
-/// Returns the effect that an unsolved statement would have on an equilibrium. `None` for statements that only measure, draw or write, or
-/// that act through other statements, which are rejected themselves.
+/// Returns the effect that an unsolved statement would have on an equilibrium. `None` for statements that only measure, draw or write, and
+/// for statements that act only through other statements, because those are rejected themselves.
 pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "CLEARANCE" | "CONTROL" | "CURVE" | "FEMDATA" | "FE_NODE" | "LINEAR" | "MREQUEST"
@@ -79,7 +79,7 @@ pub(crate) fn may_be_ignored(kind: &str) -> bool {
     LEFT_OUT.contains(&kind)
 }
 
-/// Unsolved statements that the user allows the built-in solver to leave out: all of one kind, or a single one.
+/// Unsolved statements that the user allows the built-in solver to leave out: all statements of one kind, or a single statement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Ignore {
     kind: &'static str,
@@ -90,7 +90,7 @@ impl Ignore {
     /// Parses a list such as `CONTACT, FRICTION/3`.
     ///
     /// # Errors
-    /// A word that is not a statement, or a statement that cannot be left out. The message names the word and the allowed statements.
+    /// An error message that names the first word that is not a statement or cannot be left out, and lists the allowed statements.
     pub fn parse(list: &str) -> Result<Vec<Self>, String> {
         let words = list.split([',', ';', ' ']).filter(|word| !word.is_empty());
         words.map(Self::word).collect()
@@ -118,7 +118,8 @@ impl Ignore {
 }
 
 impl Model {
-    /// Deactivates the unsolved statements that may be left out. Returns the kind and header of each statement that was active before.
+    /// Deactivates the statements that `ignored` covers and that the built-in solver cannot solve. Returns the kind and header of each
+    /// statement that was active before.
     pub fn leave_out(&mut self, ignored: &[Ignore]) -> Vec<(&'static str, Header)> {
         let mut out = Vec::new();
         let mut leave = |kind: &'static str, header: &mut Header| {
@@ -152,7 +153,7 @@ impl Model {
         out
     }
 
-    /// Returns whether an object with a function is inactive.
+    /// Returns whether the object with this kind and id is inactive. Covers only kinds of objects that have a FUNCTION.
     pub(crate) fn is_off(&self, kind: &str, id: u32) -> bool {
         fn off<T: Object>(list: &[T], kind: &str, id: u32) -> bool {
             list.iter()

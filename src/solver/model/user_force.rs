@@ -1,6 +1,6 @@
 //! USER forces that only evaluate an Adams/Car property file, rewritten as functions of its curves.
 //!
-//! The parameter list of a USER force contains the id of a STRING with the name of the property file. The meaning of its other parameters
+//! The parameter list of a USER force contains the id of a STRING with the name of the property file. The meaning of the other parameters
 //! (preloads, offsets, scales of the instance) is unknown here. A force with such parameters keeps its subroutine unless the user declares
 //! that they have no effect.
 
@@ -20,28 +20,29 @@ use admire_syntax::{Address, Dataset, Statement, Value};
 pub struct Replacement {
     /// Edits that replace the old statements by the new ones.
     pub edits: Vec<Edit>,
-    /// Assumptions made, and the reasons why other forces keep their subroutine.
+    /// Assumptions made in the rewriting, and the reasons why other forces keep their subroutine.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 /// Maximum width of a line of spline values, in characters.
 const LINE: usize = 76;
-/// Minimum number of points of an AKISPL curve.
+/// Minimum number of points of a curve that is evaluated by AKISPL; shorter curves use INTERP.
 const AKIMA: usize = 4;
 
-/// Rewrites every GFORCE of a `.bus` file and every SFORCE of a `.spr`, `.bum` or `.reb` file whose property file was read.
+/// Rewrites GFORCEs that evaluate a `.bus` file and SFORCEs that evaluate a `.spr`, `.bum` or `.reb` file, if the property file was read.
 ///
-/// d is the deformation of I from RM in the axes of RM, a the projected angles, c the curves in units of the model, and L a length:
+/// In the new functions, d is the displacement of I from RM in RM axes, a are the projected angles, c is a curve in units of the model, and
+/// L is a length:
 /// - bushing: `F = -c(d)`, `T = -c(a)` on I;
 /// - spring: `F = c(L - DM)`, with the free length L;
 /// - bump stop: `F = c(L - DM)` where `L - DM` is positive, with L the distance at first contact;
 /// - rebound stop: `F = -c(DM - L)` where `DM - L` is positive, with L the distance at first contact.
 ///
-/// `lengths` gives L; for a spring without an entry, the FREE_LENGTH of the file is used. Damping is added to bushings in proportion to
+/// `lengths` gives L. For a spring without an entry, the FREE_LENGTH of the file is used. Damping is added to bushings in proportion to
 /// their rates, and has no effect in statics.
 ///
 /// The first parameter may select the subroutine, and one parameter must be the id of the STRING. Any other nonzero parameter can change
-/// the force. Such a force keeps its subroutine, and a diagnostic lists these parameters, unless its address is in `plain`.
+/// the force. A force with such parameters keeps its subroutine, and a diagnostic lists the parameters, unless its address is in `plain`.
 pub fn replace_user_forces(
     dataset: &Dataset,
     files: &Files,
@@ -84,7 +85,7 @@ pub fn replace_user_forces(
     work.out
 }
 
-/// Force components with their function text.
+/// Names of the force components, each with its function text.
 type Functions = Vec<(&'static str, String)>;
 type Splines = Vec<String>;
 
@@ -94,7 +95,7 @@ struct Work<'a> {
     units: Units,
     lengths: &'a [(Address, f64)],
     plain: &'a [Address],
-    /// Highest SPLINE id in use.
+    /// Highest SPLINE id in use so far.
     splines: u32,
     out: Replacement,
 }
@@ -149,7 +150,8 @@ impl Work<'_> {
         }
     }
 
-    /// Returns the nonzero parameters other than the first, which selects the subroutine, and the id of the file's STRING.
+    /// Returns the nonzero parameters other than the first one (which selects the subroutine) and other than the id of the STRING that
+    /// names the file.
     fn others(&self, user: &str, name: &str) -> Vec<String> {
         let is_file = |number: f64| {
             let id = (number >= 1.0 && number.fract() == 0.0).then_some(number as u32);
@@ -162,7 +164,7 @@ impl Work<'_> {
         others.map(|(_, number)| format!("{number}")).collect()
     }
 
-    /// Returns the single property file that the parameters of a call refer to.
+    /// Returns the single property file that the parameters of a USER call refer to.
     fn property_file(&self, user: &str) -> Result<(String, PropertyFile), String> {
         let numbers = numbers(user);
         let mut found: Option<(String, PropertyFile)> = None;
@@ -272,7 +274,7 @@ impl Work<'_> {
         Ok((vec![("FUNCTION", function)], vec![spline]))
     }
 
-    /// Returns the function call of a curve and the text of the SPLINE that holds it.
+    /// Returns the function call that evaluates a curve, and the text of the SPLINE that holds the curve.
     fn curve(
         &mut self,
         at: &str,
@@ -299,7 +301,7 @@ impl Work<'_> {
                     spline += "\n";
                     width = 0;
                 }
-                // Within a list, a leading comma of a line also acts as separator.
+                // Within a list, a comma at the start of a line also acts as separator.
                 spline += if k == 0 { " " } else { ", " };
                 spline += &word;
                 width += word.len() + 2;
@@ -351,7 +353,7 @@ impl Work<'_> {
     }
 }
 
-/// Returns the numeric parameters of a call.
+/// Returns the numeric parameters of a USER call.
 fn numbers(user: &str) -> impl Iterator<Item = f64> + '_ {
     let inside = user.split_once('(').map_or("", |(_, inside)| inside);
     let words = inside.trim_end().trim_end_matches(')').split(',');

@@ -1,34 +1,34 @@
 //! Anderson acceleration of a fixed-point iteration; for a linear iteration it is a minimal-residual method.
 //!
-//! The correction at an iterate x is f, so that the plain iteration goes to x + f. The accelerated iteration goes to `x + f - sum c_j p_j`
+//! Let f be the correction at an iterate x, so that the plain iteration goes to x + f. The accelerated iteration goes to `x + f - sum c_j p_j`
 //! with c_j = q_j . f. The q_j are the orthonormalised past changes of f, and the p_j are the matching changes of x + f. (D. G. Anderson, J.
 //! ACM 12, 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49, 2011.)
 
 use super::newton::Unknowns;
 
-/// A change of f is discarded if its part independent of the earlier changes is smaller than this share of it.
+/// A change of f is discarded if its component orthogonal to the earlier changes is below this share of the change.
 const NEW: f64 = 1e-8;
 
 /// History of an accelerated iteration.
 #[derive(Debug, Default)]
 pub(super) struct AndersonAcceleration {
-    /// Factor on each unknown in scalar products; `None` before [`Self::begin`], and then nothing is accelerated.
+    /// Weight of each unknown in scalar products. It is `None` before [`Self::begin`]; the iteration is then not accelerated.
     weights: Option<Unknowns>,
-    /// Pairs (q, p) of orthonormal changes of f and matching changes of x + f.
+    /// Pairs (q, p): the orthonormalised changes of f and the matching changes of x + f.
     known: Vec<(Unknowns, Unknowns)>,
-    /// Last correction, and the step that was taken for it.
+    /// Last correction, and the accelerated step that was returned for it.
     last: Option<(Unknowns, Unknowns)>,
 }
 
 impl AndersonAcceleration {
-    /// Discards the history and sets the factors for scalar products.
+    /// Discards the history and sets the weights of the unknowns in scalar products.
     pub(crate) fn begin(&mut self, weights: Unknowns) {
         self.weights = Some(weights);
         self.known.clear();
         self.last = None;
     }
 
-    /// Returns the accelerated step for a correction.
+    /// Returns the accelerated step for a correction f.
     pub(crate) fn mixed(&mut self, correction: &Unknowns) -> Unknowns {
         let mut step = correction.clone();
         let Some(weights) = &self.weights else {
@@ -64,7 +64,8 @@ impl AndersonAcceleration {
 mod tests {
     use super::*;
 
-    /// x = K x + b, where two eigenvalues of K exceed one in size: the solution is found with one correction more than there are unknowns.
+    /// The plain iteration x = K x + b diverges, because two eigenvalues of K exceed one in magnitude. The accelerated iteration finds the
+    /// solution with four corrections, one more than the number of unknowns.
     #[test]
     fn a_linear_iteration_that_grows_ends() {
         let one = |values: [f64; 3]| Unknowns {

@@ -1,5 +1,5 @@
-//! Initial conditions: positions, velocities, and then accelerations and forces that satisfy the constraints with the least change of the
-//! data.
+//! Initial conditions. Positions and velocities satisfy the constraints with the least change of the data; accelerations and forces follow from
+//! them.
 
 use super::bordered::plain_weight;
 use super::consistent::{Consistent, REMOVED, difference, largest_speed};
@@ -7,31 +7,31 @@ use super::error::{MotionError, MotionFailure};
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
 use crate::system::{Parameters, PartRates, State, System};
 
-/// Weight of stated values relative to free ones.
+/// Weight of stated positions and velocities, relative to the weight of free ones.
 const STATED: f64 = 1e8;
-/// Number of passes in which free velocities follow stated ones, so that the free ones no longer disturb the stated ones.
+/// Number of passes in which the free velocities adapt to the stated ones, so that they no longer disturb the stated ones.
 const PASSES: usize = 3;
-/// Changes of position below this, in model lengths or radians, are round-off.
+/// Changes of position below this (in model lengths) and rotations below this (in radians) are round-off.
 const ROUND_OFF: f64 = 1e-11;
-/// Rates of violation above this share of the largest speed are a conflict.
+/// Rates of constraint violation above this share of the largest speed are reported as a conflict.
 const CONFLICT: f64 = 1e-6;
 
-/// Velocities that an assembly starts from.
+/// Choice of the velocities from which an assembly starts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kept {
-    /// The velocities of the dataset.
+    /// The velocities stated in the dataset.
     Data,
-    /// The velocities of the state; momentum is kept as far as the constraints allow.
+    /// The velocities of the state. Momentum is preserved as far as the constraints allow.
     Velocities,
-    /// Rest: parts move only as the constraints require.
+    /// Zero velocities: parts move only as the constraints require.
     Nothing,
 }
 
 /// Brings a state onto its constraints.
 ///
-/// Positions change as little as possible, and EXACT coordinates stay where the constraints allow it. Velocities start from those that `kept`
-/// selects. Accelerations, multipliers, variables and rates of states follow. Redundant constraint equations are identified and marked.
-/// `step` is the time step of finite differences.
+/// Positions change as little as possible, and EXACT coordinates keep their values where the constraints allow it. `kept` selects the
+/// velocities to start from. Accelerations, multipliers, variables and rates of states follow. Redundant constraint equations are identified
+/// and marked. `step` is the time step of finite differences.
 ///
 /// # Errors
 /// [`MotionError`] if the constraints contradict each other or an element has no value; the state is then unchanged.
@@ -85,7 +85,7 @@ fn attempt(
             Some((&anchors, &|part| weights[part])),
         )
         .map_err(at_the_start)?;
-    // Redundancy is determined at the assembled positions. Most decks are assembled from the start.
+    // Redundancy is determined at the assembled positions. It is determined again if the assembly moved a part, which is rare.
     let moved = anchors.iter().zip(&state.poses).any(|(from, pose)| {
         let apart = difference(pose, from);
         let (place, turn) = (
@@ -107,7 +107,7 @@ fn attempt(
     memory.accelerations(system, parameters, state, step)
 }
 
-/// Positions that cannot be at the start are the fault of the initial conditions.
+/// Converts errors about positions to [`MotionFailure::Inconsistent`], because at the start of a motion they are due to the initial conditions.
 fn at_the_start(reason: MotionFailure) -> MotionFailure {
     match reason {
         MotionFailure::NoPosition {
@@ -162,7 +162,7 @@ fn velocities(
             }
             for _ in 0..PASSES {
                 memory.velocities(system, parameters, state, &|part| weights[part])?;
-                // Stated values are restored; the free velocities have followed them.
+                // Stated values are restored; the free velocities have adapted to them.
                 for (part, stated) in stated.iter().enumerate() {
                     stated.restore(&mut state.velocities[part], system.bodies[part].freedoms);
                 }
@@ -181,9 +181,9 @@ fn velocities(
     memory.check_removed_rates(system, parameters, state, REMOVED * scale)
 }
 
-/// Returns the weight of free velocities. The weighted norm is the sum of two squares: the velocity of the centre of mass in metres per unit
-/// of time, and the angular velocity in radians per unit of time. Real results show this weighting, which is independent of the units of the
-/// model (grammar/NOTES.md).
+/// Returns the weight matrix of free velocities of a part. The squared norm is the sum of two squares: the velocity of the centre of mass in
+/// metres per unit of time, and the angular velocity in radians per unit of time. Results of real runs show this weighting (grammar/NOTES.md).
+/// It is independent of the units of the model.
 fn unweighted(system: &System, parameters: &Parameters, state: &State, part: usize) -> Mat6 {
     let body = &system.bodies[part];
     let c = body.cm.map_or_else(Vec3::zeros, |cm| {
@@ -203,7 +203,7 @@ fn unweighted(system: &System, parameters: &Parameters, state: &State, part: usi
     S
 }
 
-/// Returns the additional weight of a part from its EXACT coordinates.
+/// Returns the additional weight matrix of a part with EXACT coordinates.
 fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6 {
     let exact = system.bodies[part].start.exact;
     let mut S = Mat6::zeros();
@@ -218,7 +218,8 @@ fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6
         }
         return S;
     }
-    // The columns are the rotation axes of the angles in R = Rz(psi) Rx(theta) Rz(phi). EXACT holds one angle and lets the others change.
+    // The columns are the rotation axes of the angles in R = Rz(psi) Rx(theta) Rz(phi). An EXACT angle is held while the other angles may
+    // change.
     let [psi, theta, _] = psi_theta_phi(&pose.R);
     let axes = Mat3::from_columns(&[
         Vec3::z(),
@@ -242,9 +243,9 @@ fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6
     S
 }
 
-/// Stated velocity components of a part, as rows on (velocity of the origin, angular velocity).
+/// Stated velocity components of a part, as linear functions of (velocity of the origin, angular velocity).
 struct Stated {
-    /// Tuples (row, stated value, true for an angular velocity).
+    /// Tuples (coefficients of the linear function, stated value, true for an angular velocity).
     rows: Vec<(Vec6, f64, bool)>,
 }
 
@@ -292,7 +293,7 @@ impl Stated {
         Self { rows }
     }
 
-    /// Returns the weight of the stated components. `metre` is the number of metres in a unit of length.
+    /// Returns the weight matrix of the stated components. `metre` is the number of metres per length unit of the model.
     fn weight(&self, metre: f64) -> Mat6 {
         let mut S = Mat6::zeros();
         for (row, _, angular) in &self.rows {
@@ -302,7 +303,7 @@ impl Stated {
         S
     }
 
-    /// The velocity that has the stated numbers and is zero otherwise.
+    /// Returns the velocity that has the stated components and is zero in all other directions.
     fn velocity(&self) -> PartRates {
         let mut velocity = PartRates::zero();
         for (row, value, angular) in &self.rows {
@@ -314,7 +315,8 @@ impl Stated {
         velocity
     }
 
-    /// Changes a velocity by the least so that it has the stated numbers: rotations first, then translations.
+    /// Changes a velocity as little as possible so that it has the stated components: first the angular velocity, then the velocity of the
+    /// origin.
     fn restore(&self, velocity: &mut PartRates, freedoms: usize) {
         for (row, value, angular) in &self.rows {
             let turn = Vec3::new(row[3], row[4], row[5]);

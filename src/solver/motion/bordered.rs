@@ -1,4 +1,4 @@
-//! Projections: the system `[ S, G'; G, 0 ]` of one weight matrix per part and the constraint gradients.
+//! Projections onto the constraints, with the matrix `[ S, G'; G, 0 ]`. S contains one weight matrix per part, and G the constraint gradients.
 
 use std::ops::{Div, Mul};
 
@@ -14,7 +14,7 @@ pub(super) struct Bordered {
     values: Vec<f64>,
     factors: Lu,
     bodies: usize,
-    /// True if all weights are diagonal.
+    /// True if all weight matrices are diagonal.
     plain: bool,
 }
 
@@ -31,7 +31,7 @@ impl Bordered {
         }
     }
 
-    /// Creates a projection for diagonal weights only.
+    /// Creates a projection whose weight matrices are all diagonal.
     pub(crate) fn plain(system: &System) -> Self {
         Self {
             plain: true,
@@ -39,7 +39,7 @@ impl Bordered {
         }
     }
 
-    /// Factors the system. Equations that do not take part get a multiplier of zero.
+    /// Assembles and factors the matrix. Equations for which `takes_part` is false get a multiplier of zero.
     pub(crate) fn factor(
         &mut self,
         system: &System,
@@ -72,12 +72,12 @@ impl Bordered {
         self.factors.factor_entries(&matrix);
     }
 
-    /// Solves in place. The vector contains motions of the parts, then multipliers.
+    /// Replaces the right side `b` by the solution. The vector contains the motions of the parts, then the multipliers.
     pub(crate) fn solve(&mut self, b: &mut [f64]) {
         self.factors.solve(b);
     }
 
-    /// Solves for numbers of another kind. The solution is written to `x`, and `b` is overwritten.
+    /// Solves for a right side of another number type, for example complex numbers. Writes the solution to `x` and overwrites `b`.
     pub(crate) fn solve_into<T>(&self, b: &mut [T], x: &mut [T])
     where
         T: Scalar + Mul<f64, Output = T> + Div<f64, Output = T>,
@@ -86,8 +86,8 @@ impl Bordered {
     }
 }
 
-/// Returns a weight for parts that is independent of their masses: m for translations, m L^2 for rotations, with the model's reference mass
-/// and length.
+/// Returns a diagonal weight matrix that is independent of the masses of the parts: m for translations, m L^2 for rotations. m is the reference
+/// mass of the model, and L is its length.
 pub(super) fn plain_weight(system: &System) -> Mat6 {
     let (m, l) = (system.reference_mass, system.length);
     Mat6::from_fn(|i, j| match (i == j, i < 3) {

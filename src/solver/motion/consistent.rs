@@ -6,14 +6,14 @@ use crate::linear::{Entries, Levels, Lu};
 use crate::mechanics::{Mat6, Pose, Vec3, exceeds, log};
 use crate::system::{Parameters, Rows, Scratch, State, System};
 
-/// Violation, per model length, up to which positions satisfy the constraints.
+/// Constraint violation at which the position iteration ends, as a share of the model's length.
 const CLOSED: f64 = 1e-12;
-/// Violation, per model length, up to which positions are accepted although the iteration does not reach [`CLOSED`].
+/// Constraint violation that is accepted if the iteration does not reach [`CLOSED`], as a share of the model's length.
 const OPEN: f64 = 1e-8;
-/// Bound on the violation of a removed equation, per length of the model, and on its rate, per largest speed. The equation agreed with the
-/// others within 1e-6 where it was removed; a large motion adds to that.
+/// Largest violation of a removed equation, as a share of the model's length, and largest rate of violation, as a share of the largest speed.
+/// When the equation was removed, it agreed with the others within 1e-6; a large motion adds to that.
 pub(super) const REMOVED: f64 = 1e-4;
-/// Relative residual allowed in the equation of a variable or a state where the matrix is singular.
+/// Relative residual allowed in the equation of a variable or a state if the matrix is singular.
 const UNDETERMINED: f64 = 1e-9;
 /// Largest number of iterations for positions and for accelerations.
 const ITERATIONS: usize = 50;
@@ -35,7 +35,7 @@ pub struct Consistent {
     pub(super) border: Vec<f64>,
     pub(super) v: Vec<f64>,
     gamma: Vec<f64>,
-    /// Number of motions without inertia that are known to be restrained; `None` before that was checked.
+    /// Number of motions without inertia that are known to be restrained; `None` before the first check.
     pub(super) held: Option<usize>,
 }
 
@@ -60,7 +60,7 @@ impl Consistent {
         }
     }
 
-    /// Marks the constraint equations that depend on others at the present positions.
+    /// Marks the constraint equations that are redundant at the present positions.
     pub(super) fn find_redundant(
         &mut self,
         system: &System,
@@ -81,11 +81,11 @@ impl Consistent {
         Ok(())
     }
 
-    /// Brings the positions onto the constraints: nearest to the anchors in the weighted norm, or nearest to the present positions without
-    /// anchors.
+    /// Brings the positions onto the constraints. With anchors, the result is the position nearest to them in the weighted norm. Without
+    /// anchors, each iteration changes the present positions as little as possible.
     ///
     /// # Errors
-    /// [`Reason`] if no such positions are found.
+    /// [`MotionFailure`] if no such positions are found.
     pub(super) fn positions(
         &mut self,
         system: &System,
@@ -104,7 +104,7 @@ impl Consistent {
             system.constraints_and_rows(parameters, state, scratch, g, rows)?;
             worst = self.worst(system, state);
             let closed = worst.1 <= CLOSED * system.length;
-            // Newton's method doubles the correct digits. A violation that no longer falls is round-off.
+            // Newton's method doubles the number of correct digits in each iteration. A violation that no longer falls is round-off.
             let stalled = worst.1 <= OPEN * system.length && worst.1 >= 0.5 * before;
             if anchors.is_none() && (closed || stalled) {
                 return Ok(());
@@ -162,7 +162,7 @@ impl Consistent {
         })
     }
 
-    /// Returns the holonomic equation with the largest violation, and that violation.
+    /// Returns the index of the holonomic equation with the largest violation, and this violation.
     fn worst(&self, system: &System, state: &State) -> (usize, f64) {
         let mut worst = (0, 0.0);
         for k in 0..system.equations {
@@ -177,7 +177,7 @@ impl Consistent {
     /// Brings the velocities onto the constraints with the least change in the weighted norm.
     ///
     /// # Errors
-    /// [`Reason`] if a function has no value.
+    /// [`MotionFailure`] if a function has no value.
     pub(super) fn velocities(
         &mut self,
         system: &System,
@@ -192,7 +192,7 @@ impl Consistent {
         system.constraints_and_rows(parameters, state, scratch, g, rows)?;
         let takes_part = |k: usize| system.is_effective(state, k);
         self.bordered.factor(system, &self.rows, takes_part, weight);
-        // Solves twice, because the first solution leaves round-off in proportion to its size.
+        // Solves twice, because the first solution leaves round-off in proportion to the change of the velocities.
         for _ in 0..2 {
             self.border.fill(0.0);
             system.velocity_vector(state, &mut self.v);
@@ -211,7 +211,8 @@ impl Consistent {
         Ok(())
     }
 
-    /// Returns the equation with the largest rate of violation, and that rate. Uses the gradients evaluated by [`Self::velocities`].
+    /// Returns the index of the constraint equation with the largest rate of violation, and this rate. Uses the gradients that
+    /// [`Self::velocities`] evaluated last.
     pub(super) fn worst_rate(&mut self, system: &System, state: &State) -> (usize, f64) {
         system.velocity_vector(state, &mut self.v);
         let mut rates = self.rows.time.clone();
@@ -227,16 +228,16 @@ impl Consistent {
             })
     }
 
-    /// Computes accelerations, multipliers, variables and rates of the states from positions, velocities and states:
-    /// `[ M - F_A, G' - F_lambda; G, 0 ] [ A; lambda ] = [ F - h; -gamma ]`, by Newton's method where forces depend on these unknowns.
+    /// Computes accelerations, multipliers, variables and rates of the states from positions, velocities and states. The equations are
+    /// `[ M - F_A, G' - F_lambda; G, 0 ] [ A; lambda ] = [ F - h; -gamma ]`. Newton's method solves them where forces depend on these unknowns.
     ///
-    /// Functions of reactions and accelerations may have no value before these are known; they count as zero until the first solution.
+    /// Functions of reactions and accelerations may be undefined before the first solution. They count as zero until then.
     ///
-    /// `step` is the time step of the finite differences for second derivatives of functions. Accelerations of motions without inertia stay
+    /// `step` is the time step of the finite differences for second derivatives of functions. Accelerations of motions without inertia are left
     /// unchanged.
     ///
     /// # Errors
-    /// [`Reason`] if an element has no value, or if a motion has no inertia and is not restrained.
+    /// [`MotionFailure`] if an element has no value, or if a motion has no inertia and is not restrained.
     pub(super) fn accelerations(
         &mut self,
         system: &System,
@@ -258,7 +259,7 @@ impl Consistent {
             let (scratch, g, levels) = (&mut self.scratch, &mut self.g, &mut self.levels);
             let lacking = system.assemble_leniently(parameters, state, scratch, g, levels)?;
             if lacking > 0 && lacking >= lacking_before {
-                // Solving for the other unknowns does not give these functions a value either.
+                // Further iterations do not give these functions a value, so that the evaluation reports the error.
                 system.evaluate(parameters, state, &mut self.scratch)?;
             }
             lacking_before = lacking;
@@ -349,10 +350,11 @@ impl Consistent {
         Ok(())
     }
 
-    /// Brings a moving state onto its constraints at all three levels, close to where it is, so that its output is consistent.
+    /// Brings a moving state onto its constraints at the levels of positions, velocities and accelerations, so that its output is consistent.
+    /// The changes are small. `step` is the time step of finite differences.
     ///
     /// # Errors
-    /// [`Reason`] if one of the three levels fails or a removed constraint equation is violated.
+    /// [`MotionFailure`] if one of the three levels fails or a removed constraint equation is violated.
     pub fn reconcile(
         &mut self,
         system: &System,
@@ -368,7 +370,7 @@ impl Consistent {
         self.check_removed(system, parameters, state, |_| true)
     }
 
-    /// Checks that the removed equations for which `looked_at` is true are satisfied.
+    /// Checks that the removed constraint equations are satisfied, as far as `looked_at` selects them.
     pub(super) fn check_removed(
         &mut self,
         system: &System,
@@ -397,7 +399,7 @@ impl Consistent {
         Ok(())
     }
 
-    /// Checks that the rates of violation of the removed equations are at most `most`.
+    /// Checks that the rate of violation of every removed constraint equation is at most `most`.
     pub(super) fn check_removed_rates(
         &mut self,
         system: &System,
@@ -421,7 +423,7 @@ impl Consistent {
         }
     }
 
-    /// Evaluates all constraint equations, including the removed ones. Returns false if none were removed.
+    /// Evaluates all constraint equations, including the removed ones. Returns false, without an evaluation, if no equation is removed.
     pub(super) fn look_at_removed(
         &mut self,
         system: &System,
@@ -441,8 +443,8 @@ impl Consistent {
     }
 }
 
-/// Returns the first variable or implicit state whose equation `A dx + g = 0` is not satisfied after a solution with a singular matrix. A
-/// state whose equation does not contain its rate is skipped: such an equation restricts positions and states, not accelerations.
+/// Returns the name of the first variable or implicit state whose equation `A dx + g = 0` the solution with a singular matrix does not satisfy.
+/// A state whose equation does not contain its rate is skipped, because such an equation restricts positions and states, not accelerations.
 fn undetermined(
     system: &System,
     matrix: &Entries<'_, f64>,
@@ -461,7 +463,8 @@ fn undetermined(
     rows.find(violated).map(|row| system.equation_name(row))
 }
 
-/// Returns the largest speed of a part, where rotations are multiplied by the model's length; at least one model length per unit of time.
+/// Returns the largest speed of any part; angular velocities are multiplied by the model's length. The result is at least one model length per
+/// unit of time.
 pub(super) fn largest_speed(system: &System, state: &State) -> f64 {
     let speeds = state.velocities.iter();
     let speeds = speeds.map(|v| v.linear.norm().max(v.angular.norm() * system.length));

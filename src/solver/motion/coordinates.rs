@@ -1,4 +1,4 @@
-//! Coordinates of small motions: displacements and rotations of the parts, seen from ground or a marker, or VARIABLEs of a PSTATE.
+//! Coordinates of small motions: displacements and rotations of the parts relative to ground or to a marker, or VARIABLEs of a PSTATE.
 
 use nalgebra::DMatrix;
 
@@ -7,30 +7,30 @@ use crate::linear::Levels;
 use crate::mechanics::{Mat3, skew};
 use crate::system::{Parameters, Scratch, State, System};
 
-/// A row depends on the rows chosen before it if less than this share of it remains after their directions are removed.
+/// A row depends on rows chosen earlier if less than this share of it remains after its components along them are removed.
 const DESCRIBED: f64 = 1e-6;
 /// Relative difference below which the sizes of two rows count as equal.
 const EQUAL: f64 = 1e-9;
 
-/// Choice of the coordinates that are the states of LINEAR, together with their rates.
+/// Choice of the coordinates that, together with their rates, are the states of the LINEAR command.
 ///
-/// ADAMS takes the VARIABLEs of a PSTATE first, then global displacements and rotations of parts, as many in all as there are degrees of
-/// freedom (`state_pstate`: "the system will fill in"). Dependent ones are discarded.
+/// ADAMS takes the VARIABLEs of a PSTATE first, then global displacements and rotations of parts. The total number of coordinates equals the
+/// number of degrees of freedom (`state_pstate`: "the system will fill in"). Dependent coordinates are discarded.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Coordinates {
-    /// VARIABLEs to choose first, by their index in the model.
+    /// Indices in the model of the VARIABLEs to choose first.
     pub variables: Vec<usize>,
-    /// Marker from which the parts are seen, in its axes, by its index in the model; `None` for ground.
+    /// Index in the model of the marker relative to which the parts are described, in axes of this marker; `None` for ground.
     pub seen_from: Option<usize>,
 }
 
 impl Coordinates {
-    /// Returns true if the coordinates are the displacements and rotations of the parts in ground.
+    /// Returns true if the coordinates are the displacements and rotations of the parts relative to ground.
     pub(super) fn are_plain(&self) -> bool {
         self.variables.is_empty() && self.seen_from.is_none()
     }
 
-    /// Returns where each kind of rows ends: VARIABLEs, parts seen from a marker, parts in ground.
+    /// Returns the end of each kind of candidate row: VARIABLEs, parts relative to a marker, parts relative to ground.
     fn ends(&self, system: &System) -> [usize; 3] {
         let first = self.variables.len();
         let n = system.first_equation;
@@ -38,7 +38,7 @@ impl Coordinates {
         [first, seen, seen + n]
     }
 
-    /// Returns the name of a row.
+    /// Returns the name of the candidate coordinate in a row.
     pub(super) fn name(&self, system: &System, row: usize) -> String {
         let [first, seen, _] = self.ends(system);
         if row < first {
@@ -51,13 +51,13 @@ impl Coordinates {
         }
     }
 
-    /// Returns the derivatives of all candidate coordinates by the motions of the parts, one row each.
+    /// Returns the derivatives of all candidate coordinates with respect to the motions of the parts. Each coordinate has one row.
     ///
     /// For a part with origin p, seen from a marker with axes R on a part with origin p_r, the rows are `R' (dp - dp_r + (p - p_r) x dphi_r)`
     /// and `R' (dphi - dphi_r)`.
     ///
     /// # Errors
-    /// [`Reason`] if a VARIABLE has no value or is not a function of positions alone.
+    /// [`MotionFailure`] if a VARIABLE has no value or is not a function of positions alone.
     pub(super) fn rows(
         &self,
         system: &System,
@@ -101,7 +101,7 @@ impl Coordinates {
         Ok(P)
     }
 
-    /// Fills the rows of the VARIABLEs. Unknown VARIABLEs are eliminated: `dv = -J_vv^-1 J_vq d`.
+    /// Fills the rows of the VARIABLEs. VARIABLEs that are unknowns are eliminated: `dv = -J_vv^-1 J_vq d`.
     fn of_variables(
         &self,
         (system, parameters, state): (&System, &Parameters, &State),
@@ -113,7 +113,7 @@ impl Coordinates {
         let (mut levels, mut g) = (Levels::new(m), vec![0.0; m]);
         system.assemble(parameters, state, &mut scratch, &mut g, &mut levels)?;
         levels.finish();
-        // Derivatives by positions and by unknown VARIABLEs, and whether a row depends on anything else.
+        // Derivatives with respect to positions and to unknown VARIABLEs, and whether a row depends on any other unknown.
         let mut own: DMatrix<f64> = DMatrix::zeros(count, count);
         let mut by_place: DMatrix<f64> = DMatrix::zeros(count, n);
         let mut reads_others = vec![false; count];
@@ -159,11 +159,13 @@ impl Coordinates {
         Ok(())
     }
 
-    /// Chooses as many rows as Z has columns, as independent as possible within their kind, so that they describe every free motion.
+    /// Chooses as many rows as Z has columns, so that together they describe every free motion, and returns their indices. VARIABLEs are taken
+    /// in the given order. Among the other kinds, the row that is most independent of the chosen rows is taken next.
     pub(super) fn chosen(
         &self,
         system: &System,
-        (P, Z): (&DMatrix<f64>, &DMatrix<f64>),
+        P: &DMatrix<f64>,
+        Z: &DMatrix<f64>,
         lengths: &nalgebra::DVector<f64>,
     ) -> Vec<usize> {
         let mut left = P * Z;
@@ -181,10 +183,10 @@ impl Coordinates {
             while chosen.len() < Z.ncols() {
                 let norms: Vec<f64> = (start..end).map(|k| left.row(k).norm()).collect();
                 let at = if kind == 0 {
-                    // The order given by the user is kept.
+                    // VARIABLEs are taken in the order given by the user.
                     (0..norms.len()).find(|k| norms[*k] > DESCRIBED * sizes[start + *k])
                 } else {
-                    // The first of the largest rows that are equal but for round-off.
+                    // Of all rows that are largest up to round-off, the first is taken.
                     let most = norms.iter().fold(0.0_f64, |a, b| a.max(*b));
                     let at = norms.iter().position(|s| *s >= most * (1.0 - EQUAL));
                     let last = kind == 2;

@@ -1,11 +1,12 @@
-//! Newton iteration on the three stages together, each with its own derivatives.
+//! Newton iteration on the three stages of a step together, each stage with its own derivatives.
 //!
-//! The simplified iteration of [`super::newton`] uses the derivatives of one stage for all three. Near a singular position of the mechanism
-//! the constraint gradients change by their own size within a step, and no step is short enough for that iteration. The coupled iteration
-//! converges there, but its matrix has three times the unknowns.
+//! The simplified iteration of [`super::newton`] uses the derivatives of one stage for all three. Near a singular position of the mechanism,
+//! the constraint gradients change by as much as their own size within a step. No step is then short enough for the simplified iteration. The
+//! coupled iteration converges there, but its matrix has three times as many unknowns.
 //!
-//! The unknowns of a stage are y (displacements and rotations at the stage, multipliers, variables, states), dW and dmu. P is the identity
-//! for translations and [`turning_rate`](crate::mechanics::turning_rate) for rotations. With `dd = P y` the equations of stage i are:
+//! The unknowns of a stage are y, dW and dmu. y contains the displacements and rotations at the stage, the multipliers, variables and states.
+//! dW contains the velocities, and dmu the multipliers of the velocity constraints. P is the identity for translations and
+//! [`turning_rate`](crate::mechanics::turning_rate) for rotations. With `dd = P y` the equations of stage i are:
 //!
 //! ```text
 //! K_i y_i + C_i dW_i + N_i sum_j B_ij/h dW_j = -g_i
@@ -14,12 +15,12 @@
 //! ```
 
 use super::bordered::plain_weight;
-use super::newton::{StepMatrices, Unknowns, turns};
+use super::newton::{Step, StepMatrices, Unknowns, turns};
 use crate::linear::{Levels, Lu, Matrix, Occupied, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3};
-use crate::system::{NoValue, Parameters, Rows, State, System};
+use crate::system::{NoValue, Parameters, Rows, System};
 
-/// Matrix of the iteration with its factors; its pattern stays the same.
+/// Matrix of the iteration and its factors. The pattern of the matrix stays the same.
 #[derive(Debug)]
 pub(super) struct Coupled {
     matrix: Matrix,
@@ -29,7 +30,7 @@ pub(super) struct Coupled {
     levels: Levels,
     rows: Rows,
     g: Vec<f64>,
-    /// Group of each unknown of the three stages: the index of the unknown of the equations of motion that it belongs to.
+    /// Group of each unknown of the three stages: the index of the corresponding unknown in the equations of motion.
     groups: Vec<u32>,
 }
 
@@ -46,7 +47,8 @@ impl Coupled {
             matrix: Matrix::new(size),
             occupied: Occupied::default(),
             values: Vec::new(),
-            // Not `Lu::for_steps`: its pivots may become so small that the corrections do not converge near a singular position.
+            // `Lu::for_steps` is not used, because its pivots may become so small that the corrections do not converge near a singular
+            // position.
             factors: Lu::for_many(size),
             levels: Levels::new(system.moving_unknowns),
             rows: Rows::new(system),
@@ -58,10 +60,12 @@ impl Coupled {
     pub(crate) fn factor(
         &mut self,
         equations: &mut StepMatrices,
-        (system, parameters): (&System, &Parameters),
-        (start, h): (&State, f64),
+        system: &System,
+        parameters: &Parameters,
+        step: Step<'_>,
         unknowns: &Unknowns,
     ) -> Result<(), NoValue> {
+        let Step { start, h } = step;
         let (n, all, count) = (
             system.first_equation,
             system.moving_unknowns,
@@ -177,7 +181,7 @@ impl Coupled {
         Ok(())
     }
 
-    /// Computes the corrections from the residuals of the stages with the present factors.
+    /// Computes the corrections of the unknowns from the residuals of the stages, with the factors computed last.
     pub(crate) fn correct(
         &mut self,
         equations: &StepMatrices,

@@ -2,12 +2,12 @@
 
 use super::error::MotionError;
 use super::integrator::Integrator;
-use super::newton::Stages;
+use super::newton::{StageValues, Stages};
 use super::tableau::lagrange;
 use crate::system::State;
 
 impl Integrator<'_> {
-    /// Returns the time at which the last step began.
+    /// Returns the time at which the last step began; before the first step, the time of the state.
     pub(crate) fn last_time(&self) -> f64 {
         match self.last {
             Some(_) => self.origin.time,
@@ -15,7 +15,8 @@ impl Integrator<'_> {
         }
     }
 
-    /// Returns the state at a time within the last step by its polynomial of third order, not reconciled with the constraints.
+    /// Returns the state at a time within the last step, from the cubic dense-output polynomial. This state is not reconciled with the
+    /// constraints.
     pub(crate) fn between(&self, time: f64) -> State {
         if time == self.state.time {
             return self.state.clone();
@@ -23,7 +24,8 @@ impl Integrator<'_> {
         self.continued(time)
     }
 
-    /// Evaluates the polynomial of the last step at a time within or beyond the step, with the discrete states of the step.
+    /// Evaluates the dense-output polynomial of the last step at a time within or beyond the step. The discrete states are those at the start
+    /// of the step.
     pub(super) fn continued(&self, time: f64) -> State {
         let Some(h) = self.last else {
             return self.state.clone();
@@ -47,17 +49,20 @@ impl Integrator<'_> {
         self.equations.stage_state(
             self.system,
             &self.origin,
-            time,
-            (&z, &w),
-            (&|k| slope(&self.polynomial.w, k), &|k| {
-                slope(&self.polynomial.z, k)
-            }),
+            &StageValues {
+                time,
+                z: &z,
+                w: &w,
+                acceleration: &|k| slope(&self.polynomial.w, k),
+                state_rate: &|k| slope(&self.polynomial.z, k),
+            },
             &mut state,
         );
         state
     }
 
-    /// Returns the state at a time within the last step, on its constraints at all three levels.
+    /// Returns the state at a time within the last step, reconciled with the constraints at the levels of positions, velocities and
+    /// accelerations.
     ///
     /// # Errors
     /// [`MotionError`] as for [`Self::output`].
@@ -79,7 +84,7 @@ impl Integrator<'_> {
         self.statistics.rejected += 1;
     }
 
-    /// Undoes the last step and repeats it with another end close to the previous one.
+    /// Undoes the last step and repeats it up to `time`, which is close to the previous end of the step.
     ///
     /// # Errors
     /// [`MotionError`] as for [`Self::advance_to`].

@@ -1,37 +1,38 @@
-//! Discrete states of a motion: the pieces of piecewise functions, and whether surfaces stick or slide.
+//! Discrete states of a motion: the pieces on which piecewise functions are held, and whether surfaces stick or slide.
 //!
-//! A function that is held on a piece uses the formula of that piece even where its arguments select another one. Switches are counted to
-//! detect chatter.
+//! A function that is held on a piece uses the formula of that piece even where its arguments select another piece. Switches between pieces are
+//! counted to detect chatter.
 
 use std::collections::VecDeque;
 
 use super::error::MotionFailure;
 use crate::system::{Parameters, Scratch, State, System};
 
-/// Number of switches of one function within [`STEPS`] steps above which the function is suspended.
+/// Number of switches of one function within [`STEPS`] time steps above which the function is suspended (no longer held on a piece).
 const MANY: usize = 50;
-/// Number of steps in which switches are counted. A suspended function that does not switch for as many steps is held again.
+/// Number of time steps over which switches are counted. A suspended function that does not switch during this number of time steps is held
+/// again.
 const STEPS: usize = 100;
-/// Number of switches of one function between two outputs above which the motion ends with an error.
+/// Number of switches of one function in one output interval above which the motion ends with an error.
 const MOST: usize = 1000;
 
 /// A change of a discrete state.
 pub(super) enum Change {
-    /// Change between sticking and sliding of the friction with this index.
+    /// Friction (by index) that changes between sticking and sliding.
     StickSlip(usize),
-    /// Switch of the piecewise function with this index to the given piece.
+    /// Piecewise function (by index) that switches, and the piece to which it switches.
     Switch(usize, i64),
 }
 
 /// Switching history of one piecewise function.
 #[derive(Clone, Debug, Default)]
 struct History {
-    /// Step counts at the latest switches.
+    /// Time-step counts at the latest switches.
     recent: VecDeque<usize>,
     /// Number of switches since the last output.
     count: usize,
-    /// Set while the function switches too often to be held on a piece. Contains the piece seen last, and the step count since which that
-    /// piece has been unchanged.
+    /// Set while the function switches too often to be held on a piece. Contains the piece that its arguments selected last, and the time-step
+    /// count since which this piece has not changed.
     suspended: Option<(Option<i64>, usize)>,
 }
 
@@ -39,10 +40,10 @@ struct History {
 #[derive(Debug)]
 pub(super) struct DiscreteStates {
     pub(super) scratch: Scratch,
-    /// Surface speed minus stiction velocity of each friction; NaN for frictions that cannot stick.
+    /// Surface speed minus stiction velocity of each friction; NaN for a friction that cannot stick.
     pub(super) slips: Vec<f64>,
     switches: Vec<History>,
-    /// Index of the output interval in which switches are counted.
+    /// Index of the output interval in which switches are being counted.
     interval: f64,
     /// Start time of the motion.
     start: f64,
@@ -51,7 +52,8 @@ pub(super) struct DiscreteStates {
 }
 
 impl DiscreteStates {
-    /// Returns `None` if the system has no discrete states. Otherwise holds the functions of the state on their present pieces.
+    /// Holds the piecewise functions of the state on their present pieces and creates the bookkeeping. Returns `None` if the system has no
+    /// discrete states.
     pub(super) fn new(
         system: &System,
         parameters: &Parameters,
@@ -73,7 +75,8 @@ impl DiscreteStates {
         Some(new)
     }
 
-    /// Holds each function that is not held yet on the piece its arguments select, and releases functions that are not evaluated.
+    /// Holds each function that is not yet held on the piece that its arguments select. Releases the functions that are not evaluated in this
+    /// state.
     pub(super) fn hold(&mut self, system: &System, parameters: &Parameters, state: &mut State) {
         if system
             .evaluate(parameters, state, &mut self.scratch)
@@ -84,7 +87,7 @@ impl DiscreteStates {
         self.keep(state);
     }
 
-    /// Does the same as [`Self::hold`] with the pieces found by the last evaluation.
+    /// Does the same as [`Self::hold`], but uses the pieces found by the last evaluation.
     fn keep(&self, state: &mut State) {
         let all = state.pieces.iter_mut().zip(&self.scratch.seen);
         for ((piece, seen), history) in all.zip(&self.switches) {
@@ -95,7 +98,7 @@ impl DiscreteStates {
         }
     }
 
-    /// Records a step without a change. Suspended functions that have not switched for [`STEPS`] steps are held again.
+    /// Records a time step without a change. Suspended functions that have not switched for [`STEPS`] time steps are held again.
     pub(super) fn step_done(&mut self, state: &mut State, steps: usize) {
         for (history, seen) in self.switches.iter_mut().zip(&self.scratch.seen) {
             if let Some((piece, since)) = &mut history.suspended {
@@ -109,8 +112,8 @@ impl DiscreteStates {
         self.keep(state);
     }
 
-    /// Suspends the changed functions: their arguments select their pieces until they stop switching. Returns false if no function is among
-    /// the changes.
+    /// Suspends the changed functions: their arguments select the pieces until they stop switching. Returns false if `changed` contains no
+    /// switch of a function.
     pub(super) fn suspend(&mut self, changed: &[Change], steps: usize) -> bool {
         for change in changed {
             if let Change::Switch(k, _) = change {
@@ -125,12 +128,13 @@ impl DiscreteStates {
     /// Counts a switch of function `k`, and suspends the function if it switches too often. `output` is the length of an output interval.
     ///
     /// # Errors
-    /// [`Reason::Chatter`] if the function switches more than [`MOST`] times in one output interval.
+    /// [`MotionFailure::Chatter`] if the function switches more than [`MOST`] times in one output interval.
     pub(super) fn count_switches(
         &mut self,
         system: &System,
         k: usize,
-        (time, output): (f64, f64),
+        time: f64,
+        output: f64,
         steps: usize,
     ) -> Result<(), MotionFailure> {
         let interval = ((time - self.start) / output).floor();
@@ -141,7 +145,7 @@ impl DiscreteStates {
             }
         }
         self.last = Some((time, k));
-        // Time advances whatever the function does, so that switches selected by time alone are no chatter.
+        // Switches that time alone selects are no chatter, because time always advances.
         if system.switches[k].of_time {
             return Ok(());
         }
@@ -164,7 +168,7 @@ impl DiscreteStates {
         Ok(())
     }
 
-    /// Describes the last switch, for error messages.
+    /// Describes the last switch, for error messages. Empty if no function has switched.
     pub(super) fn describe(&self, system: &System) -> String {
         let Some((time, k)) = self.last else {
             return String::new();

@@ -1,12 +1,12 @@
 use crate::system::NoValue;
 
-/// An error that ends a motion, and its time.
+/// Error that ends a motion, with its time.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("at time {time}: {reason}")]
 pub struct MotionError {
-    /// Time up to which the motion is computed.
+    /// Time up to which the motion has been computed.
     pub time: f64,
-    /// Why it does not go on.
+    /// Reason why the motion ends there.
     pub reason: MotionFailure,
 }
 
@@ -19,7 +19,7 @@ pub enum MotionFailure {
     /// The constraints cannot be satisfied at the start.
     #[error("the initial conditions are inconsistent: {equation} is violated by {violation:.3e}")]
     Inconsistent {
-        /// Equation with the largest violation.
+        /// Name of the equation with the largest violation.
         equation: String,
         /// Violation in length units or radians.
         violation: f64,
@@ -29,15 +29,15 @@ pub enum MotionFailure {
         "no velocities satisfy the constraints: {equation} is violated by {violation:.3e} per time"
     )]
     VelocityConflict {
-        /// Equation with the largest violation.
+        /// Name of the equation with the largest violation.
         equation: String,
-        /// Rate of violation in length units or radians per time.
+        /// Rate of violation, in length units or radians per unit of time.
         violation: f64,
     },
     /// A constraint equation that was removed as redundant is violated.
     #[error("{equation} was redundant and is violated by {violation:.3e} now")]
     RedundantViolated {
-        /// The removed equation.
+        /// Name of the removed equation.
         equation: String,
         /// Violation in length units or radians.
         violation: f64,
@@ -47,15 +47,15 @@ pub enum MotionFailure {
         "the mass matrix is singular: {freedom} has no inertia and nothing determines its acceleration"
     )]
     MassSingular {
-        /// Part and direction of the motion.
+        /// Name of the part and direction of the motion.
         freedom: String,
     },
-    /// A VARIABLE or the rate of an implicit DIFF does not follow from its equation.
+    /// A VARIABLE or the rate of an implicit DIFF is not determined by its equation.
     #[error(
         "{what} is not determined: its equation does not hold, and does not change with it here"
     )]
     Undetermined {
-        /// Name of the statement.
+        /// Name of the VARIABLE or DIFF.
         what: String,
     },
     /// A state or an output depends on the rate of an input, because the input moves a massless part.
@@ -78,9 +78,9 @@ pub enum MotionFailure {
     /// The step size became smaller than HMIN.
     #[error("the integration step {step:.3e} is smaller than HMIN; {worst}")]
     StepTooSmall {
-        /// Step size that would be needed.
+        /// Step size with which the integration would have to continue.
         step: f64,
-        /// The component with the largest error, or the cause of the failed iteration, in words.
+        /// Name of the component with the largest error, or the cause of the failed iteration.
         worst: String,
     },
     /// A piecewise function switches between its pieces too often.
@@ -88,12 +88,12 @@ pub enum MotionFailure {
         "the function of {function} switches more than {count} times between two outputs: an IMPACT, an IF or the like in it chatters, or DTOUT is long"
     )]
     Chatter {
-        /// Statement that contains the function.
+        /// Name of the statement that contains the function.
         function: String,
         /// Number of switches allowed between two outputs.
         count: usize,
     },
-    /// The constraints do not determine the positions.
+    /// The constraints leave degrees of freedom, so that they do not determine the positions in a kinematic analysis.
     #[error(
         "the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone"
     )]
@@ -101,18 +101,18 @@ pub enum MotionFailure {
         /// Number of remaining degrees of freedom.
         freedoms: usize,
     },
-    /// A nonholonomic constraint removes a degree of freedom, so that positions follow only from integration.
+    /// A nonholonomic constraint removes a degree of freedom of the velocities, so that the positions follow only from an integration.
     #[error(
         "{equation} holds velocities: the positions follow from an integration alone, as DYNAMIC and TRANSIENT make it"
     )]
     HeldVelocities {
-        /// The nonholonomic constraint equation.
+        /// Name of the nonholonomic constraint equation.
         equation: String,
     },
     /// No positions that satisfy the constraints were found.
     #[error("no positions satisfy the constraints: {equation} is violated by {violation:.3e}")]
     NoPosition {
-        /// Equation with the largest violation.
+        /// Name of the equation with the largest violation.
         equation: String,
         /// Violation in length units or radians.
         violation: f64,
@@ -120,7 +120,7 @@ pub enum MotionFailure {
 }
 
 impl MotionFailure {
-    /// With its time.
+    /// Adds the time at which the motion ends.
     pub(super) fn at(self, time: f64) -> MotionError {
         MotionError { time, reason: self }
     }

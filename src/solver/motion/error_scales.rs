@@ -2,7 +2,7 @@ use super::newton::Unknowns;
 use crate::mechanics::{Vec3, exceeds};
 use crate::system::{PartRates, State, System};
 
-/// Scales of relative errors: the largest value so far of each kind of unknown.
+/// Scales of relative errors: for each kind of unknown, the largest value so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorScales {
     pub position: f64,
@@ -13,8 +13,19 @@ pub(super) struct ErrorScales {
     multiplier: f64,
 }
 
+/// Largest component of an error or a correction.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub(super) struct LargestComponent {
+    /// Size, measured in tolerances.
+    pub size: f64,
+    /// Index among the unknowns.
+    pub index: usize,
+    /// Whether it is a velocity.
+    pub is_velocity: bool,
+}
+
 impl ErrorScales {
-    /// Starts with one unit of each kind. Multipliers start with the reference mass times the model's length.
+    /// Creates the scales: one unit for each kind of unknown, and the reference mass times the model's length for multipliers.
     pub(crate) fn new(system: &System) -> Self {
         Self {
             position: 1.0,
@@ -26,7 +37,7 @@ impl ErrorScales {
         }
     }
 
-    /// Raises the scales to the largest values of a state.
+    /// Raises the scales to the largest values in a state.
     pub(crate) fn grow(&mut self, system: &System, reached: &State) {
         let largest = |v: &Vec3| v.amax();
         for pose in &reached.poses {
@@ -47,21 +58,25 @@ impl ErrorScales {
         }
     }
 
-    /// Returns the largest component of a change of displacements `z` and velocities `w`, measured in tolerances, its index, and whether it
-    /// is a velocity. `variables` includes VARIABLEs and multipliers.
+    /// Returns the largest component of a change of displacements `z` and velocities `w`. `variables` includes VARIABLEs and multipliers.
     pub(crate) fn measured(
         &self,
         system: &System,
         tolerance: f64,
-        (z, w): (&[f64], &[f64]),
+        z: &[f64],
+        w: &[f64],
         variables: bool,
-    ) -> (f64, usize, bool) {
-        let mut worst = (0.0, 0, false);
+    ) -> LargestComponent {
+        let mut worst = LargestComponent::default();
         self.each(system, tolerance, variables, |at, velocity, size| {
             let value = if velocity { w[at] } else { z[at] };
             let value = (value / size).abs();
-            if exceeds(value, worst.0) {
-                worst = (value, at, velocity);
+            if exceeds(value, worst.size) {
+                worst = LargestComponent {
+                    size: value,
+                    index: at,
+                    is_velocity: velocity,
+                };
             }
         });
         worst
@@ -83,7 +98,8 @@ impl ErrorScales {
         weights
     }
 
-    /// Calls `look` for every unknown that has a tolerance, with its index, whether it is a velocity, and the tolerance.
+    /// Calls `look` for every unknown that has a tolerance, with the index of the unknown, whether it is a velocity, and its tolerance.
+    /// VARIABLEs and multipliers are included only if `variables` is true.
     fn each(
         &self,
         system: &System,
@@ -110,7 +126,7 @@ impl ErrorScales {
             for at in system.first_variable..system.first_state() {
                 look(at, false, tolerance * self.variable);
             }
-            // Multipliers are extrapolated. Without a tolerance of their own, their errors would grow from step to step.
+            // Multipliers are extrapolated from step to step. Without a tolerance of their own, their errors would grow.
             for at in system.first_equation..system.first_variable {
                 look(at, false, tolerance.sqrt() * self.multiplier);
             }

@@ -1,13 +1,13 @@
 //! Error estimate of a step by the embedded formula of Radau IIA.
 
 use super::integrator::Integrator;
-use super::newton::Stages;
+use super::newton::{StageValues, Stages};
 use super::tableau::E;
 use crate::system::State;
 
 impl Integrator<'_> {
-    /// Returns the estimated error of the step in tolerances. An estimate above one is filtered a second time if the integration was
-    /// restarted, the step is a repetition, or it follows a rejection (`again`).
+    /// Returns the estimated error of the step as a multiple of the tolerance. An estimate above one is filtered a second time in three cases:
+    /// the integration was restarted, the step is a repetition, or the step follows a rejection (`again`).
     ///
     /// # Errors
     /// Returns a message if an element has no value.
@@ -31,14 +31,14 @@ impl Integrator<'_> {
             rates[at] = self.state.state_rates[k] + sum(&unknowns.z, at);
         }
         let g = self.equations.inertia_of(system, &a, &rates);
-        let first = self.equations.filtered(system, &self.state, h, (r1, g));
+        let first = self.equations.filtered(system, &self.state, h, r1, g);
         let found = self.measured(&first.z, &first.w, false);
         let start = self.anew || self.within || again;
-        if found.0 < 1.0 || !start {
+        if found.size < 1.0 || !start {
             self.worst = format!("the error is that of {}", self.report_error(found));
-            return Ok(found.0.max(1e-10));
+            return Ok(found.size.max(1e-10));
         }
-        // Filters a second time, with the residual at the state that the estimate leads to.
+        // The second filter uses the residual at the state to which the first estimate leads.
         let mut beside = State::empty();
         let unknowns = &self.unknowns;
         let mut z = first.z;
@@ -46,9 +46,13 @@ impl Integrator<'_> {
         self.equations.stage_state(
             system,
             &self.state,
-            self.state.time,
-            (&z, &first.w),
-            (&|k| -sum(&unknowns.w, k), &|k| -sum(&unknowns.z, k)),
+            &StageValues {
+                time: self.state.time,
+                z: &z,
+                w: &first.w,
+                acceleration: &|k| -sum(&unknowns.w, k),
+                state_rate: &|k| -sum(&unknowns.z, k),
+            },
             &mut beside,
         );
         let mut g = vec![0.0; system.moving_unknowns];
@@ -63,9 +67,9 @@ impl Integrator<'_> {
         let r1: Vec<f64> = (0..n)
             .map(|k| -(v[k] + first.w[k] + sum(&unknowns.z, k)))
             .collect();
-        let second = self.equations.filtered(system, &self.state, h, (r1, g));
+        let second = self.equations.filtered(system, &self.state, h, r1, g);
         let found = self.measured(&second.z, &second.w, false);
         self.worst = format!("the error is that of {}", self.report_error(found));
-        Ok(found.0.max(1e-10))
+        Ok(found.size.max(1e-10))
     }
 }

@@ -1,7 +1,7 @@
-//! Changes of the discrete states of a motion at their events.
+//! Events of a motion, at which its discrete states change.
 //!
-//! Within a step every piecewise function (IMPACT, IF, ABS) stays on one piece, and every friction either sticks or slides. The step ends
-//! where this ceases to be valid, and the next step starts with the changed discrete state.
+//! Within a step every piecewise function (IMPACT, IF, ABS) stays on one piece, and every friction either sticks or slides. The step ends where
+//! one of these discrete states ceases to be valid. The next step starts with the changed discrete state.
 
 use super::discrete_states::{Change, DiscreteStates};
 use super::error::{MotionError, MotionFailure};
@@ -11,24 +11,25 @@ use crate::function::between;
 use crate::mechanics::Vec3;
 use crate::system::{Parameters, State, System};
 
-/// An event within this share of the step counts as an event at its start.
+/// An event whose distance from the start of a step is below this share of the step counts as an event at the start.
 const AT_START: f64 = 1e-9;
-/// Largest number of successive changes of discrete states at one time.
+/// Largest number of successive changes of discrete states at the same time.
 const CHANGES: usize = 4;
-/// Distance after an event at which the following discrete state is determined, as a share of the step.
+/// Distance beyond an event at which the next discrete state is determined, as a share of the step.
 const BEYOND: f64 = 1e-9;
-/// Factor by which the distance of [`BEYOND`] grows in each try.
+/// Factor by which the distance [`BEYOND`] grows from one try to the next.
 const FARTHER: f64 = 8.0;
-/// Largest relative change of velocities in the first step after an event, in units of the square root of the tolerance.
+/// Largest relative change of the velocities in the first step after an event, in units of the square root of the tolerance.
 const BEGINNING: f64 = 5.0;
 /// Largest number of times that the first step after an event is shortened.
 const TRIES: usize = 10;
-/// Half width over which a function held between its two sides changes value, as a share of the tolerance. It bounds the creep.
+/// Half width of the interval over which a function that is held between two pieces changes its value, as a share of the tolerance. It bounds
+/// the creep of a sticking motion.
 const CREEP: f64 = 1e-2;
-/// Length of the trial step that shows whether a function is pushed back, as a share of the step.
+/// Length of the trial step that shows whether a function is pushed back to its previous piece, as a share of the step.
 const SOON: f64 = 1e-2;
 
-/// Watches the discrete states for events.
+/// Event function of the discrete states of a motion.
 struct Watching<'a> {
     system: &'a System,
     parameters: &'a Parameters,
@@ -59,7 +60,7 @@ impl Watching<'_> {
         }
     }
 
-    /// Returns the changes whose event has passed at a state.
+    /// Returns the changes of discrete states whose event has passed at a state.
     fn passed(&mut self, state: &State) -> Vec<Change> {
         self.look(state);
         let grips = state.grips.iter().zip(&self.regimes.slips).enumerate();
@@ -83,8 +84,8 @@ impl Watching<'_> {
 }
 
 impl Integrator<'_> {
-    /// Checks the step just taken. If a discrete state ceases to be valid within it, the step is repeated to end there, and the discrete
-    /// state changes.
+    /// Checks the step just taken. If a discrete state ceases to be valid within the step, the step is repeated so that it ends there, and the
+    /// discrete state changes.
     ///
     /// # Errors
     /// [`MotionError`] if the shorter step fails or a function chatters.
@@ -113,19 +114,19 @@ impl Integrator<'_> {
                 parameters,
                 regimes,
             };
-            let Some(passage) = self.first_passage(&mut watching) else {
+            let Some((_, after)) = self.first_passage(&mut watching) else {
                 let steps = self.statistics.steps;
                 regimes.step_done(&mut self.state, steps);
                 return Ok(());
             };
             let (from, to) = (self.origin.time, self.state.time);
-            if passage.1 - from > AT_START * (to - from) {
+            if after - from > AT_START * (to - from) {
                 let mut held = false;
-                if self.end_at_passage(&mut watching, passage)? {
+                if self.end_at_passage(&mut watching, after)? {
                     let changes = self.beyond(&mut watching, self.state.time);
                     held = self.change(regimes, &changes)?;
                 }
-                // The step was cut, so that its length says nothing about the next one.
+                // The step was cut at the event, so that its length is no measure for the length of the next step.
                 self.set_step(self.h.max(to - from));
                 if self.anew && !held {
                     self.h = self.first_step();
@@ -145,7 +146,7 @@ impl Integrator<'_> {
             self.take_step(to - from, to)?;
             changed.extend(changes);
         }
-        // Neither side is valid. The function is suspended, and the error control resolves the motion between its sides.
+        // The function is valid on neither piece. It is suspended, and the error control resolves the motion between its pieces.
         if regimes.suspend(&changed, self.statistics.steps) {
             let (from, to) = (self.origin.time, self.state.time);
             self.undo_step();
@@ -157,7 +158,8 @@ impl Integrator<'_> {
         Ok(())
     }
 
-    /// Returns the changes whose event has passed just after a time, by the polynomial of the last step.
+    /// Returns the changes of discrete states whose event has passed just after `time`, according to the dense-output polynomial of the last
+    /// step.
     fn beyond(&self, watching: &mut Watching<'_>, time: f64) -> Vec<Change> {
         let step = self.state.time - self.origin.time;
         let mut reach = (BEYOND * step).max(4.0 * f64::EPSILON * time.abs());
@@ -171,8 +173,8 @@ impl Integrator<'_> {
         Vec::new()
     }
 
-    /// Applies changes: sticking surfaces slide, sliding ones stick, and functions switch to other pieces. Returns true if a function is held
-    /// between its sides; such a motion needs no short steps.
+    /// Applies changes of discrete states: sticking surfaces slide, sliding surfaces stick, and functions switch to other pieces. Returns true
+    /// if a function is held between two pieces. Such a motion needs no short steps.
     fn change(
         &mut self,
         regimes: &mut DiscreteStates,
@@ -192,13 +194,12 @@ impl Integrator<'_> {
                     self.state.pieces[*k] = Some(*piece);
                     switched = true;
                     if self.is_pushed_back(regimes, *k) {
-                        // Both sides push back: the function stays between them (Filippov).
+                        // On both pieces the motion is pushed back: the function stays between them (Filippov).
                         self.state.pieces[*k] = Some(between(CREEP * self.tolerance()));
                         held = true;
                     }
-                    let at = (time, self.settings.output);
                     regimes
-                        .count_switches(system, *k, at, steps)
+                        .count_switches(system, *k, time, self.settings.output, steps)
                         .map_err(|reason| reason.at(time))?;
                 }
             }
@@ -207,7 +208,7 @@ impl Integrator<'_> {
             return Ok(false);
         }
         regimes.hold(system, parameters, &mut self.state);
-        // The forces may have jumped, and with them the accelerations.
+        // The forces may have jumped, and the accelerations with them.
         let mut anew = self.state.clone();
         let step = 1e-2 * self.settings.hmax;
         let found = self
@@ -238,7 +239,7 @@ impl Integrator<'_> {
             && regimes.scratch.seen[k].excess > 0.0
     }
 
-    /// Returns the state after a short trial step. Everything except the factors is restored afterwards.
+    /// Returns the state after a short trial step, or `None` if the step fails. Everything except the factors is restored afterwards.
     fn ahead(&mut self, step: f64) -> Option<State> {
         let states = (self.state.clone(), self.origin.clone());
         let polynomial = self.polynomial.clone();
@@ -258,10 +259,10 @@ impl Integrator<'_> {
         found.is_ok().then_some(ahead)
     }
 
-    /// Returns a step size, at most the present one, that the method can handle under forces that have just changed.
+    /// Returns a step size, at most the present one, with which the method can integrate accurately under forces that have just changed.
     ///
-    /// If accelerations change by `da` over a step h, the motion changes on a time scale T with `da h = v (h/T)^2`, where v is the size of
-    /// velocities. An error of fourth order is within the tolerance as long as `(h/T)^4` is.
+    /// If accelerations change by `da` over a step h, the motion changes on a time scale T with `da h = v (h/T)^2`, where v is the magnitude of
+    /// the velocities. An error of fourth order is within the tolerance as long as `(h/T)^4` is within the tolerance.
     fn first_step(&mut self) -> f64 {
         let (system, parameters) = (self.system, self.parameters);
         let n = system.first_equation;
@@ -285,7 +286,7 @@ impl Integrator<'_> {
                     let change = ahead.state_rates[k] - self.state.state_rates[k];
                     z[equation.moving_unknown] = h * change;
                 }
-                self.measured(&z, &w, false).0 / most
+                self.measured(&z, &w, false).size / most
             } else {
                 f64::INFINITY
             };

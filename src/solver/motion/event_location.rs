@@ -1,4 +1,4 @@
-//! Event location: finds the time at which a watched function passes zero within a step, and repeats the step to end there.
+//! Event location: finds the time at which a watched function passes through zero within a step, and repeats the step so that it ends there.
 
 use super::error::MotionError;
 use super::integrator::Integrator;
@@ -13,24 +13,24 @@ pub(super) const EXACT: f64 = 1e-13;
 const SOLUTIONS: usize = 5;
 /// Distance from the end of a step at which the search for a nearby event begins, as a share of the step.
 const NEAR: f64 = 1e-6;
-/// Factor by which the search distance of [`NEAR`] grows.
+/// Factor by which the search distance [`NEAR`] grows from one try to the next.
 const WIDER: f64 = 16.0;
 
-/// A function whose passage through zero is located along a motion.
+/// Event function, whose passage through zero is located along a motion.
 pub trait Watched {
-    /// Prepares for an interval that begins at `_state`.
+    /// Prepares for an interval of the motion that begins at `_state`.
     fn begin(&mut self, _state: &State) {}
 
-    /// Returns a value above zero if an event has passed at a state of the interval.
+    /// Returns a value above zero if an event has passed between the start of the interval and `state`.
     fn excess(&mut self, state: &State) -> f64;
 
-    /// Confirms that no event had passed at the state of the last [`excess`](Self::excess); later states are judged from there.
+    /// Confirms that no event had passed at the state given to [`excess`](Self::excess) last. Later states are compared with that state.
     fn go_on(&mut self) {}
 }
 
 impl Integrator<'_> {
-    /// Locates the first event in the last step by the dense-output polynomial. Returns a time before and a time after the event; both are
-    /// the start of the step if the event lies there.
+    /// Locates the first event in the last step by the dense-output polynomial. Returns a time before and a time after the event, or `None` if
+    /// there is no event. Both times are the start of the step if the event lies there.
     pub fn first_passage(&self, watched: &mut impl Watched) -> Option<(f64, f64)> {
         let (from, to) = (self.last_time(), self.state.time);
         if from == to {
@@ -60,8 +60,9 @@ impl Integrator<'_> {
         None
     }
 
-    /// Returns a time next to the start of the last step at which no event has passed, and the excess there. An event has passed at the later
-    /// `time`. After an event the watched function is zero up to round-off at the start, so that its sign there means nothing.
+    /// Returns a time next to the start of the last step at which no event has passed, and the excess there. `time` is a later time at which an
+    /// event has passed. Right after an event, the watched function is zero up to round-off, so that its sign at the start of the step means
+    /// nothing.
     fn next_to_start(&self, watched: &mut impl Watched, time: f64) -> Option<(f64, f64)> {
         let from = self.last_time();
         let start = watched.excess(&self.continued(from));
@@ -75,15 +76,15 @@ impl Integrator<'_> {
         })
     }
 
-    /// Repeats the last step so that it ends at an event found in it. Returns false if the repeated step meets no event after all; it then
-    /// ends near the expected time.
+    /// Repeats the last step so that it ends at an event found in it, which has passed at the time `after`. Returns false if the repeated
+    /// step meets no event after all; it then ends near the expected time.
     ///
     /// # Errors
     /// [`MotionError`] as for [`Integrator::advance_to`].
     pub fn end_at_passage(
         &mut self,
         watched: &mut impl Watched,
-        (_, after): (f64, f64),
+        after: f64,
     ) -> Result<bool, MotionError> {
         let mut end = after;
         for _ in 0..SOLUTIONS {
@@ -101,7 +102,8 @@ impl Integrator<'_> {
         Ok(true)
     }
 
-    /// Locates the event nearest to the end of the last step, on either side, by the dense-output polynomial. Returns the time just after it.
+    /// Locates the event nearest to the end of the last step, before or after this end, by the dense-output polynomial. Returns the time just
+    /// after the event, or `None` if there is no event.
     fn passage_at_end(&self, watched: &mut impl Watched) -> Option<f64> {
         let (start, end) = (self.last_time(), self.state.time);
         let step = end - start;

@@ -1,4 +1,4 @@
-//! Free motions of a state under its constraints, and how they change as the state moves.
+//! Bases of the free motions of a state under its constraints, and the change of these bases as the state moves.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
@@ -8,18 +8,18 @@ use crate::mechanics::eigen::singular_values;
 use crate::mechanics::{Vec3, skew};
 use crate::system::{Parameters, Rows, Scratch, State, System};
 
-/// Singular values of the gradients below this share of the largest count as zero.
+/// Singular values of the constraint gradients below this share of the largest count as zero.
 const NO_GRADIENT: f64 = 1e-9;
-/// Step of the fourth-order differences of constraint rates, in model lengths or radians.
+/// Step of the fourth-order finite differences of constraint rates, in model lengths for translations and in radians for rotations.
 const STEP: f64 = 1e-3;
-/// Step of the differences along the motion, as a share of the time in which parts move by a model length or rotate by a radian.
+/// Time step of the finite differences along the motion, as a share of the time in which parts move by a model length or rotate by a radian.
 const ALONG: f64 = 1e-4;
 
 /// Small motions of the parts in terms of coordinates y and their rates v: `d = Z y`, `dV = V v + U y`, `y' = of_places y + of_rates v`.
 ///
-/// Z is a basis of the motions that the constraint gradients leave free for positions, and V for velocities. They are equal unless
-/// nonholonomic constraints leave fewer free velocities. U is nonzero only for a moving state: it is the change of velocities with positions
-/// at fixed v.
+/// Z is a basis of the motions that the constraint gradients leave free for positions, and V is the basis for velocities. Z and V are equal
+/// unless nonholonomic constraints leave fewer free velocities. U is the change of velocities with positions at fixed v; it is nonzero only for
+/// a moving state.
 #[derive(Clone, Debug)]
 pub(super) struct FreedomBases {
     pub Z: DMatrix<f64>,
@@ -31,24 +31,27 @@ pub(super) struct FreedomBases {
     pub V_rate: DMatrix<f64>,
     /// Time derivative of U.
     pub U_rate: DMatrix<f64>,
-    /// Indices of the coordinates that y consists of; empty for an orthonormal basis.
+    /// Indices of the candidate coordinates that y consists of; empty for an orthonormal basis.
     pub chosen: Vec<usize>,
-    /// Indices of the coordinates whose rates v consists of; empty for an orthonormal basis.
+    /// Indices of the candidate coordinates whose rates v consists of; empty for an orthonormal basis.
     pub chosen_rates: Vec<usize>,
 }
 
 impl FreedomBases {
-    /// In an orthonormal basis where `coordinates` are none, rotations times the length of the model: for a state at rest.
+    /// Computes the bases for the given coordinates. If `coordinates` is `None`, the bases are orthonormal when rotations are multiplied by the
+    /// model's length. `None` is allowed only for a state at rest.
     ///
-    /// Y is the derivative of the coordinates by the motions of the parts; Z and V are scaled so that `Y Z = 1` and `Y V = 1`. H is the
-    /// derivative of the constraint rates G V + Phi_t by the positions, and X = -G^+ H. W contains the angular velocities as cross-product
-    /// matrices, from `dphi' = dw + w x dphi`. Then `y' = Y (dV + W d) + Y' d`, so that `U = X Z - V S` with the rows of
-    /// `S = (Y X + Y W + Y') Z` that belong to the rates.
+    /// Y is the derivative of the coordinates with respect to the motions of the parts. Z and V are scaled so that `Y Z = 1` and `Y V = 1`. H
+    /// is the derivative of the constraint rates G V + Phi_t with respect to the positions, and X = -G^+ H. W contains the angular velocities
+    /// as cross-product matrices, from `dphi' = dw + w x dphi`. Then `y' = Y (dV + W d) + Y' d`, so that `U = X Z - V S`. S consists of the
+    /// rows of `(Y X + Y W + Y') Z` that belong to the rates v.
     ///
     /// # Errors
-    /// [`Reason`] if an element has no value.
+    /// [`MotionFailure`] if an element has no value.
     pub(super) fn of(
-        (system, parameters, state): (&System, &Parameters, &State),
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
         coordinates: Option<&Coordinates>,
         lengths: &DVector<f64>,
     ) -> Result<Self, MotionFailure> {
@@ -57,7 +60,7 @@ impl FreedomBases {
         let n = lengths.len();
         let (p, r) = (bare.Z.ncols(), bare.velocities().ncols());
         let Some(coordinates) = coordinates else {
-            // Left inverse of Z, which is orthonormal when rotations are multiplied by the length.
+            // Left inverse of Z, which is orthonormal when rotations are multiplied by the model's length.
             let left = DMatrix::from_fn(p, n, |i, j| bare.Z[(j, i)] * lengths[j] * lengths[j]);
             let V = bare.velocities().clone();
             return Ok(Self {
@@ -77,9 +80,9 @@ impl FreedomBases {
             });
         };
         let Y = coordinates.rows(system, parameters, state)?;
-        let chosen = coordinates.chosen(system, (&Y, &bare.Z), lengths);
+        let chosen = coordinates.chosen(system, &Y, &bare.Z, lengths);
         let chosen_rates = match &bare.R {
-            Some(R) => coordinates.chosen(system, (&Y, R), lengths),
+            Some(R) => coordinates.chosen(system, &Y, R, lengths),
             None => chosen.clone(),
         };
         let moves = bare.moves;
@@ -122,7 +125,7 @@ impl FreedomBases {
     }
 }
 
-/// Coordinates that were chosen.
+/// The coordinates, and the rates of coordinates, that were chosen from the candidates.
 struct CoordinatePartition<'a> {
     coordinates: &'a Coordinates,
     chosen: &'a [usize],
@@ -131,7 +134,7 @@ struct CoordinatePartition<'a> {
 }
 
 impl CoordinatePartition<'_> {
-    /// From bases of any kind to those of the coordinates.
+    /// Converts arbitrary bases to the bases of the chosen coordinates.
     fn from(
         &self,
         bare: FreeBases,
@@ -164,7 +167,7 @@ impl CoordinatePartition<'_> {
         } else {
             Y * W + Y_rate
         };
-        // Rates of all candidate coordinates per y, for the velocity change X Z y.
+        // Rates of all candidate coordinates per unit of y, caused by the velocity change X Z y.
         let convected = (Y * &bare.X + turned) * &Z;
         let S = of(self.chosen_rates, &convected);
         let U = &bare.X * &Z - &V * &S;
@@ -188,7 +191,7 @@ impl CoordinatePartition<'_> {
     }
 }
 
-/// Returns how fast a state moves: the largest angular velocity, or velocity over the model's length; one if nothing but time changes.
+/// Returns the larger of the largest angular velocity and the largest velocity divided by the model's length. Returns one if no part moves.
 fn pace(system: &System, state: &State) -> f64 {
     let pace = state.velocities.iter().fold(0.0_f64, |most, v| {
         most.max(v.angular.norm())
@@ -197,7 +200,7 @@ fn pace(system: &System, state: &State) -> f64 {
     if pace > 0.0 { pace } else { 1.0 }
 }
 
-/// Returns the state after a short time `h`, to second order.
+/// Returns the state after a short time `h`, extrapolated to second order.
 fn along(system: &System, state: &State, h: f64) -> State {
     let (mut v, mut a) = (Vec::new(), Vec::new());
     system.velocity_vector(state, &mut v);
@@ -218,9 +221,9 @@ fn along(system: &System, state: &State, h: f64) -> State {
 
 /// Arbitrary bases of the free motions.
 struct FreeBases {
-    /// Free motions for positions.
+    /// Basis of the free motions of the positions.
     Z: DMatrix<f64>,
-    /// Free motions for velocities, if nonholonomic constraints leave fewer of them.
+    /// Basis of the free motions of the velocities, if nonholonomic constraints leave fewer of them.
     R: Option<DMatrix<f64>>,
     X: DMatrix<f64>,
     moves: bool,
@@ -272,7 +275,7 @@ impl FreeBases {
         } else {
             (free, None)
         };
-        // H by differences of the constraint rates along each unknown.
+        // H by finite differences of the constraint rates along each unknown.
         let moves = state
             .velocities
             .iter()
@@ -306,7 +309,7 @@ impl FreeBases {
             }
             step[column] = 0.0;
         }
-        // X = -L^-1 (G L^-1)^+ H, where L are the lengths.
+        // X = -L^-1 (G L^-1)^+ H, where L is the diagonal matrix of the lengths.
         let mut X = DMatrix::<f64>::zeros(n, n);
         for (k, value) in svd.singular_values.iter().enumerate() {
             if *value <= NO_GRADIENT * most {
@@ -323,7 +326,7 @@ impl FreeBases {
     }
 }
 
-/// Returns a basis of the null space of the gradients, from their singular value decomposition.
+/// Returns a basis of the null space of the constraint gradients, from their singular value decomposition.
 fn left_free(
     singular_values: &DVector<f64>,
     Vt: &DMatrix<f64>,

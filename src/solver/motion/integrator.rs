@@ -4,8 +4,8 @@ use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::discrete_states::DiscreteStates;
 use super::error::{MotionError, MotionFailure, NotSettled};
-use super::error_scales::ErrorScales;
-use super::newton::{Stages, StepMatrices, Unknowns};
+use super::error_scales::{ErrorScales, LargestComponent};
+use super::newton::{StageValues, Stages, Step, StepMatrices, Unknowns};
 use super::sequence::StageSequence;
 use super::settings::{INSIDE, MotionSettings};
 use super::tableau::{A, C, lagrange};
@@ -13,7 +13,7 @@ use crate::system::{Parameters, State, System};
 
 /// Relative difference below which two step sizes count as equal.
 const SAME: f64 = 1e-9;
-/// Growth factor up to which the step size stays unchanged, so that its factors can be reused.
+/// Growth factor up to which the step size stays unchanged, so that the factors of its matrices can be reused.
 const WORTH: f64 = 1.2;
 /// Safety factor of the step-size control.
 const SAFETY: f64 = 0.9;
@@ -22,18 +22,18 @@ const SHORTEST: f64 = 0.2;
 /// Largest ratio of a step size to the previous one.
 const LONGEST: f64 = 5.0;
 
-/// Work counts of an integration.
+/// Counts of the work done in an integration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Statistics {
     /// Number of accepted steps.
     pub steps: usize,
     /// Number of rejected steps.
     pub rejected: usize,
-    /// Number of evaluations of the equations of one stage.
+    /// Number of evaluations of the residual of one stage.
     pub evaluations: usize,
     /// Number of assemblies of the derivatives.
     pub jacobians: usize,
-    /// Number of factorisations. The real and the complex system of a step count as one.
+    /// Number of factorisations. The real and the complex matrix of a step count as one factorisation.
     pub factorisations: usize,
 }
 
@@ -44,14 +44,15 @@ pub struct Integrator<'a> {
     pub(super) settings: MotionSettings,
     pub(super) state: State,
     pub(super) equations: StepMatrices,
-    /// The iterations with derivatives of every stage, once they were needed.
+    /// Iteration over the stages one after the other; `None` until it is needed.
     pub(super) sequence: Option<Box<StageSequence>>,
+    /// Iteration over all stages together; `None` until it is needed.
     pub(super) coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
     pub(super) unknowns: Unknowns,
-    /// Correction of the current iteration.
+    /// Correction from the current Newton iteration.
     pub(super) change: Unknowns,
-    /// Unknowns of the last step: its dense-output polynomial, which is extrapolated into the next step.
+    /// Unknowns of the last step. They define its dense-output polynomial, which is extrapolated into the next step.
     pub(super) polynomial: Unknowns,
     pub(super) sizes: ErrorScales,
     /// Error scales before the last step.
@@ -60,31 +61,31 @@ pub struct Integrator<'a> {
     pub(super) h: f64,
     /// Size of the last step; `None` before the first step.
     pub(super) last: Option<f64>,
-    /// True if the next step uses nothing of the previous ones.
+    /// True if the next step uses no data from previous steps.
     pub(super) anew: bool,
-    /// True if the next step repeats the last one with another end.
+    /// True if the next step repeats the last step with another end.
     pub(super) within: bool,
     /// State at the start of the last step.
     pub(super) origin: State,
-    /// Size and error of the last step, for the step-size prediction.
+    /// Size and error of the last step, for the prediction of the step size.
     pub(super) before: Option<(f64, f64)>,
-    /// Step size that the factors belong to.
+    /// Step size for which the matrices were factored; `None` if there are no valid factors.
     pub(super) factored: Option<f64>,
     /// True if the derivatives were evaluated within the current step.
     fresh: bool,
     /// True if the multipliers of the current step did not converge.
     pub(super) loose: bool,
-    /// Number of step cuts after failed iterations, since the last step that was accepted at the first try.
+    /// Number of times that the step was cut after a failed iteration, since the last step that was accepted at the first try.
     pub(super) cuts: usize,
     pub(super) statistics: Statistics,
-    /// Description of the largest error in the last step, or of its failure.
+    /// Description of the component with the largest error in the last step, or of the failure of that step.
     pub(super) worst: String,
     /// Discrete states; `None` if the system has none.
     pub(super) regimes: Option<Box<DiscreteStates>>,
 }
 
 impl<'a> Integrator<'a> {
-    /// Starts at a state that satisfies the constraints at all three levels.
+    /// Creates an integrator that starts at a state on its constraints at the levels of positions, velocities and accelerations.
     pub fn new(
         system: &'a System,
         parameters: &'a Parameters,
@@ -128,7 +129,7 @@ impl<'a> Integrator<'a> {
             .consistent
             .settle_massless(system, parameters, &mut new.state, step);
         new.sizes.grow(system, &new.state);
-        // The first step is so short that the accelerations alone move parts by no more than the tolerance.
+        // The first step is so short that the accelerations alone displace parts by no more than the tolerance.
         let mut most = 0.0_f64;
         for a in &new.state.accelerations {
             most = most
@@ -165,12 +166,13 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Sets the values that SENVAL returns from here on.
+    /// Sets the values that SENVAL returns from the present time on.
     pub fn set_sensors(&mut self, sensors: &[f64]) {
         self.state.sensors.copy_from_slice(sensors);
     }
 
-    /// Returns the state with matching accelerations and reactions, on its constraints at all three levels.
+    /// Returns the state at the end of the last step, reconciled with the constraints at the levels of positions, velocities and accelerations.
+    /// Its reactions match the accelerations.
     ///
     /// # Errors
     /// [`MotionError`] if an element has no value or a removed constraint equation is violated.
@@ -201,14 +203,14 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// Returns the next break: the first time from here on at which a function of time is not smooth.
+    /// Returns the next break: the first later time at which a function of time is not smooth.
     fn next_break(&self) -> Option<f64> {
         let breaks = &self.system.breaks;
         let after = breaks.partition_point(|time| self.left(*time).is_none());
         breaks.get(after).copied()
     }
 
-    /// Returns the time left until `end`; `None` if that is round-off.
+    /// Returns the time left until `end`; `None` if the time left is round-off.
     fn left(&self, end: f64) -> Option<f64> {
         let left = end - self.state.time;
         (!has_arrived(self.state.time, end, self.settings.hmax)).then_some(left)
@@ -222,7 +224,7 @@ impl<'a> Integrator<'a> {
         if self.left(end).is_none() {
             return Ok(false);
         }
-        // A step ends at a break, so that none is stepped over, and the next step starts without extrapolation.
+        // A step ends at a break, so that no step crosses one. The next step starts without extrapolation.
         let target = self.next_break().map_or(end, |next| next.min(end));
         if let Some(left) = self.left(target) {
             self.take_step(left, target)?;
@@ -235,7 +237,8 @@ impl<'a> Integrator<'a> {
         Ok(true)
     }
 
-    /// Selects other redundant constraint equations where that conditions the constraints better, and restarts with them.
+    /// Exchanges redundant and kept constraint equations where that conditions the constraints better. After an exchange, the integration is
+    /// restarted.
     fn exchange_equations(&mut self) -> Result<(), MotionError> {
         if !self.state.redundant.contains(&true) {
             return Ok(());
@@ -256,7 +259,7 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// Restarts the integration at the current state: nothing of the previous steps is used.
+    /// Restarts the integration at the current state: the next step uses no data from previous steps.
     pub fn restart(&mut self) {
         self.anew = true;
         self.before = None;
@@ -272,7 +275,7 @@ impl<'a> Integrator<'a> {
         self.settings.error * INSIDE
     }
 
-    /// Takes one step, at most to `end`, which is `left` away.
+    /// Takes one step towards `end`, which is `left` away. The step is repeated with smaller step sizes until it is accepted.
     pub(super) fn take_step(&mut self, left: f64, end: f64) -> Result<(), MotionError> {
         let time = self.state.time;
         self.fresh = false;
@@ -336,7 +339,7 @@ impl<'a> Integrator<'a> {
             let mut factor = safety * libm::pow(error, -0.25);
             if error < 1.0 {
                 if let Some((h_before, error_before)) = self.before {
-                    // Gustafsson's predictive controller: extrapolates the trend of the error over the last two steps.
+                    // Gustafsson's predictive controller extrapolates the trend of the error over the last two steps.
                     let trend = libm::pow(error_before / (error * error), 0.25);
                     factor = factor.min(safety * (h / h_before) * trend);
                 }
@@ -353,7 +356,7 @@ impl<'a> Integrator<'a> {
                 }
                 self.anew = std::mem::take(&mut self.loose);
                 self.before = Some((h, error.max(1e-2)));
-                // A step that was cut to end at an output may be shorter than HMIN; the next step is not.
+                // A step that was cut to end at an output may be shorter than HMIN, but the next step is not.
                 self.h = (h * factor).max(self.settings.hmin).min(self.settings.hmax);
                 return Ok(());
             }
@@ -368,15 +371,15 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Releases all functions that are held on pieces, for one step. A piece may have no value beyond its end, as `SQRT(x)` in an `IF` that
-    /// selects it for x above zero. Returns false if no function is held.
+    /// Releases all functions that are held on pieces, for one step. The formula of a piece may be undefined beyond the end of the piece, for
+    /// example `SQRT(x)` in an `IF` that selects it for x above zero. Returns false if no function is held.
     fn let_go(&mut self) -> bool {
         let held = self.state.pieces.iter().any(Option::is_some);
         self.state.pieces.fill(None);
         held
     }
 
-    /// Derivatives and factors for a step.
+    /// Provides derivatives and factors for a step of size `h`. Factors for the same step size are reused.
     pub(super) fn prepare(&mut self, h: f64) -> Result<(), MotionFailure> {
         if self.factored.is_some_and(|f| (h / f - 1.0).abs() < SAME) {
             return Ok(());
@@ -385,7 +388,10 @@ impl<'a> Integrator<'a> {
             self.equations.linearise_within(
                 self.system,
                 self.parameters,
-                (&self.state, h),
+                Step {
+                    start: &self.state,
+                    h,
+                },
                 &self.unknowns,
             )?;
             self.fresh = true;
@@ -395,7 +401,7 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// Predicts the unknowns by the polynomial of the last step, or by constant accelerations if that is not to be used.
+    /// Predicts the unknowns of a step by the dense-output polynomial of the last step, or by constant accelerations after a restart.
     pub(super) fn predict(&mut self, h: f64) {
         let (system, n) = (self.system, self.system.first_equation);
         let old = &self.polynomial;
@@ -403,7 +409,7 @@ impl<'a> Integrator<'a> {
             stage.fill(0.0);
         }
         if let Some(last) = self.last.filter(|_| self.within || !self.anew) {
-            // The prediction starts where the last step started if that step is repeated, otherwise where it ended.
+            // If the last step is repeated, the prediction starts where that step started; otherwise it starts where that step ended.
             let end = f64::from(u8::from(!self.within));
             for i in 0..3 {
                 let weights = lagrange(end + C[i] * h / last);
@@ -443,18 +449,21 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    pub(super) fn report_error(&self, (_, at, velocity): (f64, usize, bool)) -> String {
-        let of = if velocity { "the velocity of " } else { "" };
-        format!("{of}{}", self.system.freedom_name(at))
+    pub(super) fn report_error(&self, worst: LargestComponent) -> String {
+        let of = if worst.is_velocity {
+            "the velocity of "
+        } else {
+            ""
+        };
+        format!("{of}{}", self.system.freedom_name(worst.index))
     }
 
-    pub(super) fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> (f64, usize, bool) {
+    pub(super) fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> LargestComponent {
         let tolerance = self.tolerance();
-        self.sizes
-            .measured(self.system, tolerance, (z, w), variables)
+        self.sizes.measured(self.system, tolerance, z, w, variables)
     }
 
-    /// The third stage is the end of the step.
+    /// Accepts a step of size `h`: its third stage becomes the state, at time `to`.
     fn accept(&mut self, h: f64, to: f64) -> Result<(), MotionFailure> {
         let system = self.system;
         let B = self.equations.tableau.B[2];
@@ -465,9 +474,13 @@ impl<'a> Integrator<'a> {
         self.equations.stage_state(
             system,
             &self.state,
-            to,
-            (&unknowns.z[2], &unknowns.w[2]),
-            (&|k| rate(&unknowns.w, k), &|k| rate(&unknowns.z, k)),
+            &StageValues {
+                time: to,
+                z: &unknowns.z[2],
+                w: &unknowns.w[2],
+                acceleration: &|k| rate(&unknowns.w, k),
+                state_rate: &|k| rate(&unknowns.z, k),
+            },
             &mut end,
         );
         let scratch = &mut self.equations.scratch;

@@ -3,7 +3,9 @@
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::error::NotSettled;
+use super::error_scales::LargestComponent;
 use super::integrator::Integrator;
+use super::newton::Step;
 use super::sequence::StageSequence;
 use super::settings::INSIDE;
 use crate::mechanics::exceeds;
@@ -15,13 +17,13 @@ const KAPPA: f64 = 1e-2;
 const FAST: f64 = 0.1;
 /// Convergence rate above which [`Derivatives::Kept`] reassembles the derivatives of all stages.
 const SLUGGISH: f64 = 0.3;
-/// Largest correction of the motion, in tolerances, with which a step is accepted although its multipliers do not converge.
+/// Largest correction of positions and velocities, in tolerances, with which a step is accepted although its multipliers do not converge.
 const SETTLED: f64 = 1e-1;
-/// Number of step cuts after which [`SETTLED_AFTER_CUTS`] replaces [`SETTLED`]: errors that shorter steps do not reduce are round-off.
+/// Number of step cuts after which [`SETTLED_AFTER_CUTS`] replaces [`SETTLED`]. Errors that shorter steps do not reduce are round-off.
 const CUTS: usize = 3;
-/// Largest correction of the motion, in tolerances, that is accepted after [`CUTS`] cuts of the step; it equals ERROR.
+/// Largest correction of positions and velocities, in tolerances, that is accepted after [`CUTS`] cuts of the step. It corresponds to ERROR.
 const SETTLED_AFTER_CUTS: f64 = 1.0 / INSIDE;
-/// Relative round-off of positions and velocities. Smaller corrections end the iteration.
+/// Relative round-off of positions and velocities. The iteration ends when its corrections are smaller than this.
 const ROUND_OFF: f64 = 1e-14;
 
 impl Integrator<'_> {
@@ -30,7 +32,7 @@ impl Integrator<'_> {
         let several = derivatives != Derivatives::Single;
         let always = derivatives == Derivatives::Renewed;
         let mut before = 0.0;
-        // Whether the next iteration reassembles the derivatives of all stages.
+        // True if the next iteration reassembles the derivatives of all stages.
         let mut renew = several;
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
@@ -40,7 +42,7 @@ impl Integrator<'_> {
                     why: reason.to_string(),
                     no_value: true,
                 })?;
-            let size = worst.0;
+            let size = worst.size;
             if !size.is_finite() {
                 return Err(NotSettled::at("the iteration leaves all bounds"));
             }
@@ -72,7 +74,7 @@ impl Integrator<'_> {
             } else if size <= 1e-2 * limit {
                 return Ok(iteration);
             } else {
-                // The first correction may lead far from the point of linearisation; later corrections are small.
+                // The first correction may lead far from the point of linearisation. Later corrections are small.
                 renew = always || derivatives == Derivatives::Sequence;
             }
             before = size;
@@ -80,28 +82,27 @@ impl Integrator<'_> {
         Err(NotSettled::at("the iteration does not settle"))
     }
 
-    /// Returns the largest component of the last correction, its index, and whether it is a velocity, as
-    /// [`ErrorScales::measured`](super::error_scales::ErrorScales::measured) does. `variables` includes VARIABLEs and multipliers.
-    fn largest_change(&self, variables: bool) -> (f64, usize, bool) {
-        let mut worst = (0.0, 0, false);
+    /// Returns the largest component of the last correction. `variables` includes VARIABLEs and multipliers.
+    fn largest_change(&self, variables: bool) -> LargestComponent {
+        let mut worst = LargestComponent::default();
         for (z, w) in self.change.z.iter().zip(&self.change.w) {
             let found = self.measured(z, w, variables);
-            if exceeds(found.0, worst.0) {
+            if exceeds(found.size, worst.size) {
                 worst = found;
             }
         }
         worst
     }
 
-    /// Decides whether an iteration that does not converge is accepted all the same. Near a singular position the multipliers follow from
-    /// small differences, so that round-off dominates them although the motion has converged. The step is then accepted, and the next step
-    /// does not extrapolate from it.
+    /// Decides whether a step is accepted although its iteration does not converge. Near a singular position the multipliers follow from small
+    /// differences, so that round-off dominates them although the motion has converged. Such a step is accepted, and the next step does not
+    /// extrapolate from it.
     ///
-    /// `exact` is the iteration count if the derivatives of all stages are in use. It is `None` with the derivatives of one stage, where slow
-    /// convergence looks the same.
+    /// `exact` is the iteration count if every stage has its own derivatives. It is `None` if the derivatives of one stage serve all stages,
+    /// because slow convergence would then look the same.
     fn given_up(
         &mut self,
-        worst: (f64, usize, bool),
+        worst: LargestComponent,
         exact: Option<usize>,
     ) -> Result<usize, NotSettled> {
         let multipliers = self.system.first_equation..self.system.first_variable;
@@ -111,9 +112,9 @@ impl Integrator<'_> {
             SETTLED_AFTER_CUTS
         };
         if let Some(iteration) = exact
-            && !worst.2
-            && multipliers.contains(&worst.1)
-            && self.largest_change(false).0 <= settled
+            && !worst.is_velocity
+            && multipliers.contains(&worst.index)
+            && self.largest_change(false).size <= settled
         {
             self.loose = true;
             return Ok(iteration);
@@ -124,17 +125,17 @@ impl Integrator<'_> {
         )))
     }
 
-    /// Runs one iteration and returns its largest correction. `renew` reassembles the derivatives of all stages first;
-    /// [`Derivatives::Single`] ignores it.
+    /// Runs one iteration and returns its largest correction, as [`Self::largest_change`] does. If `renew` is true, the derivatives of all
+    /// stages are reassembled first. [`Derivatives::Single`] ignores `renew`.
     fn corrected(
         &mut self,
         h: f64,
         derivatives: Derivatives,
         renew: bool,
-    ) -> Result<(f64, usize, bool), NoValue> {
+    ) -> Result<LargestComponent, NoValue> {
         let tolerance = self.tolerance();
         let (system, parameters, start) = (self.system, self.parameters, &self.state);
-        let (model, step) = ((system, parameters), (start, h));
+        let step = Step { start, h };
         let (equations, unknowns, change) =
             (&mut self.equations, &mut self.unknowns, &mut self.change);
         match derivatives {
@@ -148,7 +149,7 @@ impl Integrator<'_> {
                 let sequence = self.sequence.get_or_insert_with(new);
                 if renew {
                     let weights = self.sizes.weights(system, tolerance);
-                    sequence.factor(equations, model, step, unknowns, weights)?;
+                    sequence.factor(equations, system, parameters, step, unknowns, weights)?;
                 }
                 equations.stage_residuals(system, parameters, start, h, unknowns)?;
                 let taken = sequence.correct(equations, system, step, change);
@@ -158,7 +159,7 @@ impl Integrator<'_> {
                 let new = || Box::new(Coupled::new(system));
                 let coupled = self.coupled.get_or_insert_with(new);
                 if renew {
-                    coupled.factor(equations, model, step, unknowns)?;
+                    coupled.factor(equations, system, parameters, step, unknowns)?;
                 }
                 equations.stage_residuals(system, parameters, start, h, unknowns)?;
                 coupled.correct(equations, system, unknowns, change);

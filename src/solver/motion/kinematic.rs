@@ -9,20 +9,21 @@ use crate::system::{Parameters, Scratch, State, System};
 
 /// Largest number of times that a failing step is halved.
 const HALVINGS: i32 = 10;
-/// Largest number of stick-slip changes located on the way to one time. After that, changes take effect at the end of a step.
+/// Largest number of changes between sticking and sliding that are located on the way to one time. Further changes take effect at the end of a
+/// step.
 const GRIPS: usize = 1000;
 
 type Going =
     fn(&System, &Parameters, &mut State, &mut Consistent, f64, f64) -> Result<usize, MotionError>;
 
-/// Advances the mechanism to time `end` in steps of at most `largest`, and returns the number of steps. A step is halved if no positions are
-/// found.
+/// Advances the mechanism to time `end` in steps of at most `largest`, and returns the number of steps. If no positions are found for a step,
+/// it is halved.
 ///
-/// A step ends where a friction begins or ceases to stick, because its creep is counted from there. A friction that sticks at the start
-/// creeps from the start.
+/// A step ends where a friction begins or ceases to stick, because creep is counted from that point. A friction that sticks at the start of the
+/// motion creeps from the start.
 ///
-/// The next positions are found from the prediction `q + h V + h^2 A / 2`, by Newton's method on the constraints with the least change.
-/// Velocities, accelerations and multipliers follow from linear equations.
+/// The next positions are predicted by `q + h V + h^2 A / 2` and corrected by Newton's method, which satisfies the constraints with the least
+/// change. Velocities, accelerations and multipliers follow from linear equations.
 ///
 /// # Errors
 /// [`MotionError`]; the state is then at the end of the last successful step.
@@ -60,12 +61,12 @@ pub fn advance(
     Ok(steps + freely(system, parameters, state, memory, end, largest)?)
 }
 
-/// Watches all frictions for changes between sticking and sliding.
+/// Event function of all frictions: changes between sticking and sliding.
 struct Slips<'a> {
     system: &'a System,
     parameters: &'a Parameters,
     scratch: Scratch,
-    /// Whether each friction sticks at the beginning of the interval.
+    /// Whether each friction sticks at the start of the interval.
     sticking: Vec<bool>,
     over: Vec<f64>,
 }
@@ -132,18 +133,21 @@ fn freely(
     }
 }
 
-/// Advances the mechanism to time `to.0` like [`advance`], in steps of at most `to.1`, and stops at the first watched event. Returns the
-/// number of steps, and true if the state stands at an event before that time.
+/// Advances the mechanism to the time `end` like [`advance`], in steps of at most `largest`, and stops at the first watched event. Returns
+/// the number of steps, and true if the state stands at an event before that time.
 ///
 /// # Errors
 /// [`MotionError`] as for [`advance`].
 pub fn advance_watched(
-    of: (&System, &Parameters),
+    system: &System,
+    parameters: &Parameters,
     state: &mut State,
     memory: &mut Consistent,
-    to: (f64, f64),
+    end: f64,
+    largest: f64,
     watched: &mut impl Watched,
 ) -> Result<(usize, bool), MotionError> {
+    let (of, to) = ((system, parameters), (end, largest));
     watching(advance, of, state, memory, to, watched)
 }
 
@@ -212,10 +216,10 @@ fn place(
     Ok(())
 }
 
-/// Refuses a mechanism that has degrees of freedom or nonholonomic constraints.
+/// Checks that a mechanism has neither degrees of freedom nor nonholonomic constraints.
 ///
 /// # Errors
-/// [`Reason::NotKinematic`] if degrees of freedom remain, [`Reason::HeldVelocities`] if a constraint is nonholonomic.
+/// [`MotionFailure::NotKinematic`] if degrees of freedom remain, [`MotionFailure::HeldVelocities`] if a constraint is nonholonomic.
 pub fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
     let freedoms = system.freedoms_left(state);
     if freedoms > 0 {

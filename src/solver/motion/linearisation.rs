@@ -1,8 +1,8 @@
-//! Derivatives of the equations of motion at a state, and the solution of a stage of a step with them.
+//! Derivatives of the equations of motion at a state, and the linear system of one stage of a step, which is solved with them.
 //!
-//! In a stage, rates are z times changes: `z dd - dW + D G' dmu = -r1`, `K dd + C dW + z N dW + ... = -g`, `G dd = -r3`, `G dW = -r4`, in the
-//! notation of [`super::newton`]. A nonholonomic constraint has neither of the last two equations. Instead its row resembles a balance:
-//! `f_q dd + f_V dW = -f`.
+//! In the linear system of a stage, rates are z times changes: `z dd - dW + D G' dmu = -r1`, `K dd + C dW + z N dW + ... = -g`, `G dd = -r3`,
+//! `G dW = -r4`. The notation is explained in [`super::newton`]. For a nonholonomic constraint, one equation replaces the last two. It
+//! resembles a force balance: `f_q dd + f_V dW = -f`.
 
 use std::ops::{Div, Mul};
 
@@ -10,21 +10,22 @@ use super::bordered::{Bordered, plain_weight};
 use crate::linear::{Entries, Levels, Lu, Scalar};
 use crate::system::{NoValue, Parameters, Rows, Scratch, State, System};
 
-/// Residuals of the equations of a stage, which a solution replaces by the changes of the unknowns.
+/// Residuals of the equations of a stage. The solution replaces them by the changes of the unknowns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Correction<T> {
-    /// Residuals of balances, constraints and states; after the solution, changes of displacements, multipliers, variables and states.
+    /// Before the solution, residuals of force balances, constraints and states. After it, changes of displacements, multipliers, variables and
+    /// states.
     pub z: Vec<T>,
-    /// Residuals of the rates of displacements; after the solution, changes of velocities.
+    /// Before the solution, residuals of the rates of displacements. After it, changes of velocities.
     pub w: Vec<T>,
-    /// Residuals of the rates of constraints; after the solution, changes of their multipliers.
+    /// Before the solution, residuals of the velocity constraints. After it, changes of the multipliers of these constraints.
     pub mu: Vec<T>,
     border: Vec<T>,
     found: Vec<T>,
 }
 
 impl<T: Scalar> Correction<T> {
-    /// Starts from the residuals g, r1 and r4.
+    /// Creates a correction from the residuals g, r1 and r4.
     pub(crate) fn of(z: Vec<T>, w: Vec<T>, mu: Vec<T>) -> Self {
         Self {
             z,
@@ -35,7 +36,7 @@ impl<T: Scalar> Correction<T> {
     }
 }
 
-/// Derivatives of all equations, gradients of the constraints, and factors of their projection.
+/// Derivatives of all equations at a state, the constraint gradients, and the factors of the projection onto the constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Linearisation {
     pub levels: Levels,
@@ -52,7 +53,7 @@ impl Linearisation {
         }
     }
 
-    /// Evaluates the derivatives at a state; `g` is work space for the residuals.
+    /// Evaluates the derivatives and factors the projection at a state. `g` is work space for the residuals.
     pub(crate) fn take(
         &mut self,
         system: &System,
@@ -72,7 +73,7 @@ impl Linearisation {
         Ok(())
     }
 
-    /// Returns the matrix of a stage; `z` is an eigenvalue divided by the step size.
+    /// Returns the matrix of a stage. `z` is the coefficient of the stage (for example an eigenvalue of B) divided by the step size.
     pub(crate) fn matrix<'a, T: Scalar>(
         &'a self,
         system: &System,
@@ -110,10 +111,11 @@ impl Linearisation {
         })
     }
 
-    /// Replaces residuals by corrections, with factors of the matrix for the same `z`.
+    /// Replaces the residuals in `of` by the changes of the unknowns. `factors` must be the factors of [`Self::matrix`] for the same `z`.
     pub(crate) fn solve<T, F>(
         &self,
-        (system, start): (&System, &State),
+        system: &System,
+        start: &State,
         z: T,
         of: &mut Correction<T>,
         factors: &Lu<F>,
@@ -165,8 +167,8 @@ impl Linearisation {
         }
     }
 
-    /// Computes the right side `-g - (C + z N) e`. It is `-z^2 r3` for constraints, `-z (f + f_V e)` for nonholonomic ones, and `-g` for
-    /// removed equations.
+    /// Computes the right side of the main linear system. It is `-g - (C + z N) e` for force balances and states, `-z^2 r3` for holonomic
+    /// constraints, `-z (f + f_V e)` for nonholonomic constraints, and `-g` for removed equations.
     fn right_side<T: Scalar>(&self, system: &System, start: &State, z: T, of: &mut Correction<T>) {
         let (n, variable) = (system.first_equation, system.first_variable);
         let (b, e) = (&mut of.z, &of.w);

@@ -9,41 +9,42 @@ use crate::linear::Levels;
 use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, Scratch, State, System};
 
-/// Linearised equations of motion `E u' = F u + B w`, where u = (y, v, s) and w is added to the VARIABLEs.
+/// Linearised equations of motion `E u' = F u + B w`, where u = (y, v, s), and w is added to the values of the VARIABLEs.
 ///
-/// y are the coordinates, v their rates, and s the dynamic states. Small motions of the parts follow from [`Freedoms`]: `d = Z y`,
+/// y are the coordinates, v their rates, and s the dynamic states. Small motions of the parts follow from [`FreedomBases`]: `d = Z y`,
 /// `dV = V v + U y`, `dA = V v' + U y' + V' v + U' y`. The force balances, projected onto directions without constraint forces, give v'.
-/// VARIABLEs are eliminated. Nonholonomic constraints leave fewer free velocities than free positions, so that v has fewer components than y.
+/// VARIABLEs are eliminated. Nonholonomic constraints leave fewer free velocities than free positions, so that v then has fewer components than
+/// y.
 pub(super) struct Linearised {
     pub E: DMatrix<f64>,
     pub F: DMatrix<f64>,
-    /// Input matrix: derivatives by the values added to the VARIABLEs.
+    /// Input matrix: derivatives with respect to the values w added to the VARIABLEs.
     pub B: DMatrix<f64>,
-    /// Derivatives of the VARIABLEs by u.
+    /// Derivatives of the VARIABLEs with respect to u.
     pub by_u: DMatrix<f64>,
-    /// Derivatives of the VARIABLEs by u'.
+    /// Derivatives of the VARIABLEs with respect to u'.
     pub by_rate: DMatrix<f64>,
-    /// Derivatives of the VARIABLEs by the values added to them.
+    /// Derivatives of the VARIABLEs with respect to the values w added to them.
     pub by_input: DMatrix<f64>,
-    /// Small motions of the parts in terms of y.
+    /// Basis of the small motions of the parts: `d = Z y`.
     pub Z: DMatrix<f64>,
     /// Number of components of v.
     pub rates: usize,
     /// Length factor of each unknown of the parts: 1 for a translation, the model's length for a rotation.
     pub lengths: DVector<f64>,
-    /// Indices of the coordinates that y consists of; empty for an orthonormal basis.
+    /// Indices of the candidate coordinates that y consists of; empty for an orthonormal basis.
     pub chosen: Vec<usize>,
-    /// Indices of the coordinates whose rates v consists of; empty for an orthonormal basis.
+    /// Indices of the candidate coordinates whose rates v consists of; empty for an orthonormal basis.
     pub chosen_rates: Vec<usize>,
 }
 
 impl Linearised {
-    /// Linearises about a state at rest in equilibrium, or about a moving state that satisfies the constraints at all three levels. If
-    /// `damped` is false, the derivatives of forces by velocities are omitted. If `coordinates` is `None`, an orthonormal basis is used,
+    /// Linearises about a state at rest in equilibrium, or about a moving state that satisfies the constraints at all three levels. If `damped`
+    /// is false, the derivatives of forces with respect to velocities are omitted. If `coordinates` is `None`, an orthonormal basis is used,
     /// which is possible only for a state at rest.
     ///
     /// # Errors
-    /// [`Reason`] if an element has no value.
+    /// [`MotionFailure`] if an element has no value.
     pub(crate) fn new(
         system: &System,
         parameters: &Parameters,
@@ -59,13 +60,13 @@ impl Linearised {
         let (unknown, states) = (first_state - variable, m - first_state);
         let variables = system.variables.len();
         let mut scratch = Scratch::new(system);
-        // Surfaces at rest stick, as in a motion that starts here.
+        // Surfaces at rest stick, as they do in a motion that starts from this state.
         system.advance_stiction(parameters, &mut state, &mut scratch);
         let mut levels = Levels::new(m);
         let mut g = vec![0.0; m];
         system.assemble(parameters, &state, &mut scratch, &mut g, &mut levels)?;
         levels.finish();
-        // After the unknowns come rows for the values of the VARIABLEs, and columns for the values added to them.
+        // After the unknowns follow rows for the values of the VARIABLEs, and columns for the values added to them.
         let whole = m + variables;
         let mut J = [
             DMatrix::zeros(whole, whole),
@@ -87,9 +88,9 @@ impl Linearised {
             J[1].view_range_mut(view.0, view.1).fill(0.0);
         }
         let lengths = DVector::from_fn(n, |k, _| length_of(system, k));
-        let free = FreedomBases::of((system, parameters, &state), coordinates, &lengths)?;
+        let free = FreedomBases::of(system, parameters, &state, coordinates, &lengths)?;
         let FreedomBases { Z, V: R, U, .. } = &free;
-        // y are as many as places, v as velocities are free.
+        // p is the number of coordinates y, and r is the number of rates v.
         let (p, r) = (Z.ncols(), R.ncols());
         let part = |level: usize, rows: (usize, usize), columns: (usize, usize)| {
             J[level]
@@ -98,7 +99,7 @@ impl Linearised {
         };
         let (B, V, S) = ((0, n), (variable, unknown), (first_state, states));
         let O = (m, variables);
-        // Unknown VARIABLEs are eliminated: dv = -J_vv^-1 (J_vq dq + J_vV dV + J_vs ds + J_vw dw).
+        // VARIABLEs that are unknowns are eliminated: dv = -J_vv^-1 (J_vq dq + J_vV dV + J_vs ds + J_vw dw).
         let follow = part(0, V, V)
             .try_inverse()
             .unwrap_or_else(|| DMatrix::identity(unknown, unknown));
@@ -106,7 +107,7 @@ impl Linearised {
             part(level, rows, columns) - part(0, rows, V) * &follow * part(level, V, columns)
         };
         let (K, C, M) = (reduced(0, B, B), reduced(1, B, B), -reduced(2, B, B));
-        // Directions that no multiplier reaches. With friction they differ from the directions that the constraints leave free.
+        // Directions along which no multiplier acts. With friction they differ from the directions that the constraints leave free.
         let by_multipliers = reduced(0, B, (n, variable - n));
         let N = if system.has_friction() {
             unreached(&by_multipliers, r, &lengths)
@@ -138,7 +139,7 @@ impl Linearised {
             put(&mut E, s, s, &-part(1, S, S));
             put(&mut input, s, 0, &reduced(0, S, O));
         }
-        // Derivatives by positions, velocities, accelerations, states and rates of states.
+        // Derivatives with respect to positions, velocities, accelerations, states and rates of states.
         let mut by_u = DMatrix::zeros(variables, size);
         let mut by_rate = DMatrix::zeros(variables, size);
         let along = |level: usize| reduced(level, O, B);
@@ -167,7 +168,7 @@ impl Linearised {
     }
 }
 
-/// Returns `count` directions, as columns, along which no multiplier contributes to the balances.
+/// Returns `count` directions, as columns, along which no multiplier contributes to the force balances.
 fn unreached(
     by_multipliers: &DMatrix<f64>,
     count: usize,

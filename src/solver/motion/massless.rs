@@ -1,8 +1,8 @@
 //! Motions of parts without inertia.
 //!
-//! Y is a basis of the motions that have no inertia and violate no constraint. The force balances along them contain no accelerations:
-//! `Y' g(q, V, t) = 0`. Where damping acts, they determine the velocities. Elsewhere stiffness determines the positions, and the time
-//! derivative of the balances determines the velocities: `Y' (K V + g_t) = 0`.
+//! Y is a basis of the motions that have no inertia and violate no constraint. The force balances along these motions contain no accelerations:
+//! `Y' g(q, V, t) = 0`. Where damping acts, the balances determine the velocities. Elsewhere they determine the positions through the
+//! stiffness, and their time derivative determines the velocities: `Y' (K V + g_t) = 0`.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,30 +13,32 @@ use crate::linear::{Levels, Lu};
 use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, State, System};
 
-/// Directions whose scaled damping and stiffness are below this size count as unrestrained.
+/// A direction whose scaled damping and stiffness are below this counts as unrestrained.
 const NOTHING: f64 = 1e-9;
 /// A direction counts as damped if damping makes up more than this share of its restraint over one step.
 const DAMPED: f64 = 0.5;
-/// Largest number of iterations; a few are usual.
+/// Largest number of iterations in [`Consistent::settle_massless`]; a few are usual.
 const ITERATIONS: usize = 20;
-/// Convergence limit for the changes of positions, and of velocities times the step, in model lengths or radians.
+/// Convergence limit for the change of positions, and for the change of velocities times the time step, in model lengths or radians.
 const SETTLED: f64 = 1e-12;
 
-/// Motions without inertia, and what restrains them over a time `step`.
+/// Motions without inertia, and the stiffness and damping that restrain them over a time `step`.
 struct Massless {
-    /// Y, with one motion of all parts per column. Its largest displacement is one model length, or its largest rotation one radian.
+    /// Y: each column is one motion of all parts, scaled so that its largest displacement is one model length or its largest rotation one
+    /// radian.
     motions: DMatrix<f64>,
-    /// Y' K Y.
+    /// Stiffness along the motions: Y' K Y.
     stiffness: DMatrix<f64>,
-    /// Y' C Y.
+    /// Damping along the motions: Y' C Y.
     damping: DMatrix<f64>,
-    /// Factor on each direction that makes the restraints of all directions comparable.
+    /// Scale factor of each motion that makes the restraints of all motions comparable; zero for a motion without any restraint.
     scale: DVector<f64>,
     step: f64,
 }
 
 impl Massless {
-    /// Collects the motions without inertia from factors of the mass matrix with the constraints. Returns `None` if every motion has inertia.
+    /// Collects the motions without inertia from the factors of the mass matrix with the constraints. Returns `None` if every motion has
+    /// inertia.
     fn of(system: &System, factors: &Lu, levels: &Levels, step: f64) -> Option<Self> {
         let n = system.first_equation;
         let mut columns = Vec::new();
@@ -74,7 +76,7 @@ impl Massless {
         })
     }
 
-    /// Returns a motion that is unrestrained, or whose restraint is not finite; `None` if there is none.
+    /// Returns a motion that is unrestrained or whose restraint is not finite. Returns `None` if every motion is restrained.
     fn unrestrained_mode(&self) -> Option<DVector<f64>> {
         let held = self.scaled(&(&self.stiffness * self.step + &self.damping));
         let Some(svd) = singular_values(held, false, true) else {
@@ -90,7 +92,7 @@ impl Massless {
         }
         let mut along = svd.v_t?.row(at).transpose();
         for (k, part) in along.iter_mut().enumerate() {
-            // Directions without any restraint are not scaled.
+            // The components of motions without any restraint are not scaled.
             if self.scale[k] > 0.0 {
                 *part *= self.scale[k];
             }
@@ -98,8 +100,8 @@ impl Massless {
         Some(&self.motions * along)
     }
 
-    /// Computes the changes of displacements and velocities along Y from the balances along Y and from the time derivatives of these
-    /// balances.
+    /// Computes the changes of positions and velocities along Y. `balance` contains the force balances along Y, and `rate` their time
+    /// derivatives. Returns `None` if a matrix is singular.
     fn changes(
         &self,
         balance: &DVector<f64>,
@@ -134,7 +136,7 @@ impl Massless {
     }
 }
 
-/// Returns the largest displacement of a motion in model lengths, or its largest rotation in radians.
+/// Returns the largest displacement in a motion, in model lengths, or the largest rotation, in radians, whichever is larger.
 fn size(system: &System, motion: &[f64]) -> f64 {
     let mut most = 0.0_f64;
     for body in &system.bodies {
@@ -146,7 +148,7 @@ fn size(system: &System, motion: &[f64]) -> f64 {
     most
 }
 
-/// Returns K Y and C Y.
+/// Returns K Y and C Y, where `levels` contains the derivatives K and C.
 fn products(motions: &DMatrix<f64>, levels: &Levels) -> [DMatrix<f64>; 2] {
     let n = motions.nrows();
     let mut out = [0, 1].map(|_| DMatrix::zeros(n, motions.ncols()));
@@ -166,7 +168,10 @@ fn products(motions: &DMatrix<f64>, levels: &Levels) -> [DMatrix<f64>; 2] {
 }
 
 impl Consistent {
-    /// After the mass matrix was factored: an error where a motion has no mass and nothing else holds it.
+    /// Checks, after the mass matrix was factored, that stiffness or damping restrains every motion without inertia.
+    ///
+    /// # Errors
+    /// [`MotionFailure::MassSingular`] if such a motion is not restrained.
     pub(super) fn check_held(&mut self, system: &System, step: f64) -> Result<(), MotionFailure> {
         let deficiency = self.factors.deficiency();
         if deficiency == 0 || self.held == Some(deficiency) {
@@ -181,13 +186,13 @@ impl Consistent {
         Ok(())
     }
 
-    /// Brings motions without inertia into equilibrium: by their velocities where damping acts, otherwise by their positions. All other
-    /// motions keep their positions and velocities. The state remains unchanged if the iteration does not converge.
+    /// Brings motions without inertia into equilibrium. Where damping acts, their velocities change; elsewhere their positions change. All
+    /// other motions keep their positions and velocities. The state remains unchanged if the iteration does not converge.
     ///
     /// `step` is the time over which damping is compared with stiffness.
     ///
     /// # Errors
-    /// [`Reason`] if an element has no value.
+    /// [`MotionFailure`] if an element has no value.
     pub(super) fn settle_massless(
         &mut self,
         system: &System,

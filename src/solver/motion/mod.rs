@@ -1,7 +1,7 @@
-//! Motion over time: initial conditions, kinematics, integration and small motions about a state.
+//! Motion over time: initial conditions, kinematic analysis, integration and small motions about a state.
 //!
-//! The integrator is the three-stage Radau IIA method on the stabilised index-2 form of the equations of motion. Rotations are parametrised
-//! by rotation vectors from the start of each step. Independent of files and commands.
+//! The integrator is the three-stage Radau IIA method on the stabilised index-2 form of the equations of motion. Rotations are parametrised by
+//! rotation vectors relative to the start of each step. The module is independent of files and commands.
 
 mod anderson;
 mod arrival;

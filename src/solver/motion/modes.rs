@@ -9,16 +9,16 @@ use crate::mechanics::Vec3;
 use crate::mechanics::eigen::{eigenvalues, singular_values};
 use crate::system::{Parameters, PartRates, State, System};
 
-/// Singular values of the mass matrix below this share of the largest count as zero.
+/// Singular values of the matrix E, which contains the coefficients of the rates, count as zero below this share of the largest.
 const NO_MASS: f64 = 1e-12;
 
 /// An eigenvalue and its mode shape.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mode {
-    /// Eigenvalue per unit of time: its real part is the growth rate, its imaginary part the angular frequency.
+    /// Eigenvalue, per unit of time. Its real part is the growth rate, its imaginary part the angular frequency.
     pub value: Complex<f64>,
-    /// Displacement and rotation vector of each part, in ground axes; zero for ground. The largest component is one, where rotations are
-    /// multiplied by the model's length.
+    /// Displacement and rotation vector of each part, in ground axes; zero for ground. The shape is scaled so that its largest component is
+    /// one, where rotations are multiplied by the model's length.
     pub shape: Vec<[Complex<f64>; 6]>,
 }
 
@@ -42,10 +42,10 @@ impl Mode {
 /// Computes the modes of the equations of motion linearised about a state, sorted by frequency, with complex pairs side by side.
 ///
 /// `state` is at rest in equilibrium, or it moves and satisfies the constraints at all three levels. Motions without mass have no finite
-/// eigenvalue and are omitted. If `damped` is false, the derivatives of forces by velocities are omitted.
+/// eigenvalue and are omitted. If `damped` is false, the derivatives of forces with respect to velocities are omitted.
 ///
 /// # Errors
-/// [`Reason`] if an element has no value or the eigenvalue iteration does not converge.
+/// [`MotionFailure`] if an element has no value or the eigenvalue iteration does not converge.
 pub fn modes(
     system: &System,
     parameters: &Parameters,
@@ -55,11 +55,11 @@ pub fn modes(
     modes_in(system, parameters, state, damped, &Coordinates::default())
 }
 
-/// Computes modes in the given coordinates. The choice matters only for a moving state: its linearised equations change with time in some
-/// coordinates and not in others, and only their present values are used.
+/// Computes the modes of the equations of motion in the given coordinates. The choice of coordinates matters only for a moving state. The
+/// linearised equations of such a state change with time in some coordinates and not in others, and only their present values are used.
 ///
 /// # Errors
-/// The errors of [`modes`].
+/// The same errors as [`modes`].
 pub fn modes_in(
     system: &System,
     parameters: &Parameters,
@@ -67,7 +67,7 @@ pub fn modes_in(
     damped: bool,
     coordinates: &Coordinates,
 ) -> Result<Vec<Mode>, MotionFailure> {
-    // At rest all coordinates have the same eigenvalues.
+    // For a state at rest, all coordinates give the same eigenvalues.
     let still = |v: &PartRates| v.linear == Vec3::zeros() && v.angular == Vec3::zeros();
     let moves = !state.velocities.iter().all(still);
     let coordinates = moves.then_some(coordinates);
@@ -86,7 +86,7 @@ pub fn modes_in(
             value,
         })
         .collect();
-    // Sizes that differ by round-off count as equal, so that complex pairs stay side by side.
+    // Magnitudes that differ by round-off count as equal, so that complex pairs stay side by side.
     let most = found
         .iter()
         .fold(0.0_f64, |a, mode| a.max(mode.value.norm()));
@@ -102,8 +102,9 @@ pub fn modes_in(
 
 /// Computes the finite eigenvalues of `F u = value E u`. Returns `None` if an iteration does not converge.
 ///
-/// Rows that E does not reach are algebraic: `A u = 0`. They are removed by writing u in a basis of their null space, `u = N y`, repeatedly
-/// if necessary. A motion without inertia that only stiffness restrains takes two rounds: one removes its position, the next its velocity.
+/// Combinations of rows in which E vanishes are algebraic: `A u = 0`. They are eliminated by writing u in a basis of their null space,
+/// `u = N y`, repeatedly if necessary. A motion without inertia that only stiffness restrains takes two rounds: the first removes its position,
+/// and the second its velocity.
 fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let (mut E, mut F) = (E.clone(), F.clone());
     while E.nrows() > 0 {
@@ -123,7 +124,7 @@ fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Option<Vec<Complex<
     Some(Vec::new())
 }
 
-/// Returns an orthonormal basis of the vectors for which `count` rows of length n give zero; it has n - `count` columns.
+/// Returns an orthonormal basis of the null space of `rows`, which has `count` independent rows of length n. The basis has n - `count` columns.
 fn null_space(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
     let n = rows.ncols();
     // Additional rows of zeros make the right singular vectors a complete basis.
@@ -132,7 +133,7 @@ fn null_space(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
     Some(Vt.rows(count, n - count).transpose())
 }
 
-/// Computes mode shapes from eigenvalues.
+/// Data with which mode shapes are computed from eigenvalues.
 struct Shapes<'a> {
     system: &'a System,
     Z: &'a DMatrix<f64>,

@@ -1,7 +1,7 @@
-//! The equations of one step: three stages, and the linear systems of their Newton iteration.
+//! The equations of one time step: three stages, and the linear systems of their Newton iteration.
 //!
-//! z is an eigenvalue of B / h, and residuals are in the transformed variables. `g` is the residual that the system assembles, with
-//! derivatives K by positions, C by velocities and N by accelerations:
+//! z is an eigenvalue of B / h, and the residuals are those of the transformed stages. `g` is the residual that the system assembles. Its
+//! derivatives are K with respect to positions, C with respect to velocities and N with respect to accelerations:
 //!
 //! ```text
 //! r1 = (B d)/h - Th(d) (V - D G' mu),     r3 = Phi,     r4 = G V + Phi_t
@@ -9,7 +9,7 @@
 //! (K + z C + z^2 N) dd + ... = -g - (C + z N) e,    G dd = -r3,    dW = z dd + e
 //! ```
 //!
-//! The unknown of the second system is z^2 dd, so that the entries of its matrix stay bounded as the step size goes to zero.
+//! The linear system with K, C and N is solved for z^2 dd, so that the entries of its matrix stay bounded as the step size goes to zero.
 
 use nalgebra::Complex;
 
@@ -20,20 +20,44 @@ use crate::linear::{Lu, Triple};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
 use crate::system::{NoValue, Parameters, PartRates, RowProducts, Scratch, State, System};
 
-/// Returns the eigenvalues of B / h: the real one, and one of the complex pair.
+/// Returns two eigenvalues of B / h: the real eigenvalue, and one of the complex pair.
 fn eigenvalues(h: f64) -> Triple {
     Triple::new(GAMMA / h, ALPHA_BETA / h)
 }
 
-/// Three vectors, one per stage.
+/// Three vectors, one per stage of a step.
 pub(super) type Stages = [Vec<f64>; 3];
 
 pub(super) fn stages(n: usize) -> Stages {
     std::array::from_fn(|_| vec![0.0; n])
 }
 
-/// Unknowns of a step, relative to its start. `z` contains the changes of all unknowns (displacements and rotation vectors of the parts,
-/// multipliers, variables, states). `w` contains the changes of the velocities, and `mu` the multipliers of the velocity constraints.
+/// Step of the integrator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step<'a> {
+    /// State at the start.
+    pub start: &'a State,
+    /// Step size.
+    pub h: f64,
+}
+
+/// Stage of a step, relative to its start.
+pub(super) struct StageValues<'a> {
+    /// Time of the stage.
+    pub time: f64,
+    /// Changes of all unknowns.
+    pub z: &'a [f64],
+    /// Changes of the velocities.
+    pub w: &'a [f64],
+    /// Time derivative of a velocity, by its index.
+    pub acceleration: &'a dyn Fn(usize) -> f64,
+    /// Time derivative of a state, by its index among the unknowns.
+    pub state_rate: &'a dyn Fn(usize) -> f64,
+}
+
+/// Unknowns of the three stages. `z` contains the changes of all unknowns since the start of the step (displacements and rotation vectors of
+/// the parts, multipliers, variables, states). `w` contains the changes of the velocities, and `mu` the multipliers of the velocity
+/// constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Unknowns {
     pub z: Stages,
@@ -75,7 +99,7 @@ impl Unknowns {
         }
     }
 
-    /// Returns the scalar product of the unknowns, each multiplied by its weight.
+    /// Returns the scalar product with `other`, where each component of both is multiplied by its weight.
     pub(crate) fn product(&self, other: &Self, weights: &Self) -> f64 {
         let mut sum = 0.0;
         for ((a, b), w) in self.all().zip(other.all()).zip(weights.all()) {
@@ -86,7 +110,8 @@ impl Unknowns {
     }
 }
 
-/// Residuals of the stages: `r1` of the rates of displacements, `g` of balances, constraints and states, `r4` of the rates of constraints.
+/// Residuals of the stages: `r1` of the rates of displacements, `g` of force balances, constraints and states, `r4` of the velocity
+/// constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Residuals {
     r1: Stages,
@@ -107,7 +132,7 @@ impl Residuals {
     }
 }
 
-/// Equations of a step, with the matrices of its iteration and their factors.
+/// Equations of a step, with the matrices of its Newton iteration and their factors.
 #[derive(Debug)]
 pub(super) struct StepMatrices {
     pub tableau: Tableau,
@@ -118,7 +143,7 @@ pub(super) struct StepMatrices {
     pub scratch: Scratch,
     pub(super) stage: State,
     pub(super) residuals: Residuals,
-    /// Residuals of the transformed stages, replaced by their corrections.
+    /// Residuals of the transformed stages. The solution replaces them by corrections.
     transformed: Correction<Triple>,
     pub evaluations: usize,
     pub jacobians: usize,
@@ -148,7 +173,7 @@ impl StepMatrices {
         }
     }
 
-    /// Assembles the derivatives at a state and factors the projection.
+    /// Assembles the derivatives at a state and factors the projection onto the constraints.
     pub(crate) fn linearise(
         &mut self,
         system: &System,
@@ -161,7 +186,7 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// Assembles the derivatives at the stage that [`Self::place_stage`] placed last.
+    /// Assembles the derivatives at the stage whose state [`Self::place_stage`] computed last.
     pub(crate) fn linearise_stage(
         &mut self,
         system: &System,
@@ -174,14 +199,15 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// Assembles the derivatives at the predicted second stage of a step, which is closer to all stages than the start is.
+    /// Assembles the derivatives at the predicted second stage of a step. This stage is closer to all stages than the start of the step is.
     pub(crate) fn linearise_within(
         &mut self,
         system: &System,
         parameters: &Parameters,
-        (start, h): (&State, f64),
+        step: Step<'_>,
         unknowns: &Unknowns,
     ) -> Result<(), NoValue> {
+        let Step { start, h } = step;
         self.place_stage(system, start, h, 1, unknowns);
         let stage = std::mem::replace(&mut self.stage, State::empty());
         let done = self.linearise(system, parameters, &stage);
@@ -189,7 +215,7 @@ impl StepMatrices {
         done
     }
 
-    /// Factors the real and the complex system for step size `h`.
+    /// Factors the real and the complex matrix for step size `h`.
     pub(crate) fn factor(&mut self, system: &System, h: f64) {
         let matrix = self.linear.matrix(system, &mut self.values, eigenvalues(h));
         self.factors.factor_entries(&matrix);
@@ -217,7 +243,7 @@ impl StepMatrices {
             }));
         }
         let factors = &self.factors;
-        (self.linear).solve((system, start), eigenvalues(h), of, factors);
+        (self.linear).solve(system, start, eigenvalues(h), of, factors);
         for (to, from) in [
             (&mut change.z, &of.z),
             (&mut change.w, &of.w),
@@ -231,23 +257,22 @@ impl StepMatrices {
         }
     }
 
-    /// Writes the state of a stage, with its rates, to `stage`.
+    /// Computes the state of a stage, with accelerations and rates of states, and writes it to `stage`. `z` and `w` are the changes since
+    /// `start`.
     pub(crate) fn stage_state(
         &self,
         system: &System,
         start: &State,
-        time: f64,
-        (z, w): (&[f64], &[f64]),
-        (rate, state_rate): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64),
+        at: &StageValues<'_>,
         stage: &mut State,
     ) {
         stage.clone_from(start);
-        stage.time = time;
-        system.advance(stage, z);
+        stage.time = at.time;
+        system.advance(stage, at.z);
         for (part, body) in system.bodies.iter().enumerate() {
             let mut acceleration = PartRates::zero();
             for k in 0..body.freedoms {
-                let (dw, a) = (w[body.first + k], rate(body.first + k));
+                let (dw, a) = (at.w[body.first + k], (at.acceleration)(body.first + k));
                 if k < 3 {
                     stage.velocities[part].linear[k] += dw;
                     acceleration.linear[k] = a;
@@ -259,11 +284,11 @@ impl StepMatrices {
             stage.accelerations[part] = acceleration;
         }
         for (k, equation) in system.states.iter().enumerate() {
-            stage.state_rates[k] = state_rate(equation.moving_unknown);
+            stage.state_rates[k] = (at.state_rate)(equation.moving_unknown);
         }
     }
 
-    /// Writes the state of stage `i` to `self.stage`.
+    /// Computes the state of stage `i` and stores it in the `stage` field.
     pub(super) fn place_stage(
         &mut self,
         system: &System,
@@ -279,9 +304,13 @@ impl StepMatrices {
         self.stage_state(
             system,
             start,
-            start.time + C[i] * h,
-            (&unknowns.z[i], &unknowns.w[i]),
-            (&|k| rate_of(&unknowns.w, k), &|k| rate_of(&unknowns.z, k)),
+            &StageValues {
+                time: start.time + C[i] * h,
+                z: &unknowns.z[i],
+                w: &unknowns.w[i],
+                acceleration: &|k| rate_of(&unknowns.w, k),
+                state_rate: &|k| rate_of(&unknowns.z, k),
+            },
             &mut stage,
         );
         self.stage = stage;
@@ -304,8 +333,8 @@ impl StepMatrices {
             self.place_stage(system, start, h, i, unknowns);
             let g = &mut self.residuals.g[i];
             let (scratch, products) = (&mut self.scratch, &mut self.products);
-            let stage = (&self.stage, &unknowns.mu[i][..]);
-            system.residual_and_products(parameters, stage, scratch, g, products)?;
+            let (stage, mu) = (&self.stage, &unknowns.mu[i]);
+            system.residual_and_products(parameters, stage, mu, scratch, g, products)?;
             self.evaluations += 1;
             let r4 = &mut self.residuals.r4[i];
             r4.copy_from_slice(&products.rates);
@@ -340,20 +369,21 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// Returns the error of a step in positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. The last argument is
-    /// (r1, g), where the negative of the weighted sum replaces the rates.
+    /// Returns the error of a step in positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. In `r1` and `g`
+    /// the negative of the weighted sum replaces the rates.
     pub(crate) fn filtered(
         &mut self,
         system: &System,
         start: &State,
         h: f64,
-        (r1, mut g): (Vec<f64>, Vec<f64>),
+        r1: Vec<f64>,
+        mut g: Vec<f64>,
     ) -> Correction<f64> {
         let constraints = system.first_equation..system.first_variable;
         g[constraints.clone()].fill(0.0);
         let mut r4 = vec![0.0; system.equations];
         if !system.states.is_empty() {
-            // In rows of constraints that depend on states, the same sums replace the rates of the states.
+            // In constraint rows that depend on states, the same weighted sums replace the rates of the states.
             let first_state = system.first_state();
             for (row, column, [by_place, ..]) in self.linear.levels.entries() {
                 if column >= first_state && constraints.contains(&row) {
@@ -362,11 +392,12 @@ impl StepMatrices {
             }
         }
         let mut of = Correction::of(g, r1, r4);
-        (self.linear).solve((system, start), GAMMA / h, &mut of, &self.factors);
+        (self.linear).solve(system, start, GAMMA / h, &mut of, &self.factors);
         of
     }
 
-    /// Returns `g` for the error estimate at the start of the step: minus the inertia terms of accelerations and of rates of states.
+    /// Returns `g` for the error estimate at the start of the step: minus the inertia terms of the accelerations `a` and of the rates of
+    /// states.
     pub(crate) fn inertia_of(&self, system: &System, a: &[f64], state_rates: &[f64]) -> Vec<f64> {
         let mut g = vec![0.0; system.moving_unknowns];
         let n = system.first_equation;
@@ -382,7 +413,7 @@ impl StepMatrices {
     }
 }
 
-/// Returns [`turning_rate`] of every body at the rotation vectors of a stage; the identity for bodies that do not rotate.
+/// Returns the matrix [`turning_rate`] of every body for the rotation vectors of a stage. It is the identity for bodies that do not rotate.
 pub(super) fn turns(system: &System, z: &[f64]) -> Vec<Mat3> {
     let each = system.bodies.iter().map(|body| {
         if body.freedoms < 6 {

@@ -1,10 +1,10 @@
-//! Reduction of linear descriptor equations to state equations: algebraic rows, such as those of massless parts, are eliminated.
+//! Reduction of linear descriptor equations to state equations. Algebraic rows, such as the balances of massless parts, are eliminated.
 
 use nalgebra::DMatrix;
 
 use crate::mechanics::eigen::singular_values;
 
-/// Singular values of the rate matrix below this share of the largest count as zero.
+/// Singular values of the rate matrix E below this share of the largest count as zero.
 const NO_RATE: f64 = 1e-12;
 /// Pivots below this share of the largest coefficient of the algebraic rows count as zero.
 const NO_PIVOT: f64 = 1e-10;
@@ -16,7 +16,7 @@ const ORDERS: usize = 3;
 /// Reason why no state equations exist.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Irreducible {
-    /// The equations do not determine some motion.
+    /// The equations leave some motion undetermined.
     Undetermined,
     /// The state with this index depends on the rate of an input.
     StateByInputRate(usize),
@@ -25,12 +25,12 @@ pub(super) enum Irreducible {
 /// State equations `v' = A v + B w` of the descriptor system `E u' = F u + B w`. The states v are some of the components of u, and
 /// `u = N v + M (w, w', w'')`.
 ///
-/// Rows that E does not reach are algebraic: `0 = a v + b w`. Each of them eliminates one component of v, those without inertia first. This
-/// is repeated until every row has a rate. (Elimination of the algebraic rows of a descriptor system, as in Luenberger's shuffle algorithm,
-/// Automatica 14, 1978.)
+/// Combinations of rows in which E vanishes are algebraic: `0 = a v + b w`. Each of them eliminates one component of v, components without
+/// inertia first. This is repeated until every row contains a rate. (Elimination of the algebraic rows of a descriptor system, as in
+/// Luenberger's shuffle algorithm, Automatica 14, 1978.)
 pub(super) struct Reduced {
     pub A: DMatrix<f64>,
-    /// Input matrix. Its first columns belong to the inputs; columns of their derivatives follow and are negligible.
+    /// Input matrix. Its first columns belong to the inputs. The columns of their time derivatives follow and are negligible.
     pub B: DMatrix<f64>,
     /// Indices of the components of u that are states.
     pub kept: Vec<usize>,
@@ -40,9 +40,11 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    /// Reduces the system. Components of u with a larger `lightness` are eliminated before those with a smaller one.
+    /// Reduces the system `E u' = F u + B w`. Components of u with a larger `lightness` are eliminated before components with a smaller one.
     pub(super) fn new(
-        (E, F, B): (&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>),
+        E: &DMatrix<f64>,
+        F: &DMatrix<f64>,
+        B: &DMatrix<f64>,
         lightness: &[u8],
     ) -> Result<Self, Irreducible> {
         let (size, inputs) = (E.nrows(), B.ncols());
@@ -88,8 +90,8 @@ impl Reduced {
         }
     }
 
-    /// Differentiates by time an expression given by its coefficients of the inputs and their derivatives. Coefficients of the highest
-    /// derivative are dropped.
+    /// Returns the time derivative of an expression that is given by its coefficients of the inputs and of their derivatives. Coefficients of
+    /// the highest derivative are dropped.
     fn shifted(&self, by_input: &DMatrix<f64>) -> DMatrix<f64> {
         let count = self.inputs;
         let mut shifted = DMatrix::zeros(by_input.nrows(), ORDERS * count);
@@ -100,7 +102,7 @@ impl Reduced {
         shifted
     }
 
-    /// Eliminates one state for each row `0 = a v + b w`, by Gaussian elimination with full pivoting.
+    /// Eliminates one state for each algebraic row `0 = a v + b w`, by Gaussian elimination with full pivoting.
     fn eliminate(
         &mut self,
         mut a: DMatrix<f64>,
@@ -162,7 +164,8 @@ impl Reduced {
         Ok(())
     }
 
-    /// Returns C and D of the output `by_u u + by_rate u' + direct w = C v + D w`, or the first row that depends on the rate of an input.
+    /// Returns the matrices C and D of the output `by_u u + by_rate u' + direct w = C v + D w`. The error is the index of the first row that
+    /// depends on the rate of an input.
     pub(super) fn output(
         &self,
         by_u: &DMatrix<f64>,
@@ -181,7 +184,7 @@ impl Reduced {
     }
 }
 
-/// Returns the first row that depends on rates of the inputs.
+/// Returns the index of the first row that depends on rates of the inputs.
 fn beyond_inputs(by_input: &DMatrix<f64>, inputs: usize) -> Option<usize> {
     let most = by_input.amax();
     let rates = by_input.columns(inputs, by_input.ncols() - inputs);

@@ -1,8 +1,8 @@
-/// Bound on the number of evaluations: bisection alone would need fewer.
+/// Largest number of function evaluations; even bisection alone needs fewer.
 const MOST: usize = 100;
 
-/// Narrows a bracket around a sign change to the width `exact`, or to round-off where that is wider, and returns its ends. The function is
-/// not above zero at the start of the bracket and above zero at its end, before and after.
+/// Narrows a bracket around a sign change to the width `exact`, or to round-off if that is larger, and returns its ends. The function is at
+/// most zero at the start of the bracket and above zero at its end. The narrowed bracket has the same signs.
 ///
 /// Chandrupatla's method: inverse quadratic interpolation where it is safe, otherwise bisection (T. R. Chandrupatla, A new hybrid
 /// quadratic/bisection algorithm, Advances in Engineering Software 28, 1997).

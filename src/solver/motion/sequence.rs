@@ -1,31 +1,32 @@
 //! Newton iteration over the stages of a step one after the other, each with its own derivatives.
 //!
-//! The matrix A of the method is factored as A = L U, where U has a unit diagonal. The inverse S of L replaces B, the inverse of A. Each
-//! stage then depends only on the stages before it, and its matrix has the pattern of the static equations, with z = S_ii / h.
+//! The matrix A of the method is factored as A = L U, where U has a unit diagonal. S, the inverse of L, replaces B, the inverse of A. Each
+//! stage then depends only on the stages before it. The matrix of a stage has the pattern of the static equations, with z = S_ii / h.
 //!
-//! Errors in constraints vanish after three iterations. Errors of oscillating motions fall by [`RATE`] or faster in each iteration. Near a
-//! singular position a few error components grow; [`AndersonAcceleration`] removes them. (W. Hoffmann, J. J. B. de Swart, Approximating
-//! Runge-Kutta matrices by triangular matrices, BIT 37, 1997; P. J. van der Houwen, J. J. B. de Swart, Triangularly implicit iteration
-//! methods, SIAM J. Sci. Comput. 18, 1997.)
+//! Errors in constraints vanish after three iterations. Errors of oscillating motions fall by the factor [`RATE`] or faster in each iteration.
+//! Near a singular position a few error components grow; [`AndersonAcceleration`] removes them. (W. Hoffmann, J. J. B. de Swart, Approximating
+//! Runge-Kutta matrices by triangular matrices, BIT 37, 1997; P. J. van der Houwen, J. J. B. de Swart, Triangularly implicit iteration methods,
+//! SIAM J. Sci. Comput. 18, 1997.)
 //!
-//! Near a singular position this iteration converges where the derivatives of one stage are too inaccurate for all three. It costs a fraction
-//! of [`super::coupled`].
+//! Near a singular position this iteration still converges, whereas the derivatives of one stage are too inaccurate for all three stages. It
+//! costs a fraction of [`super::coupled`].
 
 use super::anderson::AndersonAcceleration;
 use super::linearisation::{Correction, Linearisation};
-use super::newton::{StepMatrices, Unknowns, turns};
+use super::newton::{Step, StepMatrices, Unknowns, turns};
 use super::tableau::A;
 use crate::linear::Lu;
 use crate::mechanics::{Mat3, Vec3};
-use crate::system::{NoValue, Parameters, State, System};
+use crate::system::{NoValue, Parameters, System};
 
-/// Largest convergence rate of the error of an oscillation, reached at the angular frequency 4.8 / h. Errors in constraints are excluded.
+/// Largest error ratio from one iteration to the next for an oscillating motion, reached at the angular frequency 4.8 / h. Errors in
+/// constraints are excluded.
 pub(super) const RATE: f64 = 0.373;
 
-/// Derivatives of the three stages with their factors.
+/// Derivatives of the three stages, and factors of their matrices.
 #[derive(Debug)]
 pub(super) struct StageSequence {
-    /// S.
+    /// S, the inverse of L.
     lower: [[f64; 3]; 3],
     linear: [Linearisation; 3],
     factors: [Lu; 3],
@@ -35,12 +36,12 @@ pub(super) struct StageSequence {
 }
 
 impl StageSequence {
-    /// The patterns and orders are those of the equations.
+    /// Creates the iteration with the patterns of `equations`. Its factors later adopt the elimination order of `equations`.
     pub(crate) fn new(system: &System, equations: &StepMatrices) -> Self {
         Self {
             lower: inverse_of_lower(&A),
             linear: std::array::from_fn(|_| equations.linear.clone()),
-            // Not `Lu::for_steps`, for the reason given in [`super::coupled`].
+            // `Lu::for_steps` is not used, for the reason given in [`super::coupled`].
             factors: std::array::from_fn(|_| Lu::for_many(system.moving_unknowns)),
             values: Vec::new(),
             turns: Default::default(),
@@ -48,16 +49,18 @@ impl StageSequence {
         }
     }
 
-    /// Evaluates the derivatives of the stages and factors their matrices. `sizes` are the factors on the unknowns for
+    /// Evaluates the derivatives of the stages and factors their matrices. `sizes` contains the weights of the unknowns for
     /// [`AndersonAcceleration`].
     pub(crate) fn factor(
         &mut self,
         equations: &mut StepMatrices,
-        (system, parameters): (&System, &Parameters),
-        (start, h): (&State, f64),
+        system: &System,
+        parameters: &Parameters,
+        step: Step<'_>,
         unknowns: &Unknowns,
         sizes: Unknowns,
     ) -> Result<(), NoValue> {
+        let Step { start, h } = step;
         self.mixing.begin(sizes);
         for i in 0..3 {
             equations.place_stage(system, start, h, i, unknowns);
@@ -76,18 +79,20 @@ impl StageSequence {
         Ok(())
     }
 
-    /// Computes the corrections from the residuals of the stages with the present factors, and returns the accelerated step.
+    /// Computes the corrections from the residuals of the stages, with the factors computed last. Writes the corrections to `change` and
+    /// returns the accelerated step.
     pub(crate) fn correct(
         &mut self,
         equations: &StepMatrices,
         system: &System,
-        (start, h): (&State, f64),
+        step: Step<'_>,
         change: &mut Unknowns,
     ) -> Unknowns {
+        let Step { start, h } = step;
         let (n, all) = (system.first_equation, system.moving_unknowns);
         let first_state = system.first_state();
         for i in 0..3 {
-            // Corrections of the earlier stages, as rates of this one.
+            // Contribution of the corrections of earlier stages to the rates at this stage.
             let (mut moved, mut quickened) = (vec![0.0; all], vec![0.0; n]);
             for j in 0..i {
                 let by = self.lower[i][j] / h;
@@ -111,13 +116,13 @@ impl StageSequence {
                     of.z[row] += by_rate * moved[column];
                 }
             }
-            // In the displacements at the stage: dd = P y.
+            // The equations of the stage are solved for y, where dd = P y, so that rotation residuals are multiplied by the inverse of P.
             let turns = &self.turns[i];
             each_turn(system, &mut of.w, |part, turn| {
                 turns[part].try_inverse().unwrap_or(Mat3::identity()) * turn
             });
             let z = self.lower[i][i] / h;
-            self.linear[i].solve((system, start), z, &mut of, &self.factors[i]);
+            self.linear[i].solve(system, start, z, &mut of, &self.factors[i]);
             change.z[i] = of.z;
             change.w[i] = of.w;
             change.mu[i] = of.mu;
@@ -167,7 +172,7 @@ mod tests {
 
     use super::*;
 
-    /// One iteration multiplies the error of `y' = q y` over a step of one by `q (1 - q L)^-1 (A - L)`.
+    /// One iteration multiplies the error of `y' = q y` over a step of length one by the matrix `q (1 - q L)^-1 (A - L)`.
     #[test]
     fn what_swings_falls_by_the_rate() {
         let matrix = |rows: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| rows[i][j]);

@@ -3,19 +3,19 @@ use crate::model::IntegratorSettings;
 /// Settings of the integrator.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MotionSettings {
-    /// ERROR: what a step may err by, relative to the larger of one and the largest value of a kind.
+    /// ERROR: error allowed per step. It is relative to the largest value so far of the same kind of unknown, but at least to one.
     pub error: f64,
-    /// HINIT: size of the first step.
+    /// HINIT: size of the first time step.
     pub hinit: f64,
-    /// HMAX: largest step size.
+    /// HMAX: largest time step.
     pub hmax: f64,
-    /// HMIN: step size below which the simulation ends with an error.
+    /// HMIN: time step below which the simulation ends with an error.
     pub hmin: f64,
     /// DTOUT: time between outputs.
     pub output: f64,
-    /// MAXIT: largest number of iterations per step.
+    /// MAXIT: largest number of Newton iterations per time step.
     pub maxit: usize,
-    /// Factor on the convergence tolerance of the iteration: 10 for CORRECTOR=MODIFIED, otherwise 1.
+    /// Factor on the convergence tolerance of the Newton iteration: 10 for CORRECTOR=MODIFIED, otherwise 1.
     pub corrector: f64,
     /// ADAPTIVITY: the convergence tolerance is multiplied by 1 + ADAPTIVITY / step size.
     pub adaptivity: f64,
@@ -25,7 +25,8 @@ pub struct MotionSettings {
 pub(super) const INSIDE: f64 = 0.1;
 
 impl MotionSettings {
-    /// INTEGRATOR for output steps of this length: HMAX is the output step, HINIT HMAX/20, HMIN 1e-6 HMAX where nothing is given.
+    /// Returns the settings of an INTEGRATOR statement for output steps of length `output`. By default, HMAX is the output step, HINIT is
+    /// HMAX/20 and HMIN is 1e-6 HMAX.
     pub fn of(given: &IntegratorSettings, output: f64) -> Self {
         let hmax = given.hmax.filter(|h| *h > 0.0).unwrap_or(output);
         Self {

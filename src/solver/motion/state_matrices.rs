@@ -1,4 +1,4 @@
-//! State matrices of small motions about a state, from inputs to outputs.
+//! State matrices, which relate the outputs of small motions about a state to the inputs.
 
 use nalgebra::DMatrix;
 
@@ -8,42 +8,44 @@ use super::linearised::Linearised;
 use super::reduced::{Irreducible, Reduced};
 use crate::system::{Parameters, State, System};
 
-/// Rates with less inertia than this share of the largest count as massless.
+/// Rates whose coefficients in E are below this share of the largest count as massless.
 const NO_MASS: f64 = 1e-12;
 
-/// State equations `u' = A u + B w, z = C u + D w` about a state.
+/// State equations `u' = A u + B w, z = C u + D w` about a state, with states u, inputs w and outputs z.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StateMatrices {
-    /// State matrix: states by states.
+    /// State matrix; its rows and columns are states.
     pub A: DMatrix<f64>,
-    /// Input matrix: states by inputs.
+    /// Input matrix; its rows are states, its columns inputs.
     pub B: DMatrix<f64>,
-    /// Output matrix: outputs by states.
+    /// Output matrix; its rows are outputs, its columns states.
     pub C: DMatrix<f64>,
-    /// Feedthrough matrix: outputs by inputs.
+    /// Feedthrough matrix; its rows are outputs, its columns inputs.
     pub D: DMatrix<f64>,
-    /// Name of each state: displacements and rotations (radians) of parts along ground axes, their velocities, dynamic states.
+    /// Name of each state. The states are coordinates (for example displacements and rotations of parts, in radians), rates of coordinates, and
+    /// dynamic states.
     pub states: Vec<String>,
 }
 
-/// Computes the state matrices from input VARIABLEs to output VARIABLEs, both by their index in the model. An input is added to the value of
-/// its VARIABLE.
+/// Computes the state matrices from the VARIABLEs `inputs` to the VARIABLEs `outputs`, which are given by their index in the model. An input is
+/// added to the value of its VARIABLE.
 ///
-/// The states contain as many coordinates as there are degrees of freedom, and the time derivatives of these coordinates. Motions without
-/// inertia are states only where damping acts; elsewhere they follow from the stiffness.
+/// The states contain as many coordinates as there are degrees of freedom, and the time derivatives of these coordinates. The position of a
+/// motion without inertia is a state only where damping acts; elsewhere it follows from the stiffness.
 ///
 /// # Errors
-/// [`Reason`] if an element has no value, a motion without mass is not restrained, or the rate of an input is needed.
+/// [`MotionFailure`] if an element has no value, a motion without mass is not restrained, or the rate of an input is needed.
 pub fn state_matrices(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    (inputs, outputs): (&[usize], &[usize]),
+    inputs: &[usize],
+    outputs: &[usize],
     coordinates: &Coordinates,
 ) -> Result<StateMatrices, MotionFailure> {
     let about = Linearised::new(system, parameters, state, true, Some(coordinates))?;
     let (p, r) = (about.chosen.len(), about.rates);
-    // A coordinate and its rate have inertia if the derivative of the rate enters the equations.
+    // A coordinate and its rate have inertia if the time derivative of the rate enters the equations.
     let by_rate = about.E.rows(p, about.E.nrows() - p);
     let weight: Vec<f64> = by_rate.column_iter().map(|column| column.amax()).collect();
     let most = weight[p..p + r].iter().fold(0.0_f64, |a, b| a.max(*b));
@@ -69,7 +71,7 @@ pub fn state_matrices(
     let mut states: Vec<_> = system.states.iter().collect();
     states.sort_by_key(|equation| equation.moving_unknown);
     names.extend(states.iter().map(|equation| equation.name.to_string()));
-    let reduced = Reduced::new((&about.E, &about.F, &by_inputs), &lightness);
+    let reduced = Reduced::new(&about.E, &about.F, &by_inputs, &lightness);
     let reduced = reduced.map_err(|why| match why {
         Irreducible::Undetermined => {
             let light = (0..p).find(|k| lightness[*k] > 0).unwrap_or(0);

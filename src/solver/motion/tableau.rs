@@ -33,7 +33,7 @@ pub(super) const E: [f64; 3] = [
 
 /// Real eigenvalue of the inverse of A.
 pub(super) const GAMMA: f64 = 3.637_834_252_744_496;
-/// One of the complex pair of eigenvalues of the inverse of A.
+/// One eigenvalue of the complex pair of the inverse of A.
 pub(super) const ALPHA_BETA: Complex<f64> =
     Complex::new(2.681_082_873_627_752, 3.050_430_199_247_411);
 
@@ -79,8 +79,8 @@ impl Tableau {
     }
 }
 
-/// Returns weights that interpolate stage values at time `s`, measured in steps. The interpolant is the cubic through zero at time 0 and
-/// through the given values at the stage times.
+/// Returns the weights with which stage values are interpolated at time `s`, counted in steps from the start of the step. The interpolant is
+/// the cubic through zero at time 0 and through the stage values at the stage times.
 pub(super) fn lagrange(s: f64) -> [f64; 3] {
     std::array::from_fn(|i| {
         let mut weight = s / C[i];

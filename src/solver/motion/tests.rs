@@ -1,4 +1,4 @@
-//! Derivatives of the equations of motion against differences, and motions against known solutions.
+//! Comparison of derivatives of the equations of motion with finite differences, and of motions with known solutions.
 
 use super::{Consistent, Integrator, Kept, MotionSettings, assemble};
 use crate::linear::Levels;
@@ -41,7 +41,7 @@ fn deck(statements: &str) -> Deck {
     }
 }
 
-/// Parts in general position with every element whose equations contain rates.
+/// Parts in general position, with every kind of element whose equations contain rates.
 const EVERYTHING: &str = "
 ACCGRAV/KGRAV=-9.81
 PART/2, MASS=2.3, CM=20, IP=0.4,0.7,0.9,0.05,-0.03,0.08, QG=0.3,-0.2,0.5, REULER=0.2,1.1,-0.7
@@ -107,7 +107,7 @@ fn moving(deck: &Deck) -> State {
     state
 }
 
-/// Returns the state with one unknown changed by `h` at one level.
+/// Returns the state with one unknown changed by `h`. Level 0 changes the unknown itself, level 1 its first rate and level 2 its second rate.
 fn moved(system: &System, state: &State, level: usize, column: usize, h: f64) -> State {
     let mut new = state.clone();
     let mut step = vec![0.0; system.moving_unknowns];
@@ -139,7 +139,7 @@ fn moved(system: &System, state: &State, level: usize, column: usize, h: f64) ->
     new
 }
 
-/// Every joint with friction, between parts in general position. `stiction` is the stiction velocity.
+/// Returns statements with every kind of joint that has friction, between parts in general position. `stiction` is the stiction velocity.
 fn frictions(stiction: f64) -> String {
     let parts: Vec<&str> = EVERYTHING
         .lines()
@@ -180,7 +180,8 @@ fn frictions(stiction: f64) -> String {
     all
 }
 
-/// Three parts connected by multi-point forces with stiffness matrices, one with a damping matrix and one with a damping ratio.
+/// Returns statements for three parts connected by multi-point forces with stiffness matrices. One force has a damping matrix, the other a
+/// damping ratio.
 fn damped_points() -> String {
     let matrix = |id: usize, first: usize| {
         let values: Vec<String> = (0..144)
@@ -203,7 +204,8 @@ fn damped_points() -> String {
     )
 }
 
-/// Forces, states and constraints that read VARIABLEs of VARIABLEs, of forces, reactions, rates and outputs, with one loop among them.
+/// Returns statements in which forces, states and constraints read VARIABLEs. These VARIABLEs read other VARIABLEs, forces, reactions, rates
+/// and outputs; one of them reads itself.
 fn chained() -> String {
     "JOINT/1, UNIVERSAL, I=20, J=30
 MOTION/1, I=21, J=1, B3, FUNCTION=0.3*VARVAL(11)
@@ -309,7 +311,8 @@ fn derivatives_by_places_velocities_and_accelerations_are_those_of_differences()
     }
 }
 
-/// Along a motion with constant accelerations, first and second differences of the constraint residuals match the computed rates.
+/// Along a motion with constant accelerations, first and second differences of the constraint residuals match the computed first and second
+/// rates.
 #[test]
 fn rates_of_constraints_are_those_of_the_residuals_along_a_motion() {
     let joints = "
@@ -434,8 +437,9 @@ fn integrated(
     (state, integrator.statistics())
 }
 
-/// m = 1, l = 2, IP = (.04, .1, .1), revolute joint, 5 s. Quadrature of the energy integral gives theta = -3.123812342989 rad and theta' =
-/// -.412436065475, hence x = -1.999683868884 and z = -.035558747545.
+/// The error of a pendulum is of the order of the tolerance. The pendulum has m = 1 kg, l = 2 m and IP = (0.04, 0.1, 0.1) kg m2, and swings on
+/// a revolute joint for 5 s. Quadrature of the energy integral gives theta = -3.123812342989 rad and theta' = -0.412436065475 rad/s, hence x =
+/// -1.999683868884 m and z = -0.035558747545 m.
 #[test]
 fn the_error_of_a_pendulum_is_what_is_asked_for() {
     let deck = deck(
@@ -451,7 +455,7 @@ fn the_error_of_a_pendulum_is_what_is_asked_for() {
             .max((cm.z + 0.035558747545).abs());
         let spin = (state.velocities[1].angular.norm() - 0.412436065475).abs();
         println!("{error:e}: {off:e} {spin:e} {statistics:?}");
-        // Positions reach 2, angular velocities 3.1.
+        // Positions reach 2 m, angular velocities 3.1 rad/s.
         assert!(
             off < 10.0 * error * 2.0 && spin < 10.0 * error * 4.0,
             "{error}: {off} {spin}"
@@ -505,7 +509,8 @@ fn a_free_body_keeps_momentum_and_energy() {
     assert!((start.poses[1].R - state.poses[1].R).norm() > 0.1);
 }
 
-/// Multipliers of a joint whose axes turn with the part turn too, and stay close to the multipliers of the balance over many steps.
+/// The axes of the joint turn with the part, and its multipliers change with them. Over many steps they stay close to the multipliers that
+/// follow from the force balances.
 #[test]
 fn multipliers_of_turning_axes_stay() {
     let deck = deck(

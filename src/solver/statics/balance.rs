@@ -1,4 +1,4 @@
-//! Remaining forces on each part, summed independently of the residual.
+//! Remaining force and torque on each part, summed independently of the residual of Newton's method.
 
 use std::fmt;
 
@@ -9,20 +9,20 @@ use crate::model::PartIx;
 use crate::system::{Name, NoValue, Parameters, Scratch, State, System};
 use admire_syntax::units::{Dimension, Units};
 
-/// Share of the largest sum of load sizes on a part that may remain by round-off.
+/// Remaining force or torque that round-off explains, as a share of the largest sum of load magnitudes on a part.
 const ROUND_OFF: f64 = 1e-9;
-/// Share of the largest sum of forces times the model's length that may remain as torque, by round-off of lever arms.
+/// Remaining torque that round-off of lever arms explains, as a share of the largest sum of force magnitudes times the model's length.
 const ARMS: f64 = 1e-12;
-/// Remaining force as a multiple of IMBALANCE that is allowed, because IMBALANCE applies to single components.
+/// Allowed remaining force or torque, as a multiple of IMBALANCE. It exceeds one because IMBALANCE applies to single components.
 const COMPONENTS: f64 = 10.0;
 
 /// Remaining force or torque on one part.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Left {
-    /// Size of the force or torque.
+    /// Magnitude of the force or torque.
     #[serde(rename = "left")]
     pub size: f64,
-    /// The part that the force or torque acts on.
+    /// Part that the force or torque acts on.
     #[serde(serialize_with = "in_words")]
     pub part: Name,
 }
@@ -31,20 +31,20 @@ fn in_words<S: serde::Serializer>(name: &Name, out: S) -> Result<S::Ok, S::Error
     out.collect_str(name)
 }
 
-/// The largest remaining force and torque on a part, in units of the deck: force, and force times length.
+/// Largest remaining force and largest remaining torque on any part, in units of the deck (force, and force times length).
 ///
-/// They are sums of the single loads of the free-body diagrams, with torques about the centres of the parts. The residual that Newton's
-/// method reduces to zero is computed in another way.
+/// They are summed from the individual loads of the free-body diagrams, with torques about the centres of the parts. The residual that Newton's
+/// method reduces to zero is computed in another way, so that these sums check it.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Balance {
     /// Largest remaining force; `None` if no part can move.
     pub force: Option<Left>,
     /// Largest remaining torque; `None` if no part can rotate.
     pub torque: Option<Left>,
-    /// Largest sum of the sizes of all forces on one part.
+    /// Largest sum of the magnitudes of all forces on one part.
     #[serde(skip)]
     forces: f64,
-    /// Largest sum of the sizes of all torques on one part, plus an allowance for round-off of lever arms.
+    /// Largest sum of the magnitudes of all torques on one part, plus an allowance for round-off of lever arms.
     #[serde(skip)]
     torques: f64,
 }
@@ -54,14 +54,14 @@ pub struct Balance {
 pub(super) struct Sum {
     force: Vec3,
     torque: Vec3,
-    /// Sum of the sizes of the forces.
+    /// Sum of the magnitudes of the forces.
     forces: f64,
-    /// Sum of the sizes of the torques.
+    /// Sum of the magnitudes of the torques.
     torques: f64,
 }
 
 impl Balance {
-    /// Sums the loads on every part.
+    /// Sums the loads on every part and finds the largest remaining force and torque.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this state.
@@ -71,15 +71,16 @@ impl Balance {
         state: &State,
         scratch: &mut Scratch,
     ) -> Result<Self, NoValue> {
-        Self::summed(system, parameters, state, (scratch, &mut Vec::new()))
+        Self::summed(system, parameters, state, scratch, &mut Vec::new())
     }
 
-    /// Sums the loads on every part, with work space for the sums.
+    /// Does the same as [`Self::of`] with existing work space for the sums.
     pub(super) fn summed(
         system: &System,
         parameters: &Parameters,
         state: &State,
-        (scratch, sums): (&mut Scratch, &mut Vec<Sum>),
+        scratch: &mut Scratch,
+        sums: &mut Vec<Sum>,
     ) -> Result<Self, NoValue> {
         sums.clear();
         sums.resize(system.bodies.len(), Sum::default());
@@ -130,7 +131,7 @@ impl Balance {
         within(&self.force, self.forces) && within(&self.torque, self.torques)
     }
 
-    /// Keeps the larger force and the larger torque of two balances.
+    /// Keeps the larger remaining force and the larger remaining torque of two balances.
     pub fn or_worse(&mut self, other: &Self) {
         let larger = |own: &mut Option<Left>, other: &Option<Left>| {
             let most = own.as_ref().map_or(-1.0, |own| own.size);
@@ -147,7 +148,7 @@ impl Balance {
         self.torques = self.torques.max(other.torques);
     }
 
-    /// Describes the remaining force and torque: `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`; empty if no part can move.
+    /// Describes the remaining force and torque, for example `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`. Empty if no part can move.
     pub fn describe(&self, units: &Units) -> String {
         let kinds = [
             (&self.force, Dimension::FORCE),

@@ -1,4 +1,4 @@
-//! Usual reasons why an iteration finds no equilibrium, as far as they are present in the model. Independent of the iteration itself.
+//! Search of a model for the usual reasons why an iteration finds no equilibrium. The search does not depend on the iteration method.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +9,13 @@ use crate::function::Program;
 use crate::linear::{Lu, Matrix};
 use crate::system::{Load, Parameters, Scratch, State, System};
 
-/// Joint equations that are violated by more than this share of the model's length count as open.
+/// Joint equations whose violation exceeds this share of the model's length count as open.
 const OPEN: f64 = 1e-3;
-/// Share of the imbalance along a free motion above which the motion counts as driven.
+/// A free motion counts as driven if the residual does more work along it than this share of the summed magnitudes of the work terms.
 const DRIVEN: f64 = 1e-9;
-/// Joint equations that are violated by less than this share of the model's length count as closed.
+/// Joint equations whose violation is below this share of the model's length count as closed.
 const CLOSED: f64 = 1e-6;
-/// Number of causes of one kind that are listed; the remaining ones are counted.
+/// Largest number of causes of one kind that are listed. Further causes of this kind are only counted.
 const TOLD: usize = 3;
 
 /// Wording for the weight of a part.
@@ -27,21 +27,22 @@ pub(super) struct Ended<'a> {
     pub parameters: &'a Parameters,
     pub start: &'a State,
     pub end: &'a State,
-    /// Residual at the end.
+    /// Residual at the end of the iteration.
     pub g: &'a [f64],
-    /// Equations that were assembled last.
+    /// Jacobian that was assembled last.
     pub matrix: &'a Matrix,
-    /// Factors of these equations or of earlier ones.
+    /// Factors of this Jacobian or of an earlier one.
     pub factors: &'a Lu,
-    /// True if as many iterations were done as MAXIT allows.
+    /// True if all iterations that MAXIT allows were used.
     pub spent: bool,
-    /// Number of steps that were cut to TLIMIT or ALIMIT.
+    /// Number of Newton steps that were cut to TLIMIT or ALIMIT.
     pub limited: usize,
     pub settings: &'a StaticSettings,
 }
 
 impl Ended<'_> {
-    /// Returns all causes that are found. The error is a massless free motion, which explains the failure by itself.
+    /// Returns descriptions of all causes that are found. Returns a massless free motion as an error, because it explains the failure by
+    /// itself.
     pub(crate) fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
         let mut out = Vec::new();
         self.free_motions(scratch, &mut out)?;
@@ -65,21 +66,21 @@ impl Ended<'_> {
 
     fn free_motions(&self, scratch: &mut Scratch, out: &mut Vec<String>) -> Result<(), FreeMotion> {
         let mut told = Vec::new();
-        // With open joints the motion is not one that the parts could perform.
+        // If joints are open, the parts cannot perform the motion, so that its drivers are not named.
         let equations = &self.g[self.system.first_equation..self.system.first_variable];
         let closed = equations
             .iter()
             .all(|gap| gap.abs() < CLOSED * self.system.length);
         let (system, parameters) = (self.system, self.parameters);
-        let equations_here = (self.matrix, self.factors);
-        free_motions(system, parameters, self.end, equations_here).map_err(|massless| *massless)?;
+        free_motions(system, parameters, self.end, self.matrix, self.factors)
+            .map_err(|massless| *massless)?;
         for m in 0..self.factors.deficiency() {
             let z = self.factors.null_vector(m);
-            let Some(motion) = free_motion(system, parameters, self.end, (self.matrix, &z)) else {
+            let Some(motion) = free_motion(system, parameters, self.end, self.matrix, &z) else {
                 continue;
             };
-            // The tangent is almost symmetric, so that the equations have a solution only if the residual does no work along a free motion.
-            // Open joints contribute with their multipliers.
+            // The Jacobian is almost symmetric. The linear equations therefore have a solution only if the residual does no work along a free
+            // motion. Residuals of open joints do work with the multipliers.
             let (mut work, mut size) = (0.0, 0.0);
             for k in 0..self.system.first_variable {
                 work += self.g[k] * z[k];
@@ -92,7 +93,7 @@ impl Ended<'_> {
                     None
                 };
                 let by = drivers.unwrap_or_else(|| "something drives it".to_string());
-                // An arm that starts level has no stiffness there, but it has some once it has fallen a little.
+                // An arm that starts horizontal has no stiffness there, but gains some as soon as it has fallen a little.
                 let level = if by.contains(WEIGHT) && motion.motion.starts_with(FREE.about) {
                     "; if that is so only where it begins, let it begin elsewhere"
                 } else {
@@ -105,7 +106,7 @@ impl Ended<'_> {
         Ok(())
     }
 
-    /// Describes the loads that do work along a motion.
+    /// Describes the loads that do work along a motion. Returns `None` if there are none.
     fn drivers(&self, z: &[f64], scratch: &mut Scratch) -> Option<String> {
         let (system, parameters, state) = (self.system, self.parameters, self.end);
         let mut here = system.evaluate(parameters, state, scratch).ok()?;
@@ -158,7 +159,7 @@ impl Ended<'_> {
         some(told, out);
     }
 
-    /// Reports bushings, fields and beams whose projected angles are so large that they lose their meaning (guide/formats.md 2.7).
+    /// Reports bushings, fields and beams whose projected angles are so large that these angles lose their meaning (guide/formats.md 2.7).
     fn large_angles(&self, scratch: &mut Scratch, out: &mut Vec<String>) {
         let mut here = self.system.at(self.parameters, self.end, scratch);
         here.place_markers();
@@ -167,8 +168,7 @@ impl Ended<'_> {
             if !matches!(element.name.kind, "BUSHING" | "FIELD" | "BEAM") {
                 continue;
             }
-            let pair = (element.i, element.j, element.pair);
-            let angles = here.motion(pair, true).angles;
+            let angles = here.motion(element.i, element.j, element.pair, true).angles;
             let worst = angles.x.abs().max(angles.y.abs());
             if worst > 1.0 {
                 told.push(format!(
@@ -181,7 +181,7 @@ impl Ended<'_> {
         some(told, out);
     }
 
-    /// Reports states whose rate is a nonzero constant. In an equilibrium the rates of all states are zero.
+    /// Reports states whose rate is a nonzero constant. Such a model has no equilibrium, in which the rates of all states are zero.
     fn steady_rates(&self, out: &mut Vec<String>) {
         let system = self.system;
         let mut depends = vec![false; self.g.len()];

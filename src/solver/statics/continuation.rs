@@ -1,4 +1,4 @@
-//! Continuation: other ways to an equilibrium that plain iteration does not find, and the error if there is none.
+//! Continuation methods for equilibria that plain Newton iteration does not find, and the error report if they fail, too.
 
 use super::causes::Ended;
 use super::measures::largest;
@@ -7,11 +7,12 @@ use super::settings::MOST_ITERATIONS;
 use super::{Continuation, Report, Softest, SolveError, StaticSettings};
 use crate::system::{Parameters, State, System};
 
-/// Path of the end of an arm in a half turn, in lengths of the arm, with a margin.
+/// Upper bound on the path length of the end of an arm in a half turn, in arm lengths.
 const HALF_TURN: f64 = 4.0;
 
 impl Solver {
-    /// Tries other ways to an equilibrium after plain iteration has failed. Returns the successful one, if any, and the number of iterations.
+    /// Tries the continuation methods after plain iteration has failed. Returns the method that succeeded, if any, and the number of
+    /// iterations.
     pub(super) fn continuation(
         &mut self,
         system: &System,
@@ -45,8 +46,8 @@ impl Solver {
         let (None, Some(there)) = (&found, on_its_way) else {
             return (found, iterations);
         };
-        // An arm that starts level has a long way to go at the slow pace of the damping. Once it has fallen some way, plain iteration covers
-        // the rest. The steps allowed for it are as many steps of TLIMIT as make up a half turn of the model.
+        // An arm that starts horizontal falls slowly because of the damping. Once it has fallen part of the way, plain iteration covers the
+        // rest. The number of iterations allowed for this is the length of a half turn of the model divided by TLIMIT.
         state.clone_from(&there);
         let steps = (HALF_TURN * system.length / settings.tlimit).ceil() as usize;
         let patient = NewtonOptions {
@@ -58,18 +59,19 @@ impl Solver {
         (found.is_ok().then_some(Continuation::Damped), iterations)
     }
 
-    /// Replaces an unstable equilibrium by another one, if continuation finds one.
+    /// Replaces an unstable equilibrium by the equilibrium that continuation finds, if it finds one.
     ///
     /// Newton's method converges to saddles of the energy as well as to minima. If the start is so far from equilibrium that steps were cut,
-    /// it may pass a stable equilibrium and end at an unstable one. Continuation is then tried, and its result is taken. Large systems are
-    /// not examined, because their stability costs more than their solution.
+    /// Newton's method may pass a stable equilibrium and end at an unstable one. Continuation is then tried, and its result is used. Large
+    /// systems are not examined, because their stability analysis costs more than their solution.
     pub(super) fn leave_saddle(
         &mut self,
         system: &System,
         parameters: &Parameters,
         state: &mut State,
         settings: &StaticSettings,
-        (plain, report): (NewtonOptions, &mut Report),
+        plain: NewtonOptions,
+        report: &mut Report,
     ) -> Result<(), SolveError> {
         if self.remaining == 0 || !Softest::is_cheap(system) {
             return Ok(());
@@ -89,15 +91,15 @@ impl Solver {
         Ok(())
     }
 
-    /// Resets the state to the start of the solution, but keeps the marks of redundant equations.
+    /// Resets the state to the start of the solution, but keeps the flags of the redundant equations.
     pub(super) fn restart(&self, state: &mut State) {
         let redundant = std::mem::take(&mut state.redundant);
         state.clone_from(&self.start);
         state.redundant = redundant;
     }
 
-    /// Holds the imbalance of the start and releases it step by step. Returns this continuation if it succeeded, and the number of
-    /// iterations.
+    /// Starts with a load that balances the initial imbalance, and removes this load in steps (load continuation). Returns the method if it
+    /// succeeded, and the number of iterations.
     fn release(
         &mut self,
         system: &System,
@@ -146,7 +148,7 @@ impl Solver {
         )
     }
 
-    /// Converts a failure to an error with its probable causes.
+    /// Converts a failure of the iteration to an error that lists the probable causes.
     pub(super) fn explain(
         &mut self,
         system: &System,

@@ -1,15 +1,15 @@
-//! First values of reactions, variables and states, for functions that have no value before these are known.
+//! Initial values of reactions, variables and states, for functions that are undefined before these values are known.
 
 use super::newton::Solver;
 use crate::system::{NoValue, Parameters, State, System};
 
 impl Solver {
-    /// Finds first values for functions that divide by reactions or by outputs of linear states, which are zero before the first solution.
-    /// Functions without a value count as zero, and the parts stay in place, while all other unknowns follow the linear solution. This is
-    /// repeated as long as it gives more functions a value.
+    /// Finds initial values of reactions and of outputs of linear states, which are zero before the first solution, so that functions that
+    /// divide by them are defined. The parts stay in place, and functions without a value count as zero. All other unknowns follow from the
+    /// linearised equations. This is repeated as long as it gives more functions a value.
     ///
     /// # Errors
-    /// [`NoValue`] if an element has no value here.
+    /// [`NoValue`] if an element is undefined in this configuration.
     pub(super) fn give_values(
         &mut self,
         system: &System,
@@ -41,7 +41,7 @@ impl Solver {
             }
             *state = trial;
             lacking = still;
-            // Continuation also starts from here.
+            // Continuation starts from this state, too.
             self.start.clone_from(state);
         }
         Ok(())

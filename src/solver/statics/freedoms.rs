@@ -5,18 +5,19 @@ use crate::system::{Parameters, Scratch, State, System};
 /// Degrees of freedom of a mechanism in one configuration.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct FreedomCount {
-    /// Six for every part that can move, three for every point mass.
+    /// Degrees of freedom of the unconstrained parts: six for every part that can move, three for every point mass.
     pub of_parts: usize,
     /// Number of scalar equations of joints, primitives, motions, couplers, gears and general constraints.
     pub equations: usize,
-    /// Equations that are redundant in this configuration, in the notation of ADAMS.
+    /// Names of the equations that are redundant in this configuration, in the notation of ADAMS.
     pub redundant: Vec<String>,
-    /// The element that has no value in this configuration, with the reason. The equations of joints and motions are counted all the same.
+    /// Message that names an element without a value in this configuration, and the reason. The equations of joints and motions are counted
+    /// nevertheless.
     pub without_value: Option<String>,
 }
 
 impl FreedomCount {
-    /// Counts the equations and finds the rank of their Jacobian at a state.
+    /// Counts the constraint equations and finds the rank of their Jacobian at a state.
     pub fn of(system: &System, parameters: &Parameters, state: &State) -> Self {
         let n = system.unknowns();
         let mut whole = state.clone();
@@ -35,7 +36,7 @@ impl FreedomCount {
         matrix.finish();
         let mut redundant = redundant_equations(system, &matrix);
         if without_value.is_some() {
-            // The gradients of GCONs are not known here. Their equations count as independent.
+            // The gradients of GCONs are not available here, so that their equations count as independent.
             for condition in &system.conditions {
                 redundant[condition.equation] = false;
             }
@@ -51,12 +52,13 @@ impl FreedomCount {
         }
     }
 
-    /// Returns the Gruebler count: degrees of freedom of the parts minus all equations. It is negative for overconstrained mechanisms.
+    /// Returns the Gruebler count: the degrees of freedom of the unconstrained parts minus the number of equations. It is negative for
+    /// overconstrained mechanisms.
     pub fn gruebler(&self) -> i64 {
         self.of_parts as i64 - self.equations as i64
     }
 
-    /// Returns the actual degrees of freedom, for which redundant equations do not count.
+    /// Returns the actual number of degrees of freedom: the Gruebler count with the redundant equations left out.
     pub fn actual(&self) -> i64 {
         self.gruebler() + self.redundant.len() as i64
     }

@@ -1,4 +1,4 @@
-//! Eigenvalues of the reduced tangent stiffness next to a shift, from factors of the shifted equations.
+//! Eigenvalues of the reduced tangent stiffness close to a shift, by Arnoldi's method with factors of the shifted equations.
 
 use nalgebra::DMatrix;
 
@@ -6,18 +6,18 @@ use crate::linear::{Lu, Matrix, Sink};
 use crate::mechanics::eigen::eigenvalues;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
-/// Dimension of the Krylov space. Successive shifts differ by the factor [`CLOSER`]. An eigenvalue between two of them therefore stands out
-/// in the inverse by that factor and is found.
+/// Dimension of the Krylov space. Successive shifts have the ratio [`CLOSER`]. An eigenvalue between two shifts therefore dominates the
+/// inverted operator by about this ratio, and a space of this dimension finds it.
 const DIMENSION: usize = 30;
-/// Ratio of each shift to the previous one.
+/// Ratio of each shift to the previous shift.
 const CLOSER: f64 = 1e-2;
-/// Number of shifts: the last one reaches the round-off of the largest stiffness.
+/// Number of shifts. The last shift reaches the round-off of the largest stiffness.
 const SHIFTS: i32 = 7;
-/// Inverse eigenvalues below this share of the largest have not converged and are ignored.
+/// Eigenvalues of the inverted operator below this share of the largest have not converged and are ignored.
 const SETTLED: f64 = 1e-3;
 
-/// The factored matrix `[S - shift W, G'; G, 0]`, where W contains the squares of the lengths, G the constraint gradients and S the
-/// stiffness.
+/// The factored matrix `[S - shift W, G'; G, 0]`. S is the stiffness, G the constraint gradients, and W contains the squares of the length
+/// factors of the unknowns.
 pub(super) struct ShiftInvert<'a> {
     system: &'a System,
     parameters: &'a Parameters,
@@ -49,11 +49,11 @@ impl<'a> ShiftInvert<'a> {
         }
     }
 
-    /// Returns the smallest eigenvalue and its motion, multiplied by lengths; `None` if nothing can move. `bound` is an upper bound of all
-    /// eigenvalues.
+    /// Returns the smallest eigenvalue and its eigenvector, a motion whose rotations are multiplied by the model's length. Returns `None` if no
+    /// part can move. `bound` is an upper bound of all eigenvalues.
     ///
-    /// The shifts are negative and shrink from about the bound towards zero, so that they stay below all eigenvalues that are not negative. A
-    /// negative eigenvalue that a shift has passed shows as a negative inverse.
+    /// The shifts are negative, and their magnitude decreases from about `bound` towards zero. Every shift is thus below all eigenvalues that
+    /// are not negative. An eigenvalue below the shift gives a negative eigenvalue of the inverted operator.
     pub(crate) fn smallest(mut self, bound: f64) -> Result<Option<(f64, Vec<f64>)>, NoValue> {
         let bound = if bound > 0.0 { bound } else { 1.0 };
         let mut estimate = f64::INFINITY;
@@ -86,7 +86,7 @@ impl<'a> ShiftInvert<'a> {
         Ok(Some((estimate, motion)))
     }
 
-    /// Returns the motion of an eigenvalue by inverse iteration.
+    /// Returns the eigenvector of an eigenvalue by inverse iteration.
     fn near(&mut self, value: f64, bound: f64) -> Result<Vec<f64>, NoValue> {
         self.factor(value - 1e-9 * bound)?;
         let mut vector: Vec<f64> = start(self.lengths.len());
@@ -103,13 +103,13 @@ impl<'a> ShiftInvert<'a> {
         Ok(vector)
     }
 
-    /// Returns the smallest of the eigenvalues that stand out next to the shift; `None` if nothing can move.
+    /// Returns the smallest of the eigenvalues that have converged for this shift. Returns `None` if no part can move.
     fn least_beside(&mut self, shift: f64, bound: f64) -> Result<Option<f64>, NoValue> {
         self.factor(shift)?;
         let mut vector: Vec<f64> = start(self.lengths.len());
         let before = norm(&vector);
         self.apply(&mut vector);
-        // Any motion that the constraints allow makes this at least 1 / (2 bound) times its share of the start vector.
+        // Every motion that the constraints allow contributes at least 1 / (2 bound) times its component in the start vector.
         let after = norm(&vector);
         let moves = after * bound > 1e-9 * before;
         if !moves {
@@ -140,7 +140,7 @@ impl<'a> ShiftInvert<'a> {
         Ok(())
     }
 
-    /// Replaces a motion x by the response to the forces W x. Motions are multiplied by their lengths.
+    /// Replaces a motion x by the response of the shifted system to the forces W x. Rotations in `vector` are multiplied by the model's length.
     fn apply(&mut self, vector: &mut [f64]) {
         self.g.fill(0.0);
         for ((g, x), length) in self.g.iter_mut().zip(vector.iter()).zip(&self.lengths) {
@@ -152,7 +152,8 @@ impl<'a> ShiftInvert<'a> {
         }
     }
 
-    /// Returns the operator on the Krylov space of `vector`, whose norm is `length`, as an upper Hessenberg matrix.
+    /// Returns the projection of [`Self::apply`] onto the Krylov space of `vector`, as an upper Hessenberg matrix. `length` is the norm of
+    /// `vector`.
     fn arnoldi(&mut self, mut vector: Vec<f64>, mut length: f64) -> DMatrix<f64> {
         let size = DIMENSION.min(self.lengths.len());
         let mut H = DMatrix::zeros(size, size);
@@ -176,7 +177,7 @@ impl<'a> ShiftInvert<'a> {
             }
             length = norm(&vector);
             if length <= 1e-12 * whole {
-                // The Krylov space is complete.
+                // The Krylov space contains no further directions.
                 return H.view((0, 0), (j + 1, j + 1)).clone_owned();
             }
             if j + 1 < size {
@@ -187,7 +188,7 @@ impl<'a> ShiftInvert<'a> {
     }
 }
 
-/// Returns a reproducible start vector with a component in every direction.
+/// Returns a reproducible pseudo-random start vector, so that every eigenvector has a component in it.
 fn start(n: usize) -> Vec<f64> {
     let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
     let mut next = || {

@@ -1,4 +1,4 @@
-//! Sizes of residuals and corrections, in the terms of the EQUILIBRIUM statement.
+//! Sizes of residuals and corrections, as compared with the tolerances of the EQUILIBRIUM statement.
 
 use super::{Far, StaticSettings};
 use crate::mechanics::{larger, log};
@@ -10,7 +10,7 @@ pub(super) fn largest(g: &[f64]) -> f64 {
     g.iter().fold(0.0, |most, value| larger(most, value.abs()))
 }
 
-/// Returns the largest unbalanced force, or torque over the model's length.
+/// Returns the magnitude of the largest unbalanced force or torque component. Torques are divided by the model's length.
 pub(super) fn force_imbalance(system: &System, g: &[f64]) -> f64 {
     let mut out = 0.0_f64;
     for body in &system.bodies {
@@ -22,8 +22,8 @@ pub(super) fn force_imbalance(system: &System, g: &[f64]) -> f64 {
     out
 }
 
-/// Returns true if every equation is within IMBALANCE, or within the round-off of the forces that cancel in it. `force` is the largest of
-/// these forces.
+/// Returns true if every residual is within IMBALANCE, or within the round-off of the terms that cancel in it. `force` is the largest force
+/// that cancels in the balances.
 pub(super) fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -> bool {
     let floor = 64.0 * f64::EPSILON * force;
     for body in &system.bodies {
@@ -42,8 +42,9 @@ pub(super) fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -
         .all(|g| g.abs() <= imbalance.max(floor))
 }
 
-/// Returns the largest relative correction. Translations are relative to the larger of position and model length, rotations are in radians.
-/// Multipliers are relative to the largest of them, at least one; variables and states to the larger of their value and one.
+/// Returns the largest relative correction of any unknown. Translations are relative to the position or the model's length, whichever is
+/// larger; rotations are in radians. Multipliers are relative to the largest multiplier, but at least to one. Variables and states are relative
+/// to their own value, but at least to one.
 pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) -> f64 {
     let mut out = 0.0_f64;
     for (part, body) in system.bodies.iter().enumerate() {
@@ -76,7 +77,7 @@ pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) ->
     out
 }
 
-/// The fraction of the step that keeps every part within TLIMIT and ALIMIT.
+/// Returns the largest fraction of a Newton step, at most one, that keeps every part within TLIMIT and ALIMIT.
 pub(super) fn limit(system: &System, settings: &StaticSettings, dx: &[f64]) -> f64 {
     let (mut shift, mut turn) = (0.0_f64, 0.0_f64);
     for body in &system.bodies {
@@ -99,14 +100,14 @@ pub(super) fn limit(system: &System, settings: &StaticSettings, dx: &[f64]) -> f
     out
 }
 
-/// Returns the displacement of the centre of a part between two states, and the angle by which the part has turned.
+/// Returns the distance by which the centre of a part moved between two states, and the angle by which the part turned.
 pub(super) fn moved(system: &System, a: &State, b: &State, part: PartIx) -> (f64, f64) {
     let shift = system.reference_point(b, part) - system.reference_point(a, part);
     let turn = log(&(a.poses[part.0].R.transpose() * b.poses[part.0].R));
     (shift.norm(), turn.norm())
 }
 
-/// Returns the parts that moved far between two states.
+/// Returns the parts that turned or moved far between two states: by more than [`Far::TURN`] or by more than the size of the mechanism.
 pub(super) fn far(system: &System, a: &State, b: &State) -> Vec<Far> {
     let parts = (0..system.bodies.len()).map(PartIx);
     let gone = parts.filter_map(|part| {
@@ -121,7 +122,7 @@ pub(super) fn far(system: &System, a: &State, b: &State) -> Vec<Far> {
     gone.collect()
 }
 
-/// Returns the largest motion of a part between two states, with rotations multiplied by the model's length.
+/// Returns the largest motion of any part between two states. Rotations are multiplied by the model's length.
 pub(super) fn distance(system: &System, a: &State, b: &State) -> f64 {
     let apart = (0..system.bodies.len()).map(|part| {
         let (shift, turn) = moved(system, a, b, PartIx(part));
@@ -130,7 +131,7 @@ pub(super) fn distance(system: &System, a: &State, b: &State) -> f64 {
     apart.fold(0.0, f64::max)
 }
 
-/// Returns the norm of the motion of all parts, with rotations multiplied by the model's length.
+/// Returns the Euclidean norm of the motion of all parts. Rotations are multiplied by the model's length.
 pub(super) fn motion_norm(system: &System, dx: &[f64]) -> f64 {
     let mut sum = 0.0;
     for body in &system.bodies {

@@ -5,13 +5,14 @@ use super::rank::UNDETERMINED;
 use crate::linear::Lu;
 use crate::system::System;
 
-/// Null space of the tangent: the free motions of a model.
+/// Null space of the Jacobian: the free motions of a model.
 ///
-/// A solution of the linear equations is unique up to a combination of free motions. Without that combination it has minimum norm, where
-/// rotations are multiplied by the model's length. It then depends neither on which unknowns have no pivot nor on the part frames.
+/// Two solutions of the linear equations differ by a combination of free motions. A solution without components along the free motions has
+/// minimum norm, where rotations are multiplied by the model's length. It depends neither on which unknowns have no pivot nor on the part
+/// frames.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreeMotionSpace {
-    /// Basis of the free motions, orthonormal in the scalar product with [`weights`](Self::weights).
+    /// Basis of the free motions, orthonormal in the scalar product with the [`weights`](Self::weights).
     motions: Vec<Vec<f64>>,
     /// Weight of each unknown: 1 for a translation, the square of the model's length for a rotation, 0 for a reaction or a variable.
     weights: Vec<f64>,
@@ -35,7 +36,7 @@ impl FreeMotionSpace {
             let mut z = factors.null_vector(m);
             new.project(&mut z);
             let norm = new.product(&z, &z).sqrt();
-            // A null vector in which no part moves describes undetermined reactions.
+            // Null vectors in which no part moves are skipped, because they describe undetermined reactions.
             if norm > UNDETERMINED * largest(&z[system.first_equation..]) {
                 for value in &mut z {
                     *value /= norm;
@@ -46,7 +47,7 @@ impl FreeMotionSpace {
         new
     }
 
-    /// Projects a solution onto the one of minimum norm.
+    /// Replaces a solution of the linear equations by the solution of minimum norm.
     pub(super) fn project(&self, dx: &mut [f64]) {
         for motion in &self.motions {
             let share = self.product(dx, motion);
@@ -56,8 +57,8 @@ impl FreeMotionSpace {
         }
     }
 
-    /// Applies the transpose of [`take_off`](Self::take_off): replaces weights `w` by weights whose product with any solution equals the
-    /// product of `w` with the solution of minimum norm.
+    /// Applies the transpose of [`project`](Self::project). It replaces `w` by weights whose product with any solution equals the product of
+    /// `w` with the solution of minimum norm.
     pub(super) fn project_transposed(&self, weights: &mut [f64]) {
         for motion in self.motions.iter().rev() {
             let seen: f64 = weights.iter().zip(motion).map(|(w, z)| w * z).sum();

@@ -1,6 +1,7 @@
 //! Static equilibrium and its sensitivities.
 //!
-//! Newton's method on the force balance with Lagrange multipliers. Independent of files and commands.
+//! The equilibrium is found by Newton's method on the force balances with Lagrange multipliers. The module is independent of files and
+//! commands.
 
 mod balance;
 mod causes;

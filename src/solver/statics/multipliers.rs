@@ -1,15 +1,15 @@
-//! Initial values of the multipliers.
+//! Initial values of the Lagrange multipliers.
 
 use super::newton::Solver;
 use crate::linear::{Lu, Matrix, Sink};
 use crate::system::{NoValue, Parameters, State, System};
 
 impl Solver {
-    /// Sets the multipliers to those that balance the forces best at the present positions, in the least-squares sense, with torques divided
-    /// by the model's length. Returns true if they were set. Multipliers that are not all zero are kept.
+    /// Sets the multipliers to the values that balance the forces best at the present positions, in the least-squares sense, with torques
+    /// divided by the model's length. Returns true if the multipliers were set. If any multiplier is already nonzero, all are kept.
     ///
-    /// Along a motion on curved constraints, the stiffness is the second derivative of the energy only with these multipliers (Nocedal and
-    /// Wright, Numerical Optimization, 18.3). With zero multipliers a pendulum has no stiffness and may reach either equilibrium.
+    /// Along a motion on curved constraints, the stiffness equals the second derivative of the energy only with these multipliers (Nocedal and
+    /// Wright, Numerical Optimization, 18.3). With zero multipliers, a pendulum has no stiffness and may reach either of its two equilibria.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -24,7 +24,8 @@ impl Solver {
         }
         self.assemble(system, parameters, state)?;
         let (bodies, variables) = (system.first_equation, system.first_variable);
-        // [-W, G'; G, 0], where W contains the squares of the lengths. Variables and states follow the multipliers; the parts stay in place.
+        // The matrix is [-W, G'; G, 0], where W contains the squares of the length factors. Variables and states follow the multipliers, and
+        // the parts stay in place.
         let mut matrix = Matrix::new(system.unknowns());
         matrix.clear();
         for body in &system.bodies {

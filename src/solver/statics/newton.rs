@@ -12,27 +12,27 @@ use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
-/// Equations with less than this share of a free motion do not belong to it.
+/// An equation belongs to a free motion if its component in the motion exceeds this share of the largest component.
 const LEAST_SHARE: f64 = 1e-6;
-/// ADAMS' default of STABILITY. Up to this value its only effect is to hold massive free motions.
+/// ADAMS' default of STABILITY. Up to this value, the only effect of STABILITY is to hold free motions of parts with mass.
 const DEFAULT_STABILITY: f64 = 1e-5;
-/// Number of shortened steps in one sequence above which the iteration is given up.
+/// Number of shortened steps above which a sequence of iterations is given up.
 const CREEPING: usize = 10;
-/// Shortest fraction of a step that the line search tries.
+/// Shortest fraction of a Newton step that the line search tries.
 const SHORTEST: f64 = 1.0 / 256.0;
-/// Relative correction below which old factors are tried.
+/// Relative correction below which the factors of an earlier iteration are tried first.
 const NEAR: f64 = 1e-3;
-/// Relative size of corrections and imbalances that may be round-off.
+/// Relative correction below which an increase of the residual may be round-off, so that the step is taken without a test.
 const NOISE: f64 = 1e-9;
-/// Relative error of the numbers of a deck, which have about ten digits.
+/// Relative error of the numbers written in a deck, which have about ten digits.
 const WRITTEN: f64 = 1e-9;
-/// Scaled pivots below this count as zero in a model that is known to have free motions. Near an equilibrium, round-off of large forces and
+/// Scaled pivots below this count as zero in a model that is declared to have free motions. Near an equilibrium, round-off of large forces and
 /// the remaining imbalance give a free motion a little stiffness.
 const FREE_MOTION_RANK_TOLERANCE: f64 = 1e-8;
-/// Largest violation of a removed constraint equation, as a share of the model's length.
+/// Largest allowed violation of a removed constraint equation, as a share of the model's length.
 const CONSISTENT: f64 = 1e-6;
 
-/// Solves one equilibrium with work space of its own. To solve many, use one [`Solver`].
+/// Finds one equilibrium with work space of its own. To find many equilibria, use one [`Solver`].
 ///
 /// # Errors
 /// [`SolveError`]; the state is then unchanged.
@@ -45,25 +45,25 @@ pub fn solve(
     Solver::new(system).solve(system, parameters, state, settings)
 }
 
-/// Static solver for one system. All solutions share its work space.
+/// Static solver for one system. Successive solutions share its work space.
 #[derive(Clone, Debug)]
 pub struct Solver {
     pub(super) scratch: Scratch,
     /// Factors of the Jacobian in use.
     pub(super) matrix: Lu,
-    /// A tangent that was given back, whose memory serves the next one.
+    /// Tangent taken back by [`Self::give_back`], whose memory the next tangent reuses.
     spare: Option<Tangent>,
-    /// Jacobian, assembled at the trial state.
+    /// Jacobian that was assembled last.
     pub(super) next: Matrix,
     pub(super) g: Vec<f64>,
     pub(super) g_trial: Vec<f64>,
     pub(super) dx: Vec<f64>,
     dx_bar: Vec<f64>,
     step: Vec<f64>,
-    /// Imbalance at the start, which continuation releases step by step.
+    /// Initial imbalance, which continuation releases step by step.
     pub(super) held: Vec<f64>,
     pub(super) start: State,
-    /// True if the multipliers at the start were computed, because the given ones were zero.
+    /// True if the initial multipliers were computed because all given ones were zero.
     began: bool,
     trial: State,
     pub(super) history: Vec<Iteration>,
@@ -71,11 +71,11 @@ pub struct Solver {
     pub(super) limited: usize,
     at_roundoff: bool,
     factorisations: usize,
-    /// Number of iterations that may still be done.
+    /// Number of iterations that are still allowed.
     pub(super) remaining: usize,
-    /// Poses of the equilibrium whose tangent the factors are; empty if they are not the tangent of an equilibrium.
+    /// Poses of the equilibrium at which the factors were computed. Empty if the factors do not belong to an equilibrium.
     pub(super) poses: Vec<Pose>,
-    /// Worst balance of all solutions so far.
+    /// Worst balance of all equilibria found so far.
     worst: Option<Balance>,
     /// Work space for the sums of a balance.
     sums: Vec<Sum>,
@@ -96,10 +96,10 @@ impl From<NoValue> for Failure {
 /// Options of a sequence of iterations.
 #[derive(Clone, Copy)]
 pub(super) struct NewtonOptions {
-    /// Fraction of the imbalance in `held` that is still held.
+    /// Fraction of the initial imbalance ([`Solver::held`]) that is still held.
     pub held: f64,
     pub damped: bool,
-    /// True if the factors are those of an earlier iteration.
+    /// True if the factors are from an earlier iteration.
     pub keep: bool,
     pub error: f64,
     pub imbalance: f64,
@@ -136,12 +136,12 @@ impl Solver {
         }
     }
 
-    /// Returns the work space for evaluations of the system between solutions.
+    /// Returns the work space, for evaluations of the system between two solutions.
     pub fn scratch(&mut self) -> &mut Scratch {
         &mut self.scratch
     }
 
-    /// Discards all factors, so that the next solution computes its own.
+    /// Discards the results of earlier solutions except the worst balance. The next solution then computes its own factors.
     pub fn forget(&mut self, system: &System) {
         *self = Self {
             worst: self.worst.take(),
@@ -149,7 +149,7 @@ impl Solver {
         };
     }
 
-    /// Finds the equilibrium next to the state and moves the state there.
+    /// Finds the equilibrium next to the given state and moves the state there.
     ///
     /// # Errors
     /// [`SolveError`]; the state is then unchanged.
@@ -200,7 +200,7 @@ impl Solver {
         let result = self.iterate(system, parameters, state, settings, plain);
         report.iterations += self.history.len();
         if let Err(failure) = result {
-            // The plain iteration is the one that users know. Its failure is reported if continuation fails, too.
+            // The plain iteration is the method that users expect. Its failure is reported if continuation fails, too.
             let error = self.explain(system, parameters, state, settings, failure);
             if !settings.continuation || self.remaining == 0 {
                 return Err(error);
@@ -212,14 +212,14 @@ impl Solver {
             }
             report.continuation = help;
         } else if settings.continuation && from_afar && self.limited > 0 {
-            self.leave_saddle(system, parameters, state, settings, (plain, &mut report))?;
+            self.leave_saddle(system, parameters, state, settings, plain, &mut report)?;
         }
         if self.matrix.deficiency() > 0 {
             // The factors may be several iterations old, but the free motions must be those of this state.
             self.assemble(system, parameters, state)?;
             self.matrix.factor(&self.next);
         }
-        match free_motions(system, parameters, state, (&self.next, &self.matrix)) {
+        match free_motions(system, parameters, state, &self.next, &self.matrix) {
             Ok(motions) => report.free_motions = motions,
             Err(massless) => return Err(SolveError::FreeMotion(massless)),
         }
@@ -237,8 +237,8 @@ impl Solver {
         Ok(report)
     }
 
-    /// Sums the forces on every part again, in another way than the residual. A remainder due to round-off of the model's own numbers
-    /// (`at_roundoff`) is accepted; any other remainder is an error.
+    /// Sums the forces on every part again, independently of the residual. A remaining force is accepted if the iteration stopped at the
+    /// round-off of the model (`at_roundoff`). Otherwise, a remaining force beyond the tolerances is an error.
     pub(super) fn check_balance(
         &mut self,
         system: &System,
@@ -247,8 +247,8 @@ impl Solver {
         settings: &StaticSettings,
         report: &mut Report,
     ) -> Result<(), SolveError> {
-        let memory = (&mut self.scratch, &mut self.sums);
-        report.balance = Balance::summed(system, parameters, state, memory)?;
+        let (scratch, sums) = (&mut self.scratch, &mut self.sums);
+        report.balance = Balance::summed(system, parameters, state, scratch, sums)?;
         if !report.at_roundoff && !report.balance.holds(settings.imbalance) {
             return Err(SolveError::Unbalanced(Box::new(report.balance.clone())));
         }
@@ -261,7 +261,7 @@ impl Solver {
         self.worst.as_ref()
     }
 
-    /// Returns true if the last solution had a motion without stiffness.
+    /// Returns true if the last solution has a motion without stiffness.
     pub fn has_free_motions(&self) -> bool {
         self.matrix.deficiency() > 0
     }
@@ -271,7 +271,7 @@ impl Solver {
         self.matrix.set_rank_tolerance(FREE_MOTION_RANK_TOLERANCE);
     }
 
-    /// Linearises the equations at an equilibrium.
+    /// Linearises the equations at an equilibrium and factors the Jacobian.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -287,12 +287,12 @@ impl Solver {
         Ok(tangent)
     }
 
-    /// Takes back a tangent of the same system, so that the next one can use its memory.
+    /// Takes back a tangent of the same system, so that the next tangent can reuse its memory.
     pub fn give_back(&mut self, tangent: Tangent) {
         self.spare = Some(tangent);
     }
 
-    /// Marks the constraint equations that are redundant in this configuration.
+    /// Marks the constraint equations that are redundant in the configuration of the state.
     fn find_redundant(
         &mut self,
         system: &System,
@@ -313,7 +313,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Checks that the removed equations are satisfied, and lists the redundant ones in the report.
+    /// Checks that the removed equations are satisfied, and lists the redundant equations in the report.
     fn check_removed(
         &mut self,
         system: &System,
@@ -345,7 +345,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Assembles the Jacobian at the state; `g_trial` is overwritten.
+    /// Assembles the Jacobian at a state. Overwrites `g_trial` with the residual.
     pub(super) fn assemble(
         &mut self,
         system: &System,
@@ -359,7 +359,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Computes the residual at the trial state, minus the part of the first imbalance that is held.
+    /// Computes the residual at the trial state, minus the held part of the initial imbalance.
     fn evaluate(
         &mut self,
         system: &System,
@@ -391,14 +391,14 @@ impl Solver {
         self.history.clear();
         (self.shortened, self.limited) = (0, 0);
         self.at_roundoff = false;
-        // The factors of the last equilibrium are the tangent that predicts the next one.
+        // The factors from the last equilibrium form the tangent that predicts the next equilibrium.
         let mut keep = self.poses == state.poses && !way.damped && way.held == 0.0;
         self.poses.clear();
         self.trial.clone_from(state);
         self.evaluate(system, parameters, way)?;
         std::mem::swap(&mut self.g, &mut self.g_trial);
         let first = largest(&self.g).max(f64::MIN_POSITIVE);
-        // The first damped step has about half the length of TLIMIT.
+        // With this damping, the first step is about half of TLIMIT.
         let damping = 2.0 * force_imbalance(system, &self.g) / settings.tlimit;
         let mut iteration = 0;
         while iteration < way.maxit && self.remaining > 0 {
@@ -435,8 +435,8 @@ impl Solver {
                 && balanced(system, &self.g, way.imbalance, 0.0)
                 && self.is_noise(system, state, WRITTEN)
             {
-                // The state is in equilibrium within the digits of the deck, but the equations are nearly singular: the correction is their
-                // magnified rounding.
+                // The state is in equilibrium to the precision of the deck's numbers. The equations are nearly singular: the correction is only
+                // the magnified rounding of these numbers.
                 self.dx.fill(0.0);
                 correction = 0.0;
             }
@@ -447,7 +447,7 @@ impl Solver {
             let way_now = NewtonOptions { keep, ..way };
             let Some(step) = self.take(system, parameters, state, way_now, (limit, correction))?
             else {
-                // The old factors are not good enough: the iteration is repeated with new ones.
+                // The old factors are not accurate enough: the iteration is repeated with new ones.
                 keep = false;
                 continue;
             };
@@ -459,7 +459,7 @@ impl Solver {
                 correction,
                 step,
             });
-            // A search with many shortened steps makes no progress; another method should be tried.
+            // A search with many shortened steps makes no progress. It ends here, so that another method can be tried.
             if self.shortened > CREEPING && settings.continuation && !way.damped {
                 return Err(Failure::NotConverged);
             }
@@ -473,7 +473,7 @@ impl Solver {
             if correction < way.error && balanced(system, &self.g, way.imbalance, noise) {
                 return Ok(());
             }
-            // Below the round-off of stiffness times position, further iterations gain nothing.
+            // The residual is at the round-off of stiffness times position, so that further iterations do not reduce it.
             if largest(&self.g) > 0.1 * imbalance
                 && self.is_noise(system, state, 8.0 * f64::EPSILON)
             {
@@ -488,8 +488,8 @@ impl Solver {
     }
 
     /// Moves along `dx` to the trial state, and returns the fraction of the step that was taken. The full (limited) step is taken unless it
-    /// increases both the residual and the next correction (Deuflhard's natural monotonicity test). Shorter steps are then tried; with old
-    /// factors the result is `None`.
+    /// increases both the residual and the next correction (Deuflhard's natural monotonicity test). In that case, shorter steps are tried. With
+    /// old factors, the result is then `None` instead.
     fn take(
         &mut self,
         system: &System,
@@ -523,8 +523,8 @@ impl Solver {
         }
     }
 
-    /// Returns true if every equation is satisfied within the effect of a given relative error of positions, angles and multipliers on its
-    /// terms. `dx_bar` and `step` are overwritten.
+    /// Returns true if every residual is explained by an error `relative` of positions, angles, multipliers and variables: it is at most the
+    /// effect of this relative error on the terms of its equation. Overwrites `dx_bar` and `step`.
     fn is_noise(&mut self, system: &System, state: &State, relative: f64) -> bool {
         let floor = &mut self.dx_bar;
         floor.fill(0.0);
@@ -548,8 +548,8 @@ impl Solver {
         for (row, column, value) in self.next.entries() {
             floor[row] += value.abs() * scales[column];
         }
-        // The round-off of a force or torque depends on its size, whatever the axis. Along a free motion the terms vanish and would show no
-        // round-off.
+        // The round-off of a force or torque depends on its magnitude, not on its direction. The largest component therefore applies to all
+        // three axes: along a free motion the terms vanish and would show no round-off.
         for body in &system.bodies {
             for first in (0..body.freedoms).step_by(3) {
                 let own = &mut floor[body.first + first..body.first + first + 3];
@@ -557,7 +557,7 @@ impl Solver {
                 own.fill(most);
             }
         }
-        // A free motion leaves one equation without a pivot. The round-off of all other equations of the motion gathers in it.
+        // A free motion leaves one equation without a pivot. The round-off of all other equations of the motion accumulates in this equation.
         for m in 0..self.matrix.deficiency() {
             let z = self.matrix.null_vector(m);
             let gathered: f64 = z.iter().zip(floor.iter()).map(|(z, f)| z.abs() * f).sum();

@@ -1,5 +1,6 @@
-//! Comparison of our elimination with faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains: the time to find the order, and the time
-//! of each factorisation after that. Both must give the same solution. `cargo test --lib compared_with_faer -- --nocapture` shows the times.
+//! Comparison of our elimination with faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains. It measures the time to find the order and
+//! the time of each factorisation after that. Both must give the same solution. `cargo test --lib compared_with_faer -- --nocapture` shows the
+//! times.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -13,8 +14,8 @@ use crate::system::{Scratch, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
-/// Jacobian of a chain of links on bushings. Every tenth link is also on a bushing to ground. Every seventh is on a hinge instead, except the
-/// last, which would swing freely.
+/// Returns the Jacobian of a chain of links that are connected by bushings. Every tenth link also has a bushing to ground. Every seventh link
+/// has a hinge in place of its bushing, except the last link, which would swing freely.
 fn chain(links: u32) -> Matrix {
     let mut deck = String::from("chain\nPART/1, GROUND\nMARKER/1, PART=1\nMARKER/12, PART=1\n");
     for id in 2..links + 2 {

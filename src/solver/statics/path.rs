@@ -4,7 +4,7 @@ use crate::linear::Matrix;
 use crate::model::PartIx;
 use crate::system::{Parameters, State, System};
 
-/// Adds STABILITY times mass, divided by the units consistency factor, to the stiffness block.
+/// Adds the mass matrix of every part to the stiffness block, times STABILITY and divided by the units consistency factor.
 pub(super) fn add_stability(
     system: &System,
     parameters: &Parameters,
@@ -22,7 +22,7 @@ pub(super) fn add_stability(
     }
 }
 
-/// Adds viscous damping to every part.
+/// Adds viscous damping to the stiffness block of every part. The damping of rotations is multiplied by the square of the model's length.
 pub(super) fn add_damping(system: &System, damping: f64, matrix: &mut Matrix) {
     for body in &system.bodies {
         for k in 0..body.freedoms {

@@ -9,18 +9,19 @@ use crate::mechanics::eigen::symmetric_eigen;
 use crate::model::PartIx;
 use crate::system::{Parameters, State, System};
 
-/// Squares of motions below this share of the largest are round-off.
+/// Mass-weighted square of a motion below which parts with mass count as still, as a share of the largest possible value.
 const ROUND_OFF: f64 = 1e-20;
-/// A stiffness below this share of the products that it is the sum of is round-off.
+/// A stiffness is round-off if it is below this share of the summed magnitudes of its terms.
 const LOST: f64 = 1e-14;
-/// Share of a stiffness that remains as round-off when many forces cancel: a thousand roundings.
+/// Relative round-off of a stiffness in which many terms cancel: about a thousand roundings.
 const ASSEMBLED: f64 = 1e3 * f64::EPSILON;
-/// Motions of parts below this share of the reactions in a null vector count as zero. Such a null vector describes undetermined reactions.
+/// If the motions of the parts in a null vector are below this share of its reactions, they count as zero. Such a null vector describes
+/// undetermined reactions.
 pub(super) const UNDETERMINED: f64 = 1e-12;
-/// Share of the largest possible kinetic energy of a motion below which the motion counts as massless.
+/// A motion counts as massless if its kinetic energy is below this share of the largest energy possible.
 const NO_INERTIA: f64 = 1e-14;
 
-/// Returns which constraint equations depend on those before them. `J` contains the whole Jacobian, not factored.
+/// Returns, for every constraint equation, whether it depends on the equations before it. `J` is the whole Jacobian, not factored.
 pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
     let first = system.first_equation;
     let rows: Vec<(u32, u32, f64)> = J
@@ -29,19 +30,19 @@ pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
         .map(|(row, column, value)| ((row - first) as u32, column as u32, value))
         .collect();
     let mut redundant = system.redundant_rows(&rows);
-    // Nonholonomic constraints have no row in statics, but they are not redundant.
+    // Nonholonomic constraints have no entries in the static Jacobian, but they are not redundant.
     for (redundant, of_velocities) in redundant.iter_mut().zip(&system.is_nonholonomic) {
         *redundant &= !of_velocities;
     }
     redundant
 }
 
-/// Wording for the description of motions.
+/// Wording for the description of a motion.
 pub(super) struct Words {
     along: &'static str,
     pub about: &'static str,
     screw: &'static str,
-    /// Parts and rotations below this share of the largest motion are omitted.
+    /// Parts and rotations below this share of the largest motion are omitted from the description.
     share: f64,
 }
 
@@ -66,18 +67,19 @@ const SOFT: Words = Words {
     share: 0.1,
 };
 
-/// Describes a free motion `z` of the assembled equations. Returns `None` if no part moves in it, so that multipliers or variables are
-/// undetermined.
+/// Describes a free motion `z`, which is a null vector of the Jacobian `J`. Returns `None` if no part moves in `z`; multipliers or variables
+/// are then undetermined.
 pub(super) fn free_motion(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    (J, z): (&Matrix, &[f64]),
+    J: &Matrix,
+    z: &[f64],
 ) -> Option<FreeMotion> {
     let (mut motion, part, turns) = moving(system, parameters, state, z, &FREE)?;
     let (v, w) = motion_of(system, part, z);
     let (size, first) = if turns { (w.norm(), 3) } else { (v.norm(), 0) };
-    // Entries of the same part and the same unit.
+    // The stiffness of the same part in the same kind of unknown (translation or rotation).
     let own = system.bodies[part].first + first;
     let own = own..own + 3;
     let squares = J
@@ -99,7 +101,7 @@ pub(super) fn free_motion(
     Some(motion)
 }
 
-/// Returns twice the energy of a motion by the assembled equations; `None` if that is round-off.
+/// Returns twice the elastic energy of a motion `z`, computed with the Jacobian `J`. Returns `None` if this energy is round-off.
 fn stiffness_along(system: &System, J: &Matrix, z: &[f64]) -> Option<f64> {
     let (mut work, mut size) = (0.0, 0.0);
     for (row, column, value) in J.entries() {
@@ -121,7 +123,7 @@ pub(super) fn soft_motion(
     moving(system, parameters, state, z, &SOFT).map(|(motion, ..)| motion)
 }
 
-/// Returns the description of a motion, the part that moves most, and whether that part rotates.
+/// Returns the description of a motion, the index of the part that moves most, and whether that part rotates. Returns `None` if no part moves.
 fn moving(
     system: &System,
     parameters: &Parameters,
@@ -140,7 +142,7 @@ fn moving(
         }
     }
     let (part, size) = largest?;
-    // Multipliers scale as forces. Motions far below their round-off count as zero.
+    // Multipliers scale like forces. Motions far below the round-off of the multipliers count as zero.
     let multipliers = z[system.first_equation..]
         .iter()
         .fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -169,21 +171,22 @@ fn moving(
     Some((motion, part, turns))
 }
 
-/// Returns all motions without stiffness. If one of them has no mass either, that motion is returned as an error, because the parts are then
-/// undetermined.
+/// Returns all motions without stiffness. If a motion without stiffness has no mass either, it is returned as an error, because the positions
+/// of its parts are then undetermined.
 ///
 /// A motion is massless if its kinetic energy is zero, including the energy of parts that joints move along with it. Any combination of the
-/// null vectors may be massless. They are therefore examined along the principal axes of the energy.
+/// null vectors may be massless. Therefore the principal axes of the kinetic energy are examined.
 pub(super) fn free_motions(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    (J, factors): (&Matrix, &Lu),
+    J: &Matrix,
+    factors: &Lu,
 ) -> Result<Vec<FreeMotion>, Box<FreeMotion>> {
     let (mut vectors, mut motions) = (Vec::new(), Vec::new());
     for m in 0..factors.deficiency() {
         let mut z = factors.null_vector(m);
-        if let Some(motion) = free_motion(system, parameters, state, (J, &z)) {
+        if let Some(motion) = free_motion(system, parameters, state, J, &z) {
             let (_, size) = energies(system, parameters, state, (&z, &z));
             let scale = 1.0 / size.sqrt().max(f64::MIN_POSITIVE);
             for x in &mut z {
@@ -197,7 +200,7 @@ pub(super) fn free_motions(
     let pair = |a: usize, b: usize| energies(system, parameters, state, (&vectors[a], &vectors[b]));
     let energy = DMatrix::from_fn(n, n, |a, b| pair(a, b).0);
     let size = DMatrix::from_fn(n, n, |a, b| pair(a, b).1);
-    // Scales the axes so that all sizes are equal, then turns them to the principal axes of the energy.
+    // Scales the axes so that all motions have the same size, then turns the axes to the principal axes of the energy.
     let alike = symmetric_eigen(size);
     let mut axes = alike.eigenvectors;
     for (mut axis, square) in axes.column_iter_mut().zip(alike.eigenvalues.iter()) {
@@ -210,7 +213,7 @@ pub(super) fn free_motions(
             z.iter_mut().zip(vector).for_each(|(z, x)| *z += weight * x);
         }
         if is_massless(system, parameters, state, &z)
-            && let Some(motion) = free_motion(system, parameters, state, (J, &z))
+            && let Some(motion) = free_motion(system, parameters, state, J, &z)
         {
             return Err(Box::new(motion));
         }
@@ -218,8 +221,8 @@ pub(super) fn free_motions(
     Ok(motions)
 }
 
-/// Returns twice the mutual kinetic energy of two motions, and its value if every part had mass one and the model's length as its radius of
-/// gyration.
+/// Returns twice the mutual kinetic energy of two motions. The second value is what this energy would be if every part had unit mass and the
+/// model's length as its radius of gyration.
 fn energies(
     system: &System,
     parameters: &Parameters,
@@ -263,8 +266,8 @@ fn at_mass_centre(
     (v + w.cross(&arm), w)
 }
 
-/// Returns true if the kinetic energy of a motion is negligible, compared with parts that have the same mass and the model's length as their
-/// radius of gyration.
+/// Returns true if the kinetic energy of a motion is negligible, compared with the energy of parts that have the same mass and the model's
+/// length as their radius of gyration.
 fn is_massless(system: &System, parameters: &Parameters, state: &State, z: &[f64]) -> bool {
     let (energy, size) = energies(system, parameters, state, (z, z));
     let mut most = 0.0;
@@ -281,7 +284,7 @@ fn is_massless(system: &System, parameters: &Parameters, state: &State, z: &[f64
     }
     let heaviest = system.bodies.iter().filter(|b| b.freedoms > 0);
     let heaviest = heaviest.fold(0.0_f64, |a, b| a.max(parameters.theta()[b.mass]));
-    // If parts with mass move by round-off only, their mass does not count.
+    // If the parts with mass move only by round-off, their mass does not count.
     most <= ROUND_OFF * heaviest * size || energy <= NO_INERTIA * most
 }
 
@@ -296,7 +299,8 @@ pub(super) fn motion_of(system: &System, part: usize, z: &[f64]) -> (Vec3, Vec3)
     }
 }
 
-/// Describes a rotation: about the line through two markers of the part, or else about an axis through one marker, or else about a direction.
+/// Describes a rotation of a part. The axis is named by two markers of the part on it, otherwise by its direction and one marker on it,
+/// otherwise by its direction alone.
 fn spin(
     system: &System,
     parameters: &Parameters,
@@ -308,7 +312,7 @@ fn spin(
     let pose = &state.poses[part];
     let reference = system.local_reference(state, part);
     let axis = w.normalize();
-    // Point of the axis nearest to the reference point, relative to the reference point.
+    // Point of the rotation axis nearest to the reference point, relative to the reference point.
     let foot = w.cross(v) / w.norm_squared();
     let mut near: Vec<(usize, f64)> = Vec::new();
     for &marker in &system.used {
@@ -339,7 +343,7 @@ fn spin(
     }
 }
 
-/// Returns `x`, `y` or `z`, or the components of another direction, in ground axes.
+/// Returns `x`, `y` or `z` if the axis is parallel to that ground axis, otherwise the components of the axis in ground axes.
 fn direction(axis: &Vec3) -> String {
     for (k, word) in ["x", "y", "z"].into_iter().enumerate() {
         if axis[k].abs() > 1.0 - 1e-9 {

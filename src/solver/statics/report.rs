@@ -5,12 +5,12 @@ use crate::mechanics::Vec3;
 use crate::system::{EquationName, Name, NoValue};
 use admire_syntax::units::{Dimension, Units};
 
-/// Record of one iteration.
+/// Record of one Newton iteration.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Iteration {
-    /// Largest residual of any equation before the step.
+    /// Largest residual of any equation before the Newton step.
     pub imbalance: f64,
-    /// Largest relative correction.
+    /// Largest relative correction of any unknown.
     pub correction: f64,
     /// Fraction of the Newton step that was taken.
     pub step: f64,
@@ -19,7 +19,7 @@ pub struct Iteration {
 /// Number of rows of [`history_table`] at the start and at the end of a long history.
 const ROWS: usize = 6;
 
-/// Returns the iterations as lines of a table; of a long history only the first and the last ones.
+/// Returns a table of the iterations, as lines of text. A long history is shortened to its first and last iterations.
 pub fn history_table(history: &[Iteration]) -> Vec<String> {
     let mut out = vec!["iteration  imbalance  correction  step".to_string()];
     for (k, i) in history.iter().enumerate() {
@@ -43,7 +43,7 @@ pub fn history_table(history: &[Iteration]) -> Vec<String> {
 /// A motion without stiffness.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FreeMotion {
-    /// The part that moves most.
+    /// Part that moves most.
     pub part: Name,
     /// Other parts that take part in the motion.
     pub others: Vec<Name>,
@@ -51,16 +51,16 @@ pub struct FreeMotion {
     pub motion: String,
     /// Direction of the translation or of the rotation axis, in ground axes.
     pub axis: Vec3,
-    /// Stiffness that is too small to hold the motion; `None` if there is none.
+    /// Stiffness of the motion, too small to hold it; `None` if the motion has no stiffness at all.
     pub weak: Option<Weak>,
 }
 
-/// A stiffness that is lost in the round-off of others.
+/// A stiffness so small that it is lost in the round-off of larger stiffnesses.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Weak {
-    /// Force per length, or torque per angle.
+    /// Stiffness as a force per length, or a torque per radian.
     pub stiffness: f64,
-    /// Share of the largest stiffness of the part.
+    /// Ratio of this stiffness to the largest stiffness of the same part.
     pub share: f64,
 }
 
@@ -97,19 +97,19 @@ impl fmt::Display for FreeMotion {
 /// A part that moved so far in one solution that the equilibrium may not be the intended one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Far {
-    /// The part.
+    /// Part that moved far.
     pub part: Name,
-    /// Displacement of its centre, in length units.
+    /// Displacement of the centre of the part, in length units of the deck.
     pub shift: f64,
-    /// Rotation, in radians.
+    /// Rotation of the part, in radians.
     pub turn: f64,
 }
 
 impl Far {
-    /// Rotation above which a part has moved far, radians.
+    /// Rotation above which a part counts as having moved far, in radians.
     pub(super) const TURN: f64 = std::f64::consts::FRAC_PI_3;
 
-    /// Describes the motion, for example `PART/4 'KNUCKLE' turned by 118 degrees`.
+    /// Describes the displacement or rotation of the part, for example `PART/4 'KNUCKLE' turned by 118 degrees`.
     pub fn described(&self, units: &Units) -> String {
         let part = &self.part;
         if self.turn > Self::TURN {
@@ -127,41 +127,41 @@ impl Far {
 /// Report of a converged solution.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Report {
-    /// Total number of iterations, including those of continuation.
+    /// Total number of iterations, including the iterations of continuation methods.
     pub iterations: usize,
-    /// Number of iterations that assembled and factored a new Jacobian; the others used an earlier one.
+    /// Number of iterations that assembled and factored a new Jacobian. The other iterations used an earlier one.
     pub factorisations: usize,
-    /// Largest residual of any equation at the end.
+    /// Largest residual of any equation at the equilibrium.
     pub imbalance: f64,
     /// Largest relative correction of the last iteration.
     pub correction: f64,
-    /// All iterations of the last sequence.
+    /// Record of every iteration in the last sequence of iterations.
     pub history: Vec<Iteration>,
-    /// Motions without stiffness. They are harmless, because nothing drives them and they have mass.
+    /// Motions without stiffness. They are harmless, because no force drives them and they have mass.
     pub free_motions: Vec<FreeMotion>,
-    /// Redundant constraint equations that were removed, as `Zi.Xj in JOINT/4`.
+    /// Redundant constraint equations that were removed, for example `Zi.Xj in JOINT/4`.
     pub redundant: Vec<EquationName>,
-    /// Continuation that reached the equilibrium; `None` if plain iteration did.
+    /// Continuation method that reached the equilibrium; `None` if plain iteration reached it.
     pub continuation: Option<Continuation>,
-    /// True if IMBALANCE is below the round-off of this model, and the iteration stopped at the round-off.
+    /// True if the iteration stopped at the round-off of this model because IMBALANCE is smaller than this round-off.
     pub at_roundoff: bool,
-    /// Number of times that a step was halved after the limits TLIMIT and ALIMIT were applied.
+    /// Number of times that a Newton step was halved after the limits TLIMIT and ALIMIT were applied.
     pub shortened: usize,
-    /// Remaining forces on the parts, summed again at the end.
+    /// Largest remaining force and torque on a part, summed again at the equilibrium.
     pub balance: Balance,
     /// Parts that turned by more than 60 degrees or moved by more than the mechanism's size.
     pub far: Vec<Far>,
 }
 
-/// Method that reached an equilibrium after plain iteration failed.
+/// Continuation method that reached an equilibrium after plain iteration failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Continuation {
-    /// The imbalance of the start was released in steps.
+    /// Load continuation: the initial imbalance was released in steps.
     Load {
-        /// Number of steps.
+        /// Number of load steps.
         steps: usize,
     },
-    /// Motions were slowed down by a viscous damping that decreased to zero.
+    /// Damped continuation: motions were slowed down by a viscous damping that decreased to zero.
     Damped,
 }
 
@@ -174,13 +174,13 @@ pub enum SolveError {
         history.len()
     )]
     NotConverged {
-        /// The equation with the largest imbalance: `PART/4 'KNUCKLE' force along z`.
+        /// Name of the equation with the largest imbalance, for example `PART/4 'KNUCKLE' force along z`.
         worst: String,
-        /// Imbalance of that equation.
+        /// Residual of that equation.
         imbalance: f64,
-        /// All iterations of the last sequence.
+        /// Record of every iteration in the last sequence of iterations.
         history: Vec<Iteration>,
-        /// Usual causes that are present in the model.
+        /// Descriptions of the usual causes that are present in the model.
         causes: Vec<String>,
     },
     /// A massless part moves without any stiffness.
@@ -189,7 +189,7 @@ pub enum SolveError {
     /// A removed constraint equation is violated although the others hold.
     #[error("{equation} contradicts the other constraints: it is violated by {violation:.3e}")]
     Inconsistent {
-        /// The equation, as `Zi.Xj in JOINT/4`.
+        /// Name of the equation, for example `Zi.Xj in JOINT/4`.
         equation: String,
         /// Residual of the equation.
         violation: f64,

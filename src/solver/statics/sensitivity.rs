@@ -3,11 +3,11 @@ use rayon::prelude::*;
 use super::{SolveError, Tangent};
 use crate::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
-/// Sensitivity of an equilibrium, and of quantities measured at it, to the numbers in theta.
+/// Sensitivity of an equilibrium, and of quantities measured at it, to the parameters in theta.
 ///
-/// The residual is g(x, theta) = 0, a quantity is q(x, theta), and J = dg/dx. Then `dq/dtheta = q_theta - q_x J^-1 g_theta`. The direct
-/// method solves `J dx = -g_theta` once per number. The adjoint method solves `J' a = -q_x` once per quantity; then
-/// `dq/dtheta = q_theta + a . g_theta`. Source: e.g. Haug, Choi, Komkov, Design Sensitivity Analysis, 1986, ch. 1.
+/// The residual is g(x, theta) = 0, a quantity is q(x, theta), and J = dg/dx. Then `dq/dtheta = q_theta - q_x J^-1 g_theta`. The direct method
+/// solves `J dx = -g_theta` once per parameter. The adjoint method solves `J' a = -q_x` once per quantity; then
+/// `dq/dtheta = q_theta + a . g_theta`. Source: Haug, Choi, Komkov, Design Sensitivity Analysis, 1986, ch. 1.
 #[derive(Clone, Debug)]
 pub struct Sensitivity<'a> {
     system: &'a System,
@@ -18,7 +18,7 @@ pub struct Sensitivity<'a> {
 }
 
 impl<'a> Sensitivity<'a> {
-    /// Linearises at an equilibrium.
+    /// Linearises the equations at an equilibrium.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -36,7 +36,7 @@ impl<'a> Sensitivity<'a> {
         })
     }
 
-    /// Returns the derivatives of several quantities by one number.
+    /// Returns the derivatives of several quantities with respect to one parameter, by the direct method.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -55,8 +55,8 @@ impl<'a> Sensitivity<'a> {
         Ok(out)
     }
 
-    /// Returns the derivatives of all quantities (columns) by all numbers (rows), by the method with fewer back-substitutions. It uses all
-    /// cores; the result does not depend on their number.
+    /// Returns the derivatives of all quantities (columns) with respect to all parameters (rows). Of the direct and the adjoint method, the one
+    /// with fewer back-substitutions is used. The computation uses all cores; the result does not depend on their number.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -82,7 +82,7 @@ impl<'a> Sensitivity<'a> {
         Ok((0..slots.len()).map(row).collect())
     }
 
-    /// Returns the derivatives of one quantity by several numbers.
+    /// Returns the derivatives of one quantity with respect to several parameters, by the adjoint method.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.

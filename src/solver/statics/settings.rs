@@ -4,27 +4,28 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 /// Upper limit of MAXIT, so that a typing error does not hang the machine.
 pub(crate) const MOST_ITERATIONS: usize = 20_000;
 
-/// Settings of the EQUILIBRIUM statement, and of the built-in solver's extensions of ADAMS' plain iteration.
+/// Settings of the EQUILIBRIUM statement, and settings of the solver methods that ADAMS does not have.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StaticSettings {
-    /// ERROR: largest relative correction of the last iteration.
+    /// ERROR: largest relative correction allowed in the last iteration.
     pub error: f64,
-    /// IMBALANCE: largest residual allowed in any equation, in its own unit.
+    /// IMBALANCE: largest residual allowed in any equation, in the unit of the equation.
     pub imbalance: f64,
-    /// TLIMIT: largest translation per iteration, length units.
+    /// TLIMIT: largest translation of a part per iteration, in length units.
     pub tlimit: f64,
-    /// ALIMIT: largest rotation per iteration, radians.
+    /// ALIMIT: largest rotation of a part per iteration, in radians.
     pub alimit: f64,
-    /// MAXIT: largest number of iterations per sequence, at most [`MOST_ITERATIONS`].
+    /// MAXIT: largest number of iterations per sequence of iterations, at most [`MOST_ITERATIONS`].
     pub maxit: usize,
-    /// Largest total number of iterations, including those of continuation: MAXIT if the model states it, otherwise unlimited.
+    /// Largest total number of iterations, including the iterations of continuation. It is MAXIT if the model states MAXIT, otherwise unlimited
+    /// (`None`).
     pub budget: Option<usize>,
-    /// PATTERN: whether iteration k computes a new Jacobian; repeated cyclically.
+    /// PATTERN: entry k tells whether iteration k computes a new Jacobian. The pattern is repeated cyclically.
     pub pattern: Vec<bool>,
-    /// STABILITY: this number times mass is added to the Jacobian. Values up to ADAMS' default of 1e-5 have no effect: their only use is to
-    /// hold massive free motions, which are held exactly instead.
+    /// STABILITY: factor with which the mass matrix is added to the Jacobian. Values up to ADAMS' default of 1e-5 have no effect. Their only
+    /// purpose is to hold free motions of parts with mass, and the solver holds these motions exactly instead.
     pub stability: f64,
-    /// Whether continuation may be tried if plain iteration fails.
+    /// Whether continuation methods may be tried if plain iteration fails.
     pub continuation: bool,
 }
 
@@ -51,7 +52,7 @@ impl Default for StaticSettings {
 }
 
 impl StaticSettings {
-    /// As tight as double precision allows for models in millimetres and newtons.
+    /// Returns settings with the tightest tolerances that double precision allows for models in millimetres and newtons.
     pub fn tight() -> Self {
         Self {
             error: 1e-10,

@@ -1,4 +1,4 @@
-//! From an unstable equilibrium to a stable one.
+//! Continuation from an unstable equilibrium to a stable one.
 
 use super::measures::{distance, force_imbalance, largest, limit};
 use super::newton::Solver;
@@ -6,27 +6,27 @@ use super::path::add_damping;
 use super::{Report, Softest, SolveError, StaticSettings};
 use crate::system::{NoValue, Parameters, State, System};
 
-/// Size of the first displacement, as a share of the model's length.
+/// Size of the displacement away from an unstable equilibrium, as a share of the model's length.
 const PUSH: f64 = 1e-2;
-/// Largest number of steps of one descent.
+/// Largest number of implicit steps in one descent.
 const STEPS: usize = 400;
-/// Distance from the start, in model lengths, at which a descent is given up.
+/// Distance from the start, in model lengths, beyond which a descent is given up.
 const FAR: f64 = 1e4;
 
 /// A stable equilibrium that was reached from an unstable one.
 #[derive(Clone, Debug)]
 pub struct StabilisedEquilibrium {
-    /// Largest motion of a part from the unstable equilibrium, in length units; rotations are multiplied by the model's length.
+    /// Largest motion of any part from the unstable to the stable equilibrium, in length units. Rotations are multiplied by the model's length.
     pub moved: f64,
-    /// Largest motion of a part to the stable equilibrium in the opposite direction; `None` if that direction leads to none.
+    /// Largest motion of any part to the stable equilibrium in the opposite direction; `None` if that direction leads to no stable equilibrium.
     pub other: Option<f64>,
     /// Report of the solution at the stable equilibrium.
     pub report: Report,
-    /// Softest motion of the stable equilibrium; `None` if nothing can move.
+    /// Softest motion at the stable equilibrium; `None` if no part can move.
     pub softest: Option<Softest>,
 }
 
-/// Reasons why neither direction leads to a stable equilibrium.
+/// Error: neither direction leads to a stable equilibrium. Contains the reason for each of the two directions.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("no stable equilibrium was found: one way {0}, the other way {1}")]
 pub struct NoStableEquilibrium(pub String, pub String);
@@ -43,17 +43,19 @@ impl From<SolveError> for Descent {
     }
 }
 
-/// Reason why a descent ended without an equilibrium.
+/// Reason why a descent ended without a stable equilibrium.
 struct Descent(String);
 
 impl Solver {
-    /// Continues from an unstable equilibrium to a stable one, in both directions of the softest motion, and takes the nearer result.
+    /// Moves the state from an unstable equilibrium to a stable one. Both directions of the softest motion are followed, and the nearer result
+    /// is taken.
     ///
-    /// The parts are displaced along the softest motion. An overdamped descent follows, in implicit steps with more damping than the negative
-    /// stiffness. Where no stiffness is negative any more, Newton's method takes over. The stability of the result is checked.
+    /// The parts are displaced along the softest motion. An overdamped descent follows, in implicit steps whose damping exceeds the magnitude
+    /// of the negative stiffness. As soon as no stiffness is negative any more, Newton's method takes over. The stability of the result is
+    /// checked.
     ///
     /// # Errors
-    /// [`Unsettled`]; the state is then unchanged.
+    /// [`NoStableEquilibrium`]; the state is then unchanged.
     pub fn settle(
         &mut self,
         system: &System,
@@ -119,7 +121,7 @@ impl Solver {
                         Softest::at_equilibrium(system, parameters, &trial, &mut self.scratch)?;
                     *state = trial;
                     match there {
-                        // Another unstable equilibrium: the descent continues from there, away from the start.
+                        // The result is another unstable equilibrium. The descent continues from it, away from the start.
                         Some(saddle) if saddle.is_unstable() => {
                             let way = self.onwards(system, parameters, &start, state, &saddle);
                             self.perturb(system, parameters, state, settings, (&saddle, way));
@@ -138,7 +140,7 @@ impl Solver {
         Err(Descent(format!("none is found in {STEPS} steps")))
     }
 
-    /// Displaces the parts along a motion.
+    /// Displaces the parts along the softest motion: in its direction if `way` is 1, and in the opposite direction if `way` is -1.
     fn perturb(
         &mut self,
         system: &System,
@@ -161,7 +163,7 @@ impl Solver {
         system.accept(parameters, state, &mut self.scratch);
     }
 
-    /// Returns the direction along a motion that leads away from the start.
+    /// Returns the direction of the softest motion (1 or -1) that leads away from `start`.
     fn onwards(
         &mut self,
         system: &System,
@@ -183,7 +185,7 @@ impl Solver {
         }
     }
 
-    /// Takes one implicit step of the overdamped descent; `negative` is the size of the negative stiffness.
+    /// Takes one implicit step of the overdamped descent. `negative` is the magnitude of the negative stiffness, or zero.
     fn flow(
         &mut self,
         system: &System,

@@ -8,24 +8,24 @@ use crate::linear::{Lu, Matrix};
 use crate::mechanics::eigen::{eigenvalues, symmetric_eigen};
 use crate::system::{Parameters, Scratch, State, System};
 
-/// Number of unknowns of the parts up to which all eigenvalues are computed; the work grows with its third power.
+/// Largest number of part unknowns for which all eigenvalues are computed. The work grows with the cube of this number.
 const DENSE: usize = 150;
 
-/// Share of the largest possible stiffness below which a stiffness is round-off.
+/// A stiffness below this share of the largest possible stiffness is round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Number of steps of inverse iteration; the shift is so close that two or three suffice.
+/// Number of inverse iterations. The shift is so close to the eigenvalue that two or three suffice.
 const ITERATIONS: usize = 6;
-/// Number of Newton steps by which the error of an eigenvalue is estimated. The second one corrects the error caused by the length of the
-/// first.
+/// Number of Newton steps by which the error of an eigenvalue is estimated. The first step may be too long for the linearisation; the second
+/// corrects for that.
 const STEPS: usize = 2;
 
 /// Returns the smallest eigenvalue (real part) of the tangent stiffness over the motions that the constraints allow, as a force per length.
-/// Rotations are multiplied by the model's length. The eigenvalue is negative at an unstable equilibrium. `None` if nothing can move.
+/// Rotations are multiplied by the model's length. The eigenvalue is negative at an unstable equilibrium. Returns `None` if no part can move.
 ///
-/// Z is an orthonormal basis of the motions that the constraints allow, and S is the stiffness after elimination of VARIABLEs and states. The
-/// eigenvalues of `Z' S Z` are meant, where S is unsymmetric in general. In small systems all of them are computed. In large systems only
-/// those next to a series of shifts are computed, by Arnoldi's method with the factors of the shifted equations (Golub and Van Loan, Matrix
-/// Computations, 10.5).
+/// The eigenvalues are those of `Z' S Z`. Z is an orthonormal basis of the motions that the constraints allow. S is the stiffness after
+/// elimination of VARIABLEs and states; in general it is unsymmetric. In small systems all eigenvalues are computed. In large systems only the
+/// eigenvalues next to a series of shifts are computed, by Arnoldi's method with the factors of the shifted equations (Golub and Van Loan,
+/// Matrix Computations, 10.5).
 ///
 /// # Errors
 /// [`SolveError::NoValue`] if an element has no value there.
@@ -38,7 +38,8 @@ pub fn smallest_eigenvalue(
     Ok(found.map(|(stiffness, ..)| stiffness))
 }
 
-/// Returns the smallest eigenvalue as computed, its motion multiplied by lengths, and an upper bound of all eigenvalues.
+/// Returns the smallest eigenvalue, not rounded to zero, its eigenvector with rotations multiplied by the model's length, and an upper bound of
+/// all eigenvalues.
 fn smallest(
     system: &System,
     parameters: &Parameters,
@@ -63,16 +64,17 @@ fn smallest(
 /// The softest motion that the constraints allow.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Softest {
-    /// Smallest eigenvalue, force per length; zero if it is round-off.
+    /// Smallest eigenvalue, as a force per length. It is set to zero if it is round-off.
     pub stiffness: f64,
-    /// Error bound of the eigenvalue, from round-off and, at an equilibrium, from its remaining imbalance.
+    /// Error bound of the eigenvalue. It covers round-off and, at an equilibrium, the effect of the remaining imbalance.
     pub error: f64,
-    /// Motion of the eigenvalue: unknowns of the bodies, in ground axes. The largest motion of a part is one length unit.
+    /// Eigenvector: changes of the part unknowns, in ground axes. The largest motion of any part is one length unit.
     pub motion: Vec<f64>,
 }
 
 impl Softest {
-    /// Returns the softest motion at any state, with the error bound of round-off. `None` if nothing can move or no eigenvalue is found.
+    /// Returns the softest motion at any state. The error bound covers round-off only. Returns `None` if no part can move or no eigenvalue is
+    /// found.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -103,10 +105,10 @@ impl Softest {
     }
 
     /// Returns the softest motion at an equilibrium. The error bound includes the effect of the tolerances ERROR and IMBALANCE on the
-    /// equilibrium. `None` if nothing can move or no eigenvalue is found.
+    /// equilibrium. Returns `None` if no part can move or no eigenvalue is found.
     ///
-    /// Two Newton steps move the parts closer to the equilibrium. The eigenvalue is evaluated at their end, and its error bound is the change
-    /// on the way. The steps are damped by more than the eigenvalue, so that free motions stay in place.
+    /// Two Newton steps move the parts closer to the exact equilibrium. The eigenvalue is evaluated after these steps, and its error bound is
+    /// the change that they caused. The damping of the steps exceeds the magnitude of the eigenvalue, so that free motions stay in place.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -159,7 +161,7 @@ impl Softest {
             let tangent = assembled(system, parameters, state, scratch)?;
             let lengths = lengths(system);
             if let Some((reduced, _)) = reduced(system, &tangent, &lengths) {
-                // No eigenvalue has a smaller real part than the smallest eigenvalue of the symmetric part.
+                // No eigenvalue has a real part below the smallest eigenvalue of the symmetric part.
                 let symmetric = (&reduced + reduced.transpose()) * 0.5;
                 if symmetric.cholesky().is_some() {
                     return Ok(None);
@@ -170,7 +172,8 @@ impl Softest {
         Ok(softest.filter(|softest| softest.is_unstable() || softest.is_neutral()))
     }
 
-    /// Returns true if the stability costs no more than the solution. Large systems are factored several times for it.
+    /// Returns true if the stability analysis costs no more than the solution of the equilibrium. In large systems it needs several
+    /// factorisations.
     pub fn is_cheap(system: &System) -> bool {
         system.first_equation <= DENSE
     }
@@ -180,12 +183,12 @@ impl Softest {
         self.stiffness < -self.error
     }
 
-    /// Returns true if the sign of the stiffness is uncertain.
+    /// Returns true if the magnitude of the stiffness is within its error bound, so that its sign is uncertain.
     pub fn is_neutral(&self) -> bool {
         self.stiffness.abs() <= self.error
     }
 
-    /// Returns the part that moves most.
+    /// Returns the index of the part that moves most.
     pub fn part(&self, system: &System) -> usize {
         let size = |part: usize| {
             let (v, w) = motion_of(system, part, &self.motion);
@@ -196,7 +199,7 @@ impl Softest {
             .unwrap_or(0)
     }
 
-    /// Describes the motion in the user's terms: `PART/4 'arm' turns about the line MARKER/13-MARKER/15, together with ...`.
+    /// Describes the motion, for example `PART/4 'arm' turns about the line MARKER/13-MARKER/15, together with ...`.
     pub fn described(
         &self,
         system: &System,
@@ -208,7 +211,8 @@ impl Softest {
     }
 }
 
-/// Converts a motion multiplied by lengths to the unknowns, and scales the largest motion of a part to one.
+/// Converts an eigenvector with rotations multiplied by the model's length to changes of the unknowns. The largest motion of a part is scaled
+/// to one.
 fn in_unknowns(system: &System, lengths: &[f64], mut motion: Vec<f64>) -> Vec<f64> {
     let largest = motion.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let first = motion.iter().find(|x| x.abs() > 0.5 * largest).copied();
@@ -234,7 +238,7 @@ fn assembled(
     Ok(matrix)
 }
 
-/// Returns the displacement per unit of each unknown of the bodies: 1 for translations, the model's length for rotations.
+/// Returns the length factor of each part unknown: 1 for translations, the model's length for rotations.
 fn lengths(system: &System) -> Vec<f64> {
     let mut out = vec![1.0; system.first_equation];
     for body in &system.bodies {
@@ -263,8 +267,8 @@ fn bound(system: &System, tangent: &Matrix, lengths: &[f64]) -> f64 {
     largest(&rows[..n]) + variables
 }
 
-/// Returns the stiffness of the motions that the constraints allow, and these motions as columns, multiplied by lengths. `None` if there are
-/// none.
+/// Returns the stiffness over the motions that the constraints allow, and these motions as columns, with rotations multiplied by the model's
+/// length. Returns `None` if the constraints allow no motion.
 fn reduced(
     system: &System,
     tangent: &Matrix,
@@ -305,7 +309,7 @@ fn reduced(
     Some((Z.transpose() * K * &Z, Z))
 }
 
-/// Returns the smallest of all eigenvalues, and its motion multiplied by lengths.
+/// Computes all eigenvalues and returns the smallest, with its eigenvector. Rotations in the eigenvector are multiplied by the model's length.
 fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<(f64, Vec<f64>)> {
     let (reduced, Z) = reduced(system, tangent, lengths)?;
     let values = eigenvalues(reduced.clone())?;
@@ -314,7 +318,7 @@ fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<(f64, Vec
     Some((least, motion.iter().copied().collect()))
 }
 
-/// Returns an eigenvector by inverse iteration next to its eigenvalue; for a complex pair, a vector in its invariant plane.
+/// Returns the eigenvector of an eigenvalue by inverse iteration. For a complex pair, the result is a vector in its invariant plane.
 fn near(matrix: &DMatrix<f64>, value: f64) -> DVector<f64> {
     let n = matrix.nrows();
     let beside = value - 1e-9 * matrix.amax().max(f64::MIN_POSITIVE);
@@ -342,7 +346,7 @@ mod tests {
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
-    /// A chain of links on bushings, with a hinge at every seventh link. A VARIABLE gives a force that grows by `push` per unit of
+    /// Returns a chain of links on bushings, with a hinge at every seventh link. A VARIABLE gives a force that grows by `push` per unit of
     /// displacement of the end.
     fn chain(links: u32, push: f64) -> (System, State) {
         let mut deck = String::from(
@@ -384,7 +388,8 @@ mod tests {
         (system, state)
     }
 
-    /// Both methods agree for stable and unstable chains. The only unstable motion is hidden among many that are softer.
+    /// Both methods agree for stable and unstable chains. In an unstable chain, the single unstable motion is stiffer in magnitude than many
+    /// stable ones.
     #[test]
     fn both_ways_agree() {
         for push in [0.0, 1.0, 50.0, 1e4, 1e7] {
@@ -421,7 +426,7 @@ mod tests {
         let parameters = system.parameters();
         let smallest = smallest_eigenvalue(&system, &parameters, &state).unwrap();
         let (length, kt) = (system.length, 4000.0_f64.to_radians());
-        // The bushing is 100 mm long and has a joint at its own marker. Its forces have no lever arm, so that only KT is left.
+        // The joint at the bushing's own I marker stretches the bushing to 100 mm. The bushing force has no lever arm, so that only KT is left.
         let expected = kt / (length * length);
         let smallest = smallest.unwrap();
         assert!(

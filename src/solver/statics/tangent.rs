@@ -6,12 +6,12 @@ use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, PartIx};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
-/// Rotations below this in radians, and translations below this share of the model's length, are round-off of a free motion of unit size.
+/// In a free motion of unit size, rotations below this (in radians) and translations below this share of the model's length are round-off.
 const ROUND_OFF: f64 = 1e-9;
-/// Share of a motion below which its rotations are neglected, so that it counts as a pure translation.
+/// If the rotations in a motion are below this share of the motion, they are neglected, and the motion counts as a pure translation.
 const ONLY_SHIFTS: f64 = 1e-6;
 
-/// Linearised equations at an equilibrium with their factors: `J dx = -dg`.
+/// Equations linearised at an equilibrium, with their factors: `J dx = -dg`.
 ///
 /// Vectors of unknowns are laid out as described at [`System`]; the unknowns of a part are at [`System::part_unknowns`].
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// Linearises at an equilibrium. Directly after a solution, [`Solver::tangent`](super::Solver::tangent) is cheaper.
+    /// Linearises the equations at an equilibrium. Directly after a solution, [`Solver::tangent`](super::Solver::tangent) is cheaper.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -68,13 +68,13 @@ impl Tangent {
         Ok(())
     }
 
-    /// Returns the number of motions without stiffness; their unknowns are held.
+    /// Returns the number of motions without stiffness, which is the rank deficiency of the Jacobian.
     pub fn deficiency(&self) -> usize {
         self.factors.deficiency()
     }
 
-    /// Returns the motions without stiffness, as changes of the unknowns of parts without reactions. The largest rotation of a part is one
-    /// radian. In a pure translation, the largest displacement is the model's length.
+    /// Returns the motions without stiffness, as changes of the part unknowns; the entries of reactions are zero. Each motion is scaled so that
+    /// the largest rotation of a part is one radian. A pure translation is scaled so that the largest displacement is the model's length.
     pub fn free_motions(&self, system: &System) -> Vec<Vec<f64>> {
         let each = (0..self.deficiency()).map(|m| self.factors.null_vector(m));
         each.filter_map(|z| motion_of_parts(system, z)).collect()
@@ -90,7 +90,7 @@ impl Tangent {
         self.free_space.project(dg);
     }
 
-    /// Replaces many changes of the residual, which follow one another, as [`respond`](Self::respond) does with one.
+    /// Does the same as [`respond`](Self::respond) for many changes of the residual, which are stored one after another.
     pub fn respond_to_all(&self, changes: &mut [f64]) {
         for value in changes.iter_mut() {
             *value = -*value;
@@ -110,7 +110,7 @@ impl Tangent {
         self.factors.solve_transposed(weights);
     }
 
-    /// Returns the change of the unknowns per unit of a number in theta.
+    /// Returns the derivatives of the unknowns with respect to one parameter in theta.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -127,7 +127,8 @@ impl Tangent {
         Ok(dg)
     }
 
-    /// Returns the change of the unknowns under a wrench on marker I in J axes, with the opposite wrench at the same point on the part of J.
+    /// Returns the change of the unknowns caused by a wrench on marker I, in J axes. The opposite wrench acts at the same point on the part of
+    /// J.
     pub fn by_wrench(
         &mut self,
         system: &System,
@@ -178,16 +179,16 @@ fn motion_of_parts(system: &System, mut z: Vec<f64>) -> Option<Vec<f64>> {
     Some(z)
 }
 
-/// Returns the velocity of the origin and the angular velocity of a part in a free motion, in ground axes.
+/// Returns the velocity of the origin of a part and the angular velocity of the part in a free motion, in ground axes.
 pub fn twist(system: &System, state: &State, part: PartIx, motion: &[f64]) -> (Vec3, Vec3) {
     let [x, y, z, rx, ry, rz] = system.pose_change(state, part, motion);
     let (v, w) = (Vec3::new(x, y, z), Vec3::new(rx, ry, rz));
-    // An origin on the axis of rotation does not move.
+    // The origin lies on the axis of rotation and does not move.
     let stays = v.amax() < ROUND_OFF * system.length;
     (if stays { Vec3::zeros() } else { v }, w)
 }
 
-/// Displaces the parts of a state by `amount` times a free motion, each part in a steady screw motion of its own.
+/// Displaces the parts of a state by `amount` times a free motion. Each part moves in a steady screw motion of its own.
 pub fn displace(system: &System, state: &mut State, motion: &[f64], amount: f64) {
     for part in 0..system.bodies.len() {
         let (v, w) = twist(system, state, PartIx(part), motion);
@@ -196,7 +197,7 @@ pub fn displace(system: &System, state: &mut State, motion: &[f64], amount: f64)
     }
 }
 
-/// Returns the displacement of a point of a part under a change of the unknowns, in ground axes. `local` is in part axes.
+/// Returns the displacement of a point of a part caused by a change `dx` of the unknowns, in ground axes. `local` is the point in part axes.
 pub fn point_change(
     system: &System,
     state: &State,
@@ -208,7 +209,7 @@ pub fn point_change(
     Vec3::new(x, y, z) + Vec3::new(rx, ry, rz).cross(&(state.poses[part.0].R * local))
 }
 
-/// Tangents at successive states. The elimination order of the first one is reused as long as its pivots are acceptable.
+/// Tangents at successive states. The elimination order of the first tangent is reused as long as its pivots are acceptable.
 #[derive(Clone, Debug)]
 pub struct Tangents {
     tangent: Tangent,
@@ -225,7 +226,7 @@ impl Tangents {
         }
     }
 
-    /// Linearises at a state and returns the tangent.
+    /// Linearises the equations at a state and returns the tangent.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.

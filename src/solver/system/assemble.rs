@@ -1,4 +1,4 @@
-//! Residual and Jacobian of the equations.
+//! Residual and Jacobian of the system equations.
 //!
 //! Contains no iteration, step control or factorisation.
 
@@ -11,8 +11,8 @@ use crate::linear::{NoMatrix, Sink};
 use crate::mechanics::{Mat6, Vec3, skew};
 
 impl System {
-    /// Computes the residual of every equation: forces and torques about the reference points of the parts (ground axes), constraints,
-    /// variables, rates.
+    /// Computes the residual of every equation: the force and torque balances about the reference points of the parts (ground axes), the
+    /// constraints, the variables, and the rates of states.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -26,10 +26,10 @@ impl System {
         self.assemble(parameters, state, scratch, g, &mut NoMatrix)
     }
 
-    /// Computes the residual, and passes the Jacobian to the sink. The entries come in the same order every time.
+    /// Computes the residual and passes the Jacobian to the sink. The Jacobian entries come in the same order every time.
     ///
     /// # Errors
-    /// [`NoValue`] if a function is undefined there.
+    /// [`NoValue`] if a function or an element is undefined in this configuration.
     pub fn assemble<S: Sink>(
         &self,
         parameters: &Parameters,
@@ -72,8 +72,8 @@ impl System {
         Ok(())
     }
 
-    /// Assembles residual and Jacobian although functions may be undefined. Undefined functions count as zero with zero slope; their number
-    /// is returned.
+    /// Assembles residual and Jacobian even if functions are undefined. Undefined functions count as zero with zero slope; the number of
+    /// undefined functions is returned.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -91,8 +91,8 @@ impl System {
         done.map(|()| lacking)
     }
 
-    /// Assembles the equations of joints and motions alone. Their gradients need no other values, which may be undefined. `scratch` must be
-    /// new.
+    /// Assembles only the equations of joints and motions. Functions, which may be undefined, are not evaluated; the Jacobian of these
+    /// equations does not need their values. `scratch` must be new.
     pub(crate) fn assemble_joints<S: Sink>(
         &self,
         parameters: &Parameters,
@@ -139,7 +139,7 @@ impl Configuration<'_> {
                 let by_turn = skew(&F) * skew(&r);
                 block.fixed_view_mut::<3, 3>(3, 3).copy_from(&by_turn);
             }
-            // Every part has its diagonal block in the pattern.
+            // Every part has its diagonal block in the sparsity pattern.
             if S::NEEDS_ENTRIES {
                 add_block(sink, place, place, &block);
             }
@@ -152,7 +152,7 @@ impl Configuration<'_> {
         let first = system.first_equation + joint.first;
         let out = joint.out(self.state);
         for k in 0..joint.count {
-            // A removed equation sets its multiplier to zero.
+            // The row of a removed equation sets its multiplier to zero.
             if S::ROWS {
                 sink.add(first + k, first + k, f64::from(u8::from(out[k])));
             }
@@ -176,7 +176,7 @@ impl Configuration<'_> {
                 }
             }
             if S::ROWS {
-                // A row of the Jacobian is minus the effect of its multiplier on the balances.
+                // A row of the constraint Jacobian is minus the effect of its multiplier on the balances.
                 let reaction = &self.scratch.contribution;
                 for scalar in &reaction.scalars {
                     let Of::Unknown(row) = scalar.of else {

@@ -4,10 +4,11 @@ use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model};
 use admire_syntax::hash::QuickMap;
 
-/// Relations between markers and their RM reference markers, which may be on other parts.
+/// Relations between markers and the RM markers that they are defined relative to, possibly on other parts.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Carried {
-    /// For each marker with RM: its RM marker, and the pose of the RM marker's part relative to its own part, in the design position.
+    /// For each marker with RM: its RM marker, and the pose of the RM marker's part relative to the part of the marker itself, in the
+    /// design position.
     base: QuickMap<usize, (usize, Pose)>,
     /// For each marker: the markers that move with it, each after its reference marker.
     with: QuickMap<usize, Vec<usize>>,
@@ -38,7 +39,7 @@ impl Carried {
             let mut with = children[&first].clone();
             let mut next = 0;
             while let Some(marker) = with.get(next) {
-                // Cyclic references were rejected; the loop ends for them as well.
+                // Cyclic references are rejected elsewhere; the loop also ends for them.
                 let further = children.get(marker).into_iter().flatten().copied();
                 let further: Vec<usize> = further
                     .filter(|marker| *marker != first && !with.contains(marker))
@@ -56,17 +57,17 @@ impl Carried {
         self.base.get(&marker)
     }
 
-    /// Returns whether a marker is defined in the frame of another one.
+    /// Returns whether a marker is defined in the frame of another marker (RM).
     pub(crate) fn is_carried(&self, marker: usize) -> bool {
         self.base.contains_key(&marker)
     }
 
-    /// Returns the markers that move with a marker, without the marker itself. Each comes after its reference marker.
+    /// Returns the markers that move with a marker, without the marker itself. Each marker in the list comes after its RM marker.
     pub(crate) fn with(&self, marker: usize) -> &[usize] {
         self.with.get(&marker).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns whether `marker` moves when `first` does.
+    /// Returns whether `marker` moves when marker `first` moves.
     pub(crate) fn moves(&self, first: usize, marker: usize) -> bool {
         first == marker || self.with(first).contains(&marker)
     }

@@ -5,11 +5,11 @@ use admire_syntax::grammar::{ArgumentDef, Components};
 use admire_syntax::hash::QuickMap;
 use admire_syntax::units::Dimension;
 
-/// Index of one number of theta.
+/// Index of one parameter in the parameter vector theta.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Slot(pub usize);
 
-/// Meaning of the numbers of a group, for derivatives with respect to them.
+/// Meaning of the parameters of a group. It selects how derivatives with respect to them are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Role {
     /// Arguments of the force law of an element.
@@ -24,20 +24,20 @@ pub(crate) enum Role {
     Mass(usize),
     /// Components of gravity, ACCGRAV.
     Gravity,
-    /// Number literals of a function.
+    /// Literals of a function.
     Literals(usize),
     /// Constant that replaces a whole function.
     Override(usize),
 }
 
-/// Dimensions of the numbers of a group.
+/// Dimensions of the parameters of a group.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum GroupDimensions {
-    /// Single dimension for all numbers.
+    /// One dimension for all parameters of the group.
     Same(Dimension),
-    /// Dimensions by component, as the grammar defines them for an argument.
+    /// Dimension of each component of an argument, as the grammar defines it.
     Of(Components),
-    /// Stiffness matrix of n by n numbers, column by column, composed of 6 by 6 blocks.
+    /// Stiffness matrix of n by n parameters, stored column by column and composed of 6 by 6 blocks.
     MultiStiffness(usize),
 }
 
@@ -60,7 +60,7 @@ impl GroupDimensions {
     }
 }
 
-/// Numbers of one argument of one statement.
+/// Parameters that one argument of one statement contributes to theta.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     pub kind: &'static str,
@@ -68,17 +68,17 @@ pub(crate) struct Group {
     pub argument: Option<&'static str>,
     pub first: usize,
     pub count: usize,
-    /// Whether addresses carry an index even for a single number.
+    /// Whether the addresses of the parameters contain an index, even if the group has only one parameter.
     pub indexed: bool,
     pub quantity: GroupDimensions,
     pub minimum: f64,
     pub role: Role,
 }
 
-/// Description of one slot.
+/// Description of one parameter of theta.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SlotInfo {
-    /// Address in the dataset.
+    /// Address of the parameter in the dataset.
     pub address: Address,
     /// Physical dimension.
     pub dimension: Dimension,
@@ -86,20 +86,22 @@ pub struct SlotInfo {
     pub minimum: f64,
 }
 
-/// Map between numbers of the dataset and elements of theta.
+/// Map between addresses in the dataset and parameters in theta.
 ///
-/// Arguments are stored as groups, so a deck of a hundred thousand parts needs a few entries per statement and not one per number.
+/// Arguments are stored as groups. A deck with a hundred thousand parts therefore needs only a few entries per statement, not one entry per
+/// parameter.
 #[derive(Clone, Debug, Default)]
 pub struct Catalogue {
     groups: Vec<Group>,
-    /// First and last group of each id, whatever the keyword.
+    /// First and last group of each id, for all keywords together.
     ids: QuickMap<Option<u32>, (usize, usize)>,
-    /// Next group with the same id, for each group.
+    /// For each group, the next group with the same id.
     next: Vec<Option<usize>>,
 }
 
 impl Catalogue {
-    /// Returns the slot of an address. The index may be omitted if the argument has one number. `None` if theta does not contain it.
+    /// Returns the slot of an address, or `None` if theta does not contain the address. The index may be omitted if the argument has only
+    /// one parameter.
     pub fn slot(&self, address: &Address) -> Option<Slot> {
         let group = self.find(
             &address.kind,
@@ -121,7 +123,8 @@ impl Catalogue {
         argument: Option<&str>,
         indexed: bool,
     ) -> Option<&Group> {
-        // `SFORCE/3.FUNCTION.1` is a literal, `SFORCE/3` (or `GFORCE/1.FX`) the whole function; the index distinguishes them.
+        // `SFORCE/3.FUNCTION.1` is a literal of the function, `SFORCE/3` (or `GFORCE/1.FX`) the whole function. The index distinguishes the
+        // two.
         let mut first = self.ids.get(&id)?.0;
         while self.groups[first].kind != kind || self.groups[first].argument != argument {
             first = self.next[first]?;
@@ -148,7 +151,7 @@ impl Catalogue {
         }
     }
 
-    /// Returns every slot that has an address, in order.
+    /// Returns every slot that has an address, in the order of theta.
     pub fn slots(&self) -> impl Iterator<Item = Slot> + '_ {
         self.groups
             .iter()

@@ -1,4 +1,4 @@
-//! Small matrices of the chain rule, and insertion of blocks into the Jacobian. Their meaning is explained in `contribution`.
+//! Small matrices of the chain rule, and insertion of blocks into the Jacobian. The chain rule is explained in `contribution`.
 
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Vec3, Vec6};
@@ -6,9 +6,9 @@ use crate::mechanics::{Mat3, Mat6, Vec3, Vec6};
 /// Infinitesimal motion of a frame, in ground axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Twist {
-    /// Displacement of the origin.
+    /// Displacement of the origin of the frame.
     pub shift: Vec3,
-    /// Rotation vector.
+    /// Rotation vector of the frame.
     pub turn: Vec3,
 }
 
@@ -22,14 +22,14 @@ impl Twist {
     }
 }
 
-/// Position of a body among the unknowns.
+/// Columns of a body among the unknowns: the first column, and the number of degrees of freedom.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyColumns {
     pub first: usize,
     pub freedoms: usize,
 }
 
-/// Transforms a 6 by 6 derivative from J axes to ground axes: blockdiag(R) D blockdiag(R').
+/// Transforms a 6 by 6 derivative D from J axes to ground axes: blockdiag(R) D blockdiag(R').
 pub(crate) fn turn(R: &Mat3, D: &Mat6) -> Mat6 {
     let mut out = Mat6::zeros();
     let Rt = R.transpose();
@@ -42,7 +42,7 @@ pub(crate) fn turn(R: &Mat3, D: &Mat6) -> Mat6 {
     out
 }
 
-/// Returns `X_r' M`: `r x` times the upper rows is added to the lower rows.
+/// Returns `X_r' M`: the upper rows of M, multiplied by `r x`, are added to the lower rows.
 pub(super) fn moved_rows(r: &Mat3, M: &Mat6) -> Mat6 {
     let mut out = *M;
     let lower = M.fixed_view::<3, 6>(3, 0) + r * M.fixed_view::<3, 6>(0, 0);
@@ -50,7 +50,7 @@ pub(super) fn moved_rows(r: &Mat3, M: &Mat6) -> Mat6 {
     out
 }
 
-/// Returns `M X_r`: the left columns times `r x` are subtracted from the right columns.
+/// Returns `M X_r`: the left columns of M, multiplied by `r x`, are subtracted from the right columns.
 pub(super) fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
     let mut out = *M;
     let right = M.fixed_view::<6, 3>(0, 3) - M.fixed_view::<6, 3>(0, 0) * r;
@@ -72,7 +72,7 @@ pub(crate) fn add_block<S: Sink>(
     }
 }
 
-/// Adds a wrench at an arm to the force and torque balance of a body.
+/// Adds a wrench that acts at the end of an arm to the force and torque balance of a body.
 pub(crate) fn add_wrench(
     g: &mut [f64],
     place: BodyColumns,
@@ -97,10 +97,10 @@ pub(crate) fn add_wrench(
 
 /// Returns the motion of a marker relative to a frame: (translation, rotation) in ground axes. Marker and frame are each given as a twist
 /// and an origin.
-pub(super) fn seen_motion(i: (&Twist, &Vec3), frame: Option<(Twist, &Vec3)>) -> Vec6 {
-    let (mut dp, mut dphi) = (i.0.shift, i.0.turn);
+pub(super) fn seen_motion(i: &Twist, origin_i: &Vec3, frame: Option<(Twist, &Vec3)>) -> Vec6 {
+    let (mut dp, mut dphi) = (i.shift, i.turn);
     if let Some((c, origin)) = frame {
-        dp -= c.shift + c.turn.cross(&(i.1 - origin));
+        dp -= c.shift + c.turn.cross(&(origin_i - origin));
         dphi -= c.turn;
     }
     Vec6::new(dp.x, dp.y, dp.z, dphi.x, dphi.y, dphi.z)

@@ -9,12 +9,12 @@ use crate::linear::Sink;
 use crate::mechanics::Vec3;
 use crate::model::{MarkerIx, PartIx};
 
-/// Step of the gradient differences: relative to the model's length for translations, in radians for rotations.
+/// Step for differences of gradients: relative to the model's length for translations, in radians for rotations.
 const STEP: f64 = 1e-6;
 
 impl Configuration<'_> {
-    /// Returns the reaction of a GCON on the part of a marker: force, and torque about the marker's origin, ground axes. Requires
-    /// [`Configuration::look`]. Zero if the GCON is inactive or redundant.
+    /// Returns the reaction of a GCON on the part of a marker: force, and torque about the marker's origin, in ground axes.
+    /// [`Configuration::evaluate`] must have been called. Zero if the GCON is inactive or redundant.
     pub fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         let place = system.place(system.owners[marker.0]);
@@ -42,7 +42,8 @@ impl Configuration<'_> {
             let arm = scratch.arms[marker.0];
             return (force, about_part - arm.cross(&force));
         }
-        // The reaction on ground balances the others, because a function of positions is invariant to a common motion of all parts.
+        // The reaction on ground balances the reactions on all other parts, because a function of positions is invariant to a common motion
+        // of all parts.
         let at = scratch.markers[marker.0].p;
         let (mut force, mut torque) = (Vec3::zeros(), Vec3::zeros());
         for (part, body) in system.bodies.iter().enumerate() {
@@ -59,7 +60,7 @@ impl Configuration<'_> {
         at_rest || !self.system.is_effective(self.state, condition.equation)
     }
 
-    /// Adds the part of the nonholonomic GCON equations beyond `G V`: `f(q, V, t) - G V`.
+    /// Adds `f(q, V, t) - G V` of each nonholonomic GCON to its entry in `rates`. G is the gradient of f with respect to the velocities V.
     pub(super) fn add_nonholonomic_offset(&self, rates: &mut [f64]) {
         let (system, scratch) = (self.system, &*self.scratch);
         for condition in &system.conditions {
@@ -74,7 +75,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Adds residuals, gradients and reactions of the GCONs to the equations.
+    /// Adds the residuals of the GCONs, their gradients and their reactions to the equations.
     pub(crate) fn add_conditions<S: Sink>(
         &mut self,
         g: &mut [f64],
@@ -105,8 +106,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Adds `-multiplier` times the derivative of the gradient. It is found by central differences, because programs give first derivatives
-    /// only.
+    /// Adds `-multiplier` times the derivative of a GCON's gradient to the Jacobian. The derivative is found by central differences,
+    /// because programs give first derivatives only.
     fn add_curvature<S: Sink>(
         &mut self,
         condition: &GconEquation,
@@ -186,8 +187,8 @@ impl System {
 
 /// Returns the gradient on which the multiplier of a GCON acts, as (part unknown, derivative).
 ///
-/// It is the gradient of the function with respect to the positions, or to the velocities for a nonholonomic GCON. Requires
-/// [`Configuration::look`].
+/// For a holonomic GCON it is the gradient of the function with respect to the positions; for a nonholonomic GCON, with respect to the
+/// velocities. [`Configuration::evaluate`] must have been called.
 pub(super) fn constraint_gradient<'a>(
     system: &'a System,
     condition: &GconEquation,

@@ -5,10 +5,10 @@ use crate::function::MovingFrame;
 use crate::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6};
 use crate::model::PartIx;
 
-/// System with its parameters in one state, and the working memory in which everything is evaluated.
+/// View of a system with its parameters in one state, and the working memory for evaluations in this state.
 ///
-/// [`System::evaluate`] returns a configuration that can be read at once. [`System::at`] returns one whose memory still holds the previous
-/// evaluation.
+/// [`System::evaluate`] returns an evaluated configuration, ready to be read. [`System::at`] returns a configuration whose memory still
+/// holds the results of an earlier evaluation.
 #[derive(Debug)]
 pub struct Configuration<'a> {
     pub(crate) system: &'a System,
@@ -18,7 +18,7 @@ pub struct Configuration<'a> {
 }
 
 impl System {
-    /// Returns a configuration without evaluating it. `scratch` holds the results of the last [`Configuration::look`].
+    /// Returns a configuration without evaluating it. `scratch` still holds the results of the last call of [`Configuration::evaluate`].
     pub fn at<'a>(
         &'a self,
         parameters: &'a Parameters,
@@ -48,8 +48,8 @@ impl System {
         Ok(here)
     }
 
-    /// Returns an evaluated configuration in which functions may be undefined, as functions of reactions are before these are known.
-    /// Undefined functions count as zero with zero slope; their number is returned too.
+    /// Returns an evaluated configuration in which functions may be undefined. For example, functions of reactions are undefined before the
+    /// reactions are known. Undefined functions count as zero with zero slope; the number of undefined functions is also returned.
     ///
     /// # Errors
     /// [`NoValue`] if an element that a function measures is undefined in this configuration.
@@ -74,14 +74,14 @@ impl System {
         }
     }
 
-    /// Returns gravity divided by the units consistency factor: weight per mass.
+    /// Returns gravity divided by the units consistency factor: the weight per unit mass.
     pub(crate) fn gravity_vector(&self, theta: &[f64]) -> Vec3 {
         Vec3::from_column_slice(&theta[self.gravity..self.gravity + 3]) / self.ucf
     }
 }
 
 impl Configuration<'_> {
-    /// Evaluates the marker poses and the functions of the equations.
+    /// Evaluates the marker poses and all functions that the equations need.
     ///
     /// # Errors
     /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
@@ -91,10 +91,10 @@ impl Configuration<'_> {
         self.evaluate_functions(&self.system.order)
     }
 
-    /// Evaluates only the marker poses and the functions of MOTIONs and GCONs. All other functions may still be undefined.
+    /// Evaluates only the marker poses and the functions that MOTIONs and GCONs need. All other functions may be undefined.
     ///
     /// # Errors
-    /// [`NoValue`] if one of their functions is undefined in this configuration.
+    /// [`NoValue`] if a function of a MOTION or GCON is undefined in this configuration.
     pub(crate) fn evaluate_constraints(&mut self) -> Result<(), NoValue> {
         self.place_markers();
         self.drive()?;
@@ -106,7 +106,7 @@ impl Configuration<'_> {
         &self.scratch.markers[marker.0]
     }
 
-    /// Computes the poses of the used markers in ground, and their arms.
+    /// Computes the poses of the used markers in ground, and the arms from the reference points of the parts to the markers.
     pub(crate) fn place_markers(&mut self) {
         for &marker in &self.system.used {
             self.place_marker(marker);
@@ -131,12 +131,12 @@ impl Configuration<'_> {
         };
     }
 
-    /// Returns whether the state has velocities and accelerations.
+    /// Returns whether the state has velocities and accelerations (motion, not statics).
     pub(crate) fn moving(&self) -> bool {
         self.state.moves()
     }
 
-    /// Returns a marker frame with its velocity and acceleration, at rest in statics. `None` stands for ground.
+    /// Returns the frame of a marker with its velocity and acceleration, which are zero in statics. `None` stands for ground.
     pub(crate) fn moving_frame(&self, marker: Option<usize>) -> MovingFrame {
         let Some(marker) = marker else {
             return MovingFrame::ground();
@@ -184,11 +184,7 @@ impl Configuration<'_> {
     }
 
     /// Returns the motion of I relative to J. The angles are computed only if `angles` is set.
-    pub(crate) fn motion(
-        &self,
-        (i, j, pair): (usize, usize, usize),
-        angles: bool,
-    ) -> RelativeMotion {
+    pub(crate) fn motion(&self, i: usize, j: usize, pair: usize, angles: bool) -> RelativeMotion {
         let (i, j) = (&self.scratch.markers[i], &self.scratch.markers[j]);
         if angles {
             return RelativeMotion::between(i, j, &self.state.pair_angles[pair]);
@@ -201,7 +197,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Initialises `scratch.contribution` with a wrench in the axes of the frame, without derivatives.
+    /// Initialises `scratch.contribution` with the wrench `w`, given in the axes of the frame, without derivatives.
     pub(super) fn init_contribution(&mut self, ends: WrenchEnds, w: Vec6) {
         let system = self.system;
         let a = (

@@ -21,8 +21,8 @@
 //! dm' = (-w_C x dp_A + y x (dphi_A x r) + w_C x dp_C - dphi_C x x,  -dphi_C x y)
 //! ```
 //!
-//! s are scalars to which w is proportional (functions and multipliers), and u is the wrench per unit of s. An NFORCE at one of its markers
-//! has additional terms `D_k m_k` from the motions of its other markers in C.
+//! Each s is a scalar (a function or a multiplier) to which a part of w is proportional, and u is the wrench per unit of s. An NFORCE at
+//! one of its markers has additional terms `D_k m_k` from the motions of its other markers in C.
 
 use super::chain::{
     BodyColumns, Twist, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion,
@@ -41,13 +41,13 @@ pub(crate) struct FunctionValue {
 /// Scalar to which a wrench is proportional.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Of {
-    /// Value of a function.
+    /// Value of a function, given by its index.
     Function(usize),
-    /// Unknown of the system: a multiplier.
+    /// Unknown of the system: a Lagrange multiplier.
     Unknown(usize),
 }
 
-/// Scalar to which a wrench is proportional, with the wrench per unit, ground axes.
+/// Scalar to which a wrench is proportional, with the wrench per unit of the scalar in ground axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScalarWrench {
     pub of: Of,
@@ -55,7 +55,7 @@ pub(crate) struct ScalarWrench {
     pub T: Vec3,
 }
 
-/// Dependence of a wrench on the motion of another marker.
+/// Dependence of a wrench on the motion of a marker other than I.
 #[derive(Clone, Debug)]
 pub(crate) struct Cross {
     pub marker: usize,
@@ -66,7 +66,7 @@ pub(crate) struct Cross {
     pub s: Vec3,
     /// Derivative with respect to the marker's motion in C, ground axes.
     pub D: Mat6,
-    /// Derivative with respect to the marker's velocity in C, if there is damping.
+    /// Dependence on the marker's velocity in C; `None` without damping.
     pub rate: Option<ByRate>,
 }
 
@@ -89,7 +89,7 @@ impl Cross {
     }
 }
 
-/// Dependence of a wrench on velocities, ground axes.
+/// Dependence of a wrench on velocities, in ground axes.
 #[derive(Clone, Debug)]
 pub(crate) struct ByRate {
     /// Number of unknowns, which is the offset of the velocity columns.
@@ -100,7 +100,7 @@ pub(crate) struct ByRate {
     pub w_c: Vec3,
     /// Velocity of I relative to C.
     pub x: Vec3,
-    /// Angular velocity of A minus that of C.
+    /// Angular velocity of A minus the angular velocity of C.
     pub y: Vec3,
 }
 
@@ -113,7 +113,7 @@ impl ByRate {
         }
     }
 
-    /// Returns the derivative of the wrench with respect to the position of A.
+    /// Returns the part of the wrench derivative with respect to the position of A that comes from the velocity dependence.
     fn by_a(&self, r: &Mat3) -> Mat6 {
         let mut N = Mat6::zeros();
         add33(&mut N, 0, 0, &-skew(&self.w_c));
@@ -121,7 +121,7 @@ impl ByRate {
         self.E * N
     }
 
-    /// Returns the derivative of the wrench with respect to the position of C.
+    /// Returns the part of the wrench derivative with respect to the position of C that comes from the velocity dependence.
     fn by_c(&self) -> Mat6 {
         let mut N = Mat6::zeros();
         add33(&mut N, 0, 0, &skew(&self.w_c));
@@ -131,7 +131,7 @@ impl ByRate {
     }
 }
 
-/// Wrench of one element in one configuration. Ground axes, except for `w`.
+/// Wrench of one element in one configuration, with its derivatives. All vectors are in ground axes, except `w`.
 #[derive(Clone, Debug)]
 pub(crate) struct Contribution {
     /// Marker I, at whose origin the wrench acts.
@@ -154,11 +154,11 @@ pub(crate) struct Contribution {
     pub rate: Option<ByRate>,
     pub cross: Vec<Cross>,
     pub scalars: Vec<ScalarWrench>,
-    /// Part A and its arm r.
+    /// Columns of part A, and its arm r.
     pub a: (BodyColumns, Vec3),
-    /// Part B and its arm s_B.
+    /// Columns of part B, and its arm s_B.
     pub b: Option<(BodyColumns, Vec3)>,
-    /// Part C and its arm s_C.
+    /// Columns of part C, and its arm s_C.
     pub c: Option<(BodyColumns, Vec3)>,
 }
 
@@ -188,7 +188,7 @@ impl Default for Contribution {
     }
 }
 
-/// Markers and parts of a wrench.
+/// Markers and parts on which a wrench acts.
 #[derive(Clone, Copy)]
 pub(crate) struct WrenchEnds {
     pub i: usize,
@@ -200,13 +200,13 @@ pub(crate) struct WrenchEnds {
 }
 
 impl Contribution {
-    /// Adds a scalar, given the wrench per unit in the axes of the frame.
+    /// Adds a scalar to which the wrench is proportional. `unit` is the wrench per unit of the scalar in the axes of the frame.
     pub(super) fn push_scalar(&mut self, of: Of, unit: &Vec6) {
         let (F, T) = halves(&self.R, unit);
         self.scalars.push(ScalarWrench { of, F, T });
     }
 
-    /// Returns the magnitude of the wrench as a force.
+    /// Returns the magnitude of the wrench as a force; torques are divided by `length`.
     pub(crate) fn size(&self, length: f64) -> f64 {
         self.F.amax().max(self.T.amax() / length)
     }
@@ -216,7 +216,7 @@ impl Contribution {
         self.spread(&self.F, &self.T, g);
     }
 
-    /// Adds another wrench at the same point to the balances of its parts.
+    /// Adds a given wrench that acts at the same point to the balances of the parts.
     pub(crate) fn spread(&self, F: &Vec3, T: &Vec3, g: &mut [f64]) {
         add_wrench(g, self.a.0, 1.0, F, T, &self.a.1);
         if let Some((b, s)) = &self.b {
@@ -224,13 +224,13 @@ impl Contribution {
         }
     }
 
-    /// Adds a wrench given in the axes of the frame to the balances of its parts.
+    /// Adds a wrench given in the axes of the frame to the balances of the parts.
     pub(crate) fn spread_local(&self, w: &Vec6, g: &mut [f64]) {
         let (F, T) = halves(&self.R, w);
         self.spread(&F, &T, g);
     }
 
-    /// Returns the contributions of a scalar to the balances, per unit: the position of each body and its six numbers.
+    /// Returns the contributions of a scalar to the balances per unit of the scalar: for each body, its columns and six components.
     pub(crate) fn column(
         &self,
         scalar: &ScalarWrench,
@@ -335,7 +335,7 @@ impl Contribution {
         N
     }
 
-    /// Adds the derivative of the balances with respect to the unknowns on which functions depend.
+    /// Adds the derivative of the balances that comes from functions, with respect to the unknowns on which these functions depend.
     pub(crate) fn tangent_by_functions<S: Sink>(
         &self,
         functions: &[FunctionValue],
@@ -357,7 +357,7 @@ impl Contribution {
         }
     }
 
-    /// Appends the gradient of `weight . w` with respect to the unknowns, w in ground axes. Requires a contribution with derivatives.
+    /// Appends the gradient of `weight . w` with respect to the unknowns, with w in ground axes. Requires a contribution with derivatives.
     pub(crate) fn pullback(
         &self,
         weight: &Vec6,
@@ -410,14 +410,14 @@ impl Contribution {
         }
     }
 
-    /// Returns the motion of I relative to C when markers move on their parts, ground axes.
+    /// Returns the motion of I relative to C, in ground axes, that results when markers move on their parts.
     pub(crate) fn seen(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose]) -> Vec6 {
         let frame = self.frame.map(|m| (moved(m), &markers[m].p));
-        seen_motion((&moved(self.i), &markers[self.i].p), frame)
+        seen_motion(&moved(self.i), &markers[self.i].p, frame)
     }
 
-    /// Adds the change of the balances when markers move on their parts: `d(r x F) = r x dF + dp_i x F`. Requires a contribution with
-    /// derivatives.
+    /// Adds the change of the balances that results when markers move on their parts: `d(r x F) = r x dF + dp_i x F`. Requires a
+    /// contribution with derivatives.
     pub(crate) fn by_marker(
         &self,
         moved: impl Fn(usize) -> Twist,
@@ -436,15 +436,15 @@ impl Contribution {
         }
         let frame = self.frame.map(|m| (moved(m), &markers[m].p));
         for cross in &self.cross {
-            let k = (&moved(cross.marker), &markers[cross.marker].p);
-            add(cross.D * seen_motion(k, frame));
+            let k = cross.marker;
+            add(cross.D * seen_motion(&moved(k), &markers[k].p, frame));
         }
         dT += i.shift.cross(&self.F);
         self.spread(&dF, &dT, dg);
     }
 }
 
-/// Returns force and torque of a wrench given in the axes R, transformed to ground.
+/// Transforms a wrench from the axes R to ground and returns its force and torque.
 pub(crate) fn halves(R: &Mat3, w: &Vec6) -> (Vec3, Vec3) {
     (
         R * Vec3::new(w[0], w[1], w[2]),

@@ -1,8 +1,8 @@
 //! Joint friction in a sequence of equilibria, as measured on a slow rig.
 //!
-//! In the law at rest, the coefficient grows with the creep up to MAX_STICTION_DEFORMATION, beyond which the surfaces slide. Between two
-//! equilibria the creep changes by the displacement. Creep beyond the limit is converted to sliding. The force therefore equals the force
-//! of a spring-slider element and is independent of the rate.
+//! In the friction law at rest, the coefficient grows with the creep up to MAX_STICTION_DEFORMATION. Beyond that creep the surfaces slide.
+//! Between two equilibria the creep changes by the displacement, and creep beyond the limit is converted to sliding. The force therefore
+//! equals the force of a spring-slider element and is independent of the rate.
 
 use super::surface::JointFriction;
 use super::{Parameters, Scratch, State, StictionState, System};
@@ -21,7 +21,7 @@ pub enum SlidingWith {
 }
 
 impl SlidingWith {
-    /// Returns `dynamic` or `static`.
+    /// Returns the keyword: `dynamic` or `static`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Dynamic => "dynamic",
@@ -44,7 +44,7 @@ pub enum StickSlipState {
 }
 
 impl StickSlipState {
-    /// Returns `sliding`, `mixed`, `sticking` or `released`.
+    /// Returns the keyword: `sliding`, `mixed`, `sticking` or `released`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Sliding => "sliding",
@@ -62,7 +62,8 @@ impl JointFriction {
 }
 
 impl System {
-    /// Enables these FRICTIONs in statics too. [`System::advance_friction`] then updates the surfaces from one equilibrium to the next.
+    /// Enables the FRICTIONs with these ids in statics. [`System::advance_friction`] then updates their surfaces from one equilibrium to
+    /// the next.
     pub fn enable_static_friction(&mut self, ids: &[u32], with: SlidingWith) {
         for friction in &mut self.frictions {
             if ids.contains(&friction.name.id) {
@@ -83,17 +84,18 @@ impl System {
         self.frictions.iter().any(JointFriction::counts_at_rest)
     }
 
-    /// Updates the friction surfaces to an equilibrium.
+    /// Updates the friction surfaces after an equilibrium has been found.
     ///
     /// The first call starts the creep at the present position. Later calls limit the creep to the sliding limit. Returns the state of the
-    /// surfaces; `None` if no friction acts in statics.
+    /// surfaces, or `None` if no friction acts in statics.
     pub fn advance_friction(
         &self,
         parameters: &Parameters,
         state: &mut State,
         scratch: &mut Scratch,
     ) -> Option<StickSlipState> {
-        /// Share of the limit from which surfaces count as sliding, because round-off leaves a creep on either side of the limit.
+        /// Creep, relative to the limit, from which surfaces count as sliding. Round-off leaves the creep of sliding surfaces on either
+        /// side of the limit.
         const NEAR: f64 = 1.0 - 1e-6;
         if !self.creeps() {
             return None;

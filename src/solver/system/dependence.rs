@@ -1,4 +1,4 @@
-//! Dependencies between functions: the VARIABLEs that are unknowns, and the evaluation order of all other functions.
+//! Dependencies between functions. They determine which VARIABLEs are unknowns, and the evaluation order of all other functions.
 //!
 //! A VARIABLE is given explicitly by its function, unless the function reads the VARIABLE itself: directly, through other VARIABLEs or
 //! through forces. Such an algebraic loop is solved as part of the equations.
@@ -9,7 +9,7 @@ use super::System;
 use super::compiled_function::{CompiledFunction, Exerted, Source};
 use super::structure::{Action, ConstraintEquation, Element, ParameterSource, VariableEquation};
 
-/// Objects through which functions read each other.
+/// Objects through which functions depend on each other.
 #[derive(Clone, Copy)]
 pub(crate) struct Reads<'a> {
     pub functions: &'a [CompiledFunction],
@@ -19,7 +19,8 @@ pub(crate) struct Reads<'a> {
 }
 
 impl Reads<'_> {
-    /// Returns the functions whose values a function needs: those of explicit VARIABLEs, of forces it measures and of held rates.
+    /// Returns the functions whose values a function needs: the functions of explicit VARIABLEs, of measured forces and of rates of held
+    /// states.
     pub(crate) fn of(&self, function: usize) -> Vec<usize> {
         let mut out = Vec::new();
         for source in &self.functions[function].sources {
@@ -40,13 +41,13 @@ impl Reads<'_> {
         out
     }
 
-    /// Returns the function of a VARIABLE that is active and not an unknown.
+    /// Returns the function of a VARIABLE if the VARIABLE is active and not an unknown.
     pub(crate) fn explicit(&self, variable: usize) -> Option<usize> {
         let variable = &self.variables[variable];
         (variable.active && variable.unknown.is_none()).then_some(variable.function)
     }
 
-    /// Appends the functions that drive the source of a force.
+    /// Appends the functions that determine a force, given the object that exerts it.
     fn push_driving(&self, who: Exerted, out: &mut Vec<usize>) {
         match who {
             Exerted::Element(k) => self.push_element(&self.elements[k], out),
@@ -71,8 +72,8 @@ impl Reads<'_> {
         }
     }
 
-    /// Returns a function and the functions of the VARIABLEs that it reads, directly or through others. With `unknowns`, VARIABLEs that are
-    /// unknowns are included.
+    /// Returns a function and the functions of the VARIABLEs that it reads, directly or through other VARIABLEs. VARIABLEs that are
+    /// unknowns are included only if `unknowns` is set.
     pub(crate) fn through_variables(&self, function: usize, unknowns: bool) -> BTreeSet<usize> {
         let mut seen = BTreeSet::new();
         let mut open = vec![function];
@@ -101,7 +102,7 @@ impl Reads<'_> {
         seen
     }
 
-    /// Returns whether any source of a function, or of the explicit VARIABLEs that it reads, satisfies `is`.
+    /// Returns whether any source of a function, or any source of the explicit VARIABLEs that the function reads, satisfies `is`.
     pub(crate) fn any(&self, function: usize, is: impl Fn(&Source) -> bool) -> bool {
         let all = self.through_variables(function, false);
         let mut sources = all.iter().flat_map(|&f| &self.functions[f].sources);
@@ -125,13 +126,13 @@ impl Reads<'_> {
         })
     }
 
-    /// Returns the functions that `roots` need, including the roots, in sets. Each set comes after those it reads, and functions that read
-    /// each other share a set.
+    /// Returns the functions that `roots` need, including the roots, grouped into sets. Functions that depend on each other form one set,
+    /// and each set comes after the sets that it needs.
     pub(crate) fn components(&self, roots: impl IntoIterator<Item = usize>) -> Vec<Vec<usize>> {
         components(self.functions.len(), roots, |function| self.of(function))
     }
 
-    /// Returns whether a set of [`Self::components`] is a loop.
+    /// Returns whether a set of [`Self::components`] is a loop: its functions depend on themselves.
     pub(crate) fn is_loop(&self, component: &[usize]) -> bool {
         match component {
             [function] => self.of(*function).contains(function),
@@ -140,8 +141,8 @@ impl Reads<'_> {
     }
 }
 
-/// Returns the strongly connected components, each after those it has edges to, without recursion (R. Tarjan, Depth-first search and linear
-/// graph algorithms, SIAM J. Comput. 1, 1972).
+/// Returns the strongly connected components, each after the components to which it has edges. Not recursive (R. Tarjan, Depth-first search
+/// and linear graph algorithms, SIAM J. Comput. 1, 1972).
 fn components(
     count: usize,
     roots: impl IntoIterator<Item = usize>,
@@ -210,7 +211,7 @@ impl System {
         }
     }
 
-    /// Returns the first unknown of a dynamic state, which follows those of VARIABLEs.
+    /// Returns the index of the first unknown that is a dynamic state. The dynamic states follow the unknown VARIABLEs.
     pub(crate) fn first_state(&self) -> usize {
         self.first_variable + self.implicit.len()
     }
@@ -221,7 +222,7 @@ impl System {
         all.map(|(k, &variable)| (variable, self.first_variable + k))
     }
 
-    /// Returns whether functions of the equations read reactions, states or unknown VARIABLEs, which only a solution provides.
+    /// Returns whether functions of the equations read reactions, states or unknown VARIABLEs. Only a solution provides these values.
     pub(crate) fn reads_solution(&self) -> bool {
         let mut sources = self.order.iter().flat_map(|&f| &self.functions[f].sources);
         sources.any(|source| match source {
@@ -235,7 +236,7 @@ impl System {
         })
     }
 
-    /// Returns a function and the functions of the explicit VARIABLEs that it reads, each after those it reads.
+    /// Returns a function and the functions of the explicit VARIABLEs that it reads, in evaluation order.
     pub(crate) fn in_turn(&self, function: usize) -> Vec<usize> {
         let all = self.reads().through_variables(function, false);
         let mut all: Vec<usize> = all.into_iter().collect();
@@ -255,7 +256,7 @@ impl System {
         driven.chain(conditions.map(|c| c.function))
     }
 
-    /// Returns whether an active MOTION or GCON reads a VARIABLE, directly or through others.
+    /// Returns whether an active MOTION or GCON reads a VARIABLE, directly or through other VARIABLEs.
     pub fn constrains(&self, variable: usize) -> bool {
         let (reads, function) = (self.reads(), self.variables[variable].function);
         let mut all = self.constraining();
@@ -269,7 +270,7 @@ mod tests {
 
     #[test]
     fn every_component_comes_after_those_it_reads() {
-        // 0 -> 1 -> 2 -> 1, 0 -> 3, 4 -> 4, 5 -> 0.
+        // Edges: 0 -> 1 -> 2 -> 1, 0 -> 3, 4 -> 4, 5 -> 0.
         let edges = [vec![1, 3], vec![2], vec![1], vec![], vec![4], vec![0]];
         let found = components(6, 0..6, |node| edges[node].clone());
         assert_eq!(found.len(), 5);
@@ -278,7 +279,7 @@ mod tests {
         for (node, to) in edges.iter().enumerate() {
             assert!(to.iter().all(|to| place(*to) <= place(node)));
         }
-        // Without recursion a chain may have any length.
+        // Because the search is not recursive, a chain may have any length.
         let long = components(200_000, 0..1, |node| {
             (node + 1 < 200_000)
                 .then_some(node + 1)

@@ -1,4 +1,4 @@
-//! Derivatives of the residual with respect to theta and to wrenches outside the model.
+//! Derivatives of the residual with respect to parameters in theta and to wrenches added to the model.
 
 use super::NoValue;
 use super::carried::Moved;
@@ -18,7 +18,7 @@ use crate::mechanics::{Vec3, Vec6};
 use crate::model::MarkerIx;
 
 impl System {
-    /// Computes the derivative of the residual with respect to a number of theta at constant unknowns. Overwrites `dg`.
+    /// Computes the derivative of the residual with respect to one parameter at constant unknowns. Overwrites `dg`.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -34,7 +34,8 @@ impl System {
             .residual_by_slot(slot, dg)
     }
 
-    /// Returns the residual of a wrench on marker I, given in J axes, with the opposite wrench at the same point on the part of J.
+    /// Returns the change of the residual due to an additional wrench on marker I, given in J axes. The opposite wrench acts at the same
+    /// point on the part of J.
     pub fn unit_wrench_column(
         &self,
         parameters: &Parameters,
@@ -76,10 +77,11 @@ impl Configuration<'_> {
     /// [`NoValue`] if an element is undefined in this configuration.
     pub fn residual_by_turn(
         &mut self,
-        (marker, axis): (MarkerIx, &Vec3),
+        marker: MarkerIx,
+        axis: &Vec3,
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
-        /// Step of the difference, radians.
+        /// Step of the difference, in radians.
         const STEP: f64 = 1e-6;
         dg.fill(0.0);
         let (system, state) = (self.system, self.state);
@@ -99,7 +101,7 @@ impl Configuration<'_> {
         self.evaluate()
     }
 
-    /// Computes the derivative of the residual with respect to a number of theta at constant unknowns. Overwrites `dg`.
+    /// Computes the derivative of the residual with respect to one parameter at constant unknowns. Overwrites `dg`.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -179,7 +181,8 @@ impl Configuration<'_> {
         }
     }
 
-    /// Computes the derivative with respect to a literal of a function, or to the function value as a whole.
+    /// Computes the derivative of the residual with respect to a literal of a function, or with respect to the function value if `literal`
+    /// is `None`.
     fn by_number_of(
         &mut self,
         function: usize,
@@ -216,7 +219,8 @@ impl Configuration<'_> {
         self.evaluate()
     }
 
-    /// Adds the change of everything that depends directly on a function, for a given rate of the function.
+    /// Adds the change of the element forces, joints and data equations that depend directly on a function. `rate` is the change of the
+    /// function value.
     fn by_function(
         &mut self,
         (function, rate): (usize, f64),
@@ -248,7 +252,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Adds the change due to markers that move on their parts.
+    /// Adds the change of the residual due to markers that move on their parts.
     fn by_markers(&mut self, moved: &[Moved], dg: &mut [f64]) -> Result<(), NoValue> {
         let (system, parameters) = (self.system, self.parameters);
         let of = |marker: usize| {
@@ -265,7 +269,7 @@ impl Configuration<'_> {
             self.contribute(who, DerivativeRequest::Tangent)?;
             let wrench = &self.scratch.contribution;
             wrench.by_marker(of, &self.scratch.markers, dg);
-            // The row of a constraint is minus the effect of its multiplier on the balances.
+            // A row of the constraint Jacobian is minus the effect of its multiplier on the balances.
             let m = wrench.seen(of, &self.scratch.markers);
             for scalar in &wrench.scalars {
                 if let Of::Unknown(row) = scalar.of {
@@ -287,7 +291,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Adds the change of variables, state rates and GCONs that depend on a function, for a given rate of the function.
+    /// Adds the change of variables, state rates and GCONs that depend directly on a function. `rate` is the change of the function value.
     fn data_by_function(&self, (function, rate): (usize, f64), dg: &mut [f64]) {
         let system = self.system;
         for (k, row) in system.implicit_variables() {
@@ -320,7 +324,8 @@ impl Configuration<'_> {
         Ok(by.copied().unwrap_or(0.0))
     }
 
-    /// Returns a number of theta. For the slot of a whole function that is in use, returns its value.
+    /// Returns the value of a parameter. For the parameter that replaces a whole function, returns the function value unless the function
+    /// is replaced.
     pub(super) fn number(&mut self, slot: Slot) -> Result<f64, NoValue> {
         let value = self.parameters.get(slot);
         match self.system.catalogue().group(slot).role {
@@ -329,9 +334,9 @@ impl Configuration<'_> {
         }
     }
 
-    /// Computes the derivative of the residual with respect to a number of theta by central differences.
+    /// Computes the derivative of the residual with respect to one parameter by central differences.
     fn residual_difference(&mut self, slot: Slot, dg: &mut [f64]) -> Result<(), NoValue> {
-        /// Relative step.
+        /// Step of the difference, relative to the parameter value or to 1.
         const STEP: f64 = 1e-6;
         let (system, state) = (self.system, self.state);
         let here = self.number(slot)?;
@@ -350,7 +355,7 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Returns all active sources of wrenches that act at one of the moved markers, are resolved in its axes or depend on its motion.
+    /// Returns all active sources of wrenches that act at a moved marker, are resolved in its axes, or depend on its motion.
     fn acting_with(&self, moved: &[Moved]) -> impl Iterator<Item = Exerted> {
         let moves = |marker: usize| moved.iter().any(|moved| moved.marker == marker);
         let elements = self.elements.iter().enumerate();
@@ -373,23 +378,20 @@ impl System {
 
     /// Returns whether a function of the model's request number `index` may change with a number at constant unknowns: it measures a marker
     /// or reads a force, or the number is a literal of the function.
-    pub fn request_reads(&self, (index, component): (usize, usize), slot: Slot) -> bool {
+    pub fn request_reads(&self, index: usize, component: usize, slot: Slot) -> bool {
         let role = self.catalogue().group(slot).role;
         let function = self.requests[index].get(component).copied().flatten();
         function.is_some_and(|function| self.function_reads(function, role))
     }
 
     /// Returns whether a function of the model's request number `index` may change with the axes of a marker at constant unknowns.
-    pub fn request_reads_marker(
-        &self,
-        (index, component): (usize, usize),
-        marker: MarkerIx,
-    ) -> bool {
+    pub fn request_reads_marker(&self, index: usize, component: usize, marker: MarkerIx) -> bool {
         let function = self.requests[index].get(component).copied().flatten();
         function.is_some_and(|function| self.function_reads(function, Role::Marker(marker.0)))
     }
 
-    /// Returns whether a number moves a marker: it belongs to that marker, or to one in whose frame the marker is defined.
+    /// Returns whether a parameter moves a marker: the parameter belongs to that marker, or to a marker in whose frame that marker is
+    /// defined.
     pub(super) fn moves_marker(&self, role: Role, marker: usize) -> bool {
         matches!(role, Role::Marker(first) if self.carried.moves(first, marker))
     }
@@ -429,8 +431,8 @@ impl System {
         drives_states || order.any(|&f| reads.of(f).contains(&function))
     }
 
-    /// Returns whether a number also acts through functions that measure the quantities it changes. Functions provide no derivative with
-    /// respect to such a number.
+    /// Returns whether a parameter also acts through functions that measure quantities changed by the parameter. Functions provide no
+    /// derivative with respect to such a parameter.
     fn acts_through_functions(&self, role: Role) -> bool {
         let sources = || self.order.iter().flat_map(|&f| &self.functions[f].sources);
         match role {
@@ -447,7 +449,7 @@ impl System {
                 sources().any(|source| matches!(source, Source::Force(_)))
             }
             Role::Literals(function) | Role::Override(function) => {
-                // A function read by a GCON also changes the direction of its reaction.
+                // A function read by a GCON also changes the direction of the GCON's reaction.
                 let conditions = self.conditions.iter().map(|c| c.function);
                 let mut read = self.reads().components(conditions).into_iter().flatten();
                 read.any(|f| f == function)
@@ -455,13 +457,13 @@ impl System {
         }
     }
 
-    /// Returns the first column behind those of the unknowns, their rates and the time.
+    /// Returns the first column after the columns of the unknowns, of their first and second time derivatives, and of the time.
     pub(crate) fn first_seed(&self) -> usize {
         3 * self.moving_unknowns + 1
     }
 }
 
-/// Sink that keeps only the columns of [`Seed`]s.
+/// Sink that keeps only the Jacobian columns of [`Seed`]s.
 pub(crate) struct Seeded {
     pub first: usize,
     pub columns: Vec<Vec<f64>>,
@@ -476,7 +478,7 @@ impl Sink for Seeded {
     }
 
     fn add_column(&mut self, _: usize, _: usize, _: &[f64]) {
-        // Blocks of the unknowns are ignored.
+        // Blocks of the unknowns are not needed here.
     }
 
     fn add_reaction(&mut self, _: usize, _: usize, _: &[f64]) {}

@@ -13,9 +13,9 @@ const POINTS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
     (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
-/// Maximum number of bisections of an integration interval.
+/// Maximum number of successive bisections of an integration interval.
 const HALVINGS: usize = 14;
-/// Relative tolerance between the integral over an interval and the sum over its halves.
+/// Relative tolerance for the difference between the integral over an interval and the sum of the integrals over its halves.
 const AGREED: f64 = 1e-13;
 
 impl System {
@@ -27,8 +27,8 @@ impl System {
         })
     }
 
-    /// Starts the active MOTIONs of this kind that were inactive or never started, at ICDISP or, without it, at the present displacement.
-    /// Resets the inactive ones.
+    /// Starts the active MOTIONs that prescribe a velocity or acceleration and that were inactive or never started. Each starts at ICDISP
+    /// or, without ICDISP, at the present displacement. Inactive MOTIONs are reset.
     pub fn begin_drives(&self, parameters: &Parameters, state: &mut State, scratch: &mut Scratch) {
         for joint in &self.joints {
             let ParameterSource::Rate(drive) = joint.drive else {
@@ -43,7 +43,7 @@ impl System {
                 if drive.start.is_none() {
                     for term in &joint.terms {
                         if let PairConstraint::Drive(law) = term.law {
-                            let motion = here.motion((term.i, term.j, term.pair), true);
+                            let motion = here.motion(term.i, term.j, term.pair, true);
                             value = law.measure.evaluate(&motion, 0.0).value;
                         }
                     }
@@ -57,10 +57,10 @@ impl System {
         }
     }
 
-    /// Sets the reference angles of driven pairs to the prescribed values, so that full turns are counted from there.
+    /// Sets the reference angles of driven marker pairs to the prescribed values, so that full turns are counted from these values.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value here.
+    /// [`NoValue`] if a function has no value in this state.
     pub(crate) fn count_from_drives(
         &self,
         parameters: &Parameters,
@@ -91,7 +91,7 @@ impl System {
         Ok(())
     }
 
-    /// Advances the constants of integration to the time of the state, so that the next integration interval is short.
+    /// Advances the integration constants of the MOTIONs to the time of the state, so that the next integration interval is short.
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value within the interval.
@@ -121,9 +121,9 @@ impl Configuration<'_> {
     /// Computes displacement, velocity and acceleration of every MOTION that prescribes a velocity or acceleration, into the scratch. In
     /// statics the displacement is constant.
     ///
-    /// Velocity motion: `s = s0 + integral f`, s' = f, s'' = df/dt. Acceleration motion: `s' = s0' + integral f`,
-    /// `s = s0 + s0' (t - t0) + integral (t - tau) f`. The integrals use the five-point Gauss rule, with intervals bisected until the
-    /// halves agree with the whole.
+    /// Velocity motion: `s = s0 + integral f`, s' = f, s'' = df/dt. Acceleration motion: `s' = s0' + integral f`, `s = s0 + s0' (t - t0) +
+    /// integral (t - tau) f`. The integrals use the five-point Gauss rule. Intervals are bisected until the sum over the halves agrees with
+    /// the whole.
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value within the interval.
@@ -161,7 +161,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Returns `integral f` and `integral (b - tau) f` over a..b.
+    /// Returns `integral f` and `integral (b - tau) f` over tau in a..b, where f is the function.
     fn integral(&mut self, function: usize, (a, b): (f64, f64)) -> Result<[f64; 2], NoValue> {
         let mut sum = [0.0; 2];
         let mut open = vec![(a, b, self.panel(function, (a, b), b)?, 0)];
@@ -183,7 +183,7 @@ impl Configuration<'_> {
         Ok(sum)
     }
 
-    /// Returns the two integrals over one interval, and the largest magnitude of f.
+    /// Returns the integrals of f and of (end - tau) f over one interval by the Gauss rule, and the largest magnitude of f.
     fn panel(
         &mut self,
         function: usize,
@@ -202,7 +202,7 @@ impl Configuration<'_> {
         Ok(out)
     }
 
-    /// Returns a function of time alone and its derivative at some time. Other functions were rejected when the model was compiled.
+    /// Returns the value and derivative of a function of time alone at `time`. Other functions are rejected when the model is compiled.
     fn at_time(&mut self, number: usize, time: f64) -> Result<(f64, f64), NoValue> {
         let found = self.in_time(number, time, false)?.unwrap_or_default();
         Ok((found.value, found.slope))

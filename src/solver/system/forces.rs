@@ -19,7 +19,8 @@ pub(crate) enum DerivativeRequest {
 }
 
 impl Configuration<'_> {
-    /// Computes the wrench of an element into `scratch.contribution`. An inactive element gives zero with the same pattern.
+    /// Computes the wrench of an element into `scratch.contribution`. An inactive element gives a zero wrench with the same sparsity
+    /// pattern.
     pub(super) fn element(&mut self, number: usize, ask: DerivativeRequest) -> Result<(), NoValue> {
         let element = &self.system.elements[number];
         let ends = WrenchEnds {
@@ -84,8 +85,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Returns the derivative `E` with respect to the velocity of I relative to J (ground axes), together with the quantities its chain
-    /// rule needs.
+    /// Returns the velocity dependence of a wrench: its derivative `E` with respect to the velocity of I relative to J (ground axes), and
+    /// the quantities that the chain rule needs.
     pub(super) fn by_rate(&self, (i, j): (usize, usize), E: Mat6) -> ByRate {
         let (i, j) = (self.moving_frame(Some(i)), self.moving_frame(Some(j)));
         ByRate {
@@ -102,7 +103,7 @@ impl Configuration<'_> {
         let Action::Law(law, drive) = &element.action else {
             return Ok(());
         };
-        let motion = self.motion((element.i, element.j, element.pair), law.uses_angles());
+        let motion = self.motion(element.i, element.j, element.pair, law.uses_angles());
         let value;
         let (theta, with_parameters) = match drive {
             ParameterSource::Theta(range) => {
@@ -116,7 +117,7 @@ impl Configuration<'_> {
                 value = [*held];
                 (&value[..], true)
             }
-            // Only constraints have such a drive.
+            // Only constraints have a drive of this kind.
             ParameterSource::Rate(_) => (&[][..], false),
         };
         let rates = match &element.damping {

@@ -1,13 +1,15 @@
-//! Joint friction: from the motion and the reaction of a joint to a wrench on its parts, with a creep that carries over from step to step.
+//! Joint friction: the friction wrench on the parts, computed from the motion and the reaction of a joint. The creep carries over from time
+//! step to time step.
 //!
 //! In statics only frictions enabled by `creeping` act.
 //!
-//! Each sliding direction k is a displacement along zj, or a rotation about an axis of I or J with the radius as lever:
-//! `f_k = lever (mu_k N + T0/radius sigma_k)`. `element::FrictionLaw` gives mu from surface velocities and creeps, and N follows from the
-//! reaction of the joint on I. The derivatives with respect to positions, velocities and multipliers are exact.
+//! Each sliding direction k is a translation along zj, or a rotation about an axis of I or J with the radius as lever arm: `f_k = lever
+//! (mu_k N + T0/radius sigma_k)`. `element::FrictionLaw` gives the coefficient mu and the preload direction sigma from surface velocities
+//! and creeps. The normal load N follows from the reaction of the joint on I, and T0 is the torque preload. The derivatives with respect to
+//! positions, velocities and multipliers are exact.
 //!
-//! The creep is the integral of the surface velocity since sticking started. Within a step it changes by the displacement, or the rotation
-//! vector, since the end of the last step. It therefore needs neither an unknown nor a tolerance of its own.
+//! The creep is the integral of the surface velocity since sticking started. Within a time step the creep changes by the displacement, or
+//! the rotation vector, since the end of the last step. The creep therefore needs neither an unknown nor a tolerance of its own.
 
 use super::compiled_function::Exerted;
 use super::contribution::{FunctionValue, Of, WrenchEnds};
@@ -20,35 +22,35 @@ use crate::linear::Sink;
 use crate::mechanics::{Mat3, Vec3, Vec6, log, turning_rate};
 use crate::model::MarkerIx;
 
-/// Values of a friction: vectors in the axes of I, except for the wrench.
+/// Values of a friction. Vectors are in the axes of I, except force and torque.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct FrictionReading {
     /// Force on I at its origin, ground axes.
     pub force: Vec3,
     /// Torque on I, ground axes.
     pub torque: Vec3,
-    /// Friction coefficient of the displacement.
+    /// Friction coefficient of the translational sliding.
     pub mu: Vec3,
-    /// Friction coefficient of the rotation.
+    /// Friction coefficient of the rotational sliding.
     pub mu_turn: Vec3,
     /// Coefficient mu_1 of the creep term.
     pub mu_1: f64,
-    /// Surface velocity of the displacement.
+    /// Surface velocity of the translational sliding.
     pub velocity: Vec3,
-    /// Surface velocity of the rotation.
+    /// Surface velocity of the rotational sliding.
     pub turn_velocity: Vec3,
-    /// Creep of the displacement.
+    /// Creep of the translational sliding.
     pub creep: Vec3,
-    /// Creep of the rotation, as a length on the surface.
+    /// Creep of the rotational sliding, as a length on the surface.
     pub turn_creep: Vec3,
     /// Weight beta of the velocity term.
     pub beta: f64,
 }
 
-/// Index range in the gradient.
+/// Index range (first, end) in `Scratch::gradient`.
 type Span = (usize, usize);
 
-/// Velocities, creeps and normal load of a friction, with the ranges of their gradients.
+/// Velocities, creeps and normal load of a friction, with the index ranges of their gradients.
 pub(super) struct Sliding {
     pub v: Vec3,
     pub c: Vec3,
@@ -64,7 +66,7 @@ impl System {
         self.frictions.iter().any(|f| f.active)
     }
 
-    /// Computes the surface speed minus the stiction velocity of every friction that can stick, and NaN for all others.
+    /// Computes the surface speed minus the stiction velocity for every friction that can stick, and NaN for all other frictions.
     pub(crate) fn slips(
         &self,
         parameters: &Parameters,
@@ -85,7 +87,7 @@ impl System {
         }
     }
 
-    /// Updates the creeps to the state at the end of a step. Each friction then sticks or slides according to its speed there.
+    /// Updates the creeps to the state at the end of a time step. Each friction then sticks or slides according to its speed in that state.
     pub(crate) fn advance_stiction(
         &self,
         parameters: &Parameters,
@@ -117,9 +119,9 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Returns displacement along zj and rotation of I in J.
+    /// Returns the displacement of I along zj and the rotation of I in J.
     pub(super) fn joint_place(&self, friction: &JointFriction) -> (f64, Mat3) {
-        let motion = self.motion((friction.i, friction.j, friction.pair), false);
+        let motion = self.motion(friction.i, friction.j, friction.pair, false);
         (motion.p_ij_j.z, motion.R_ji)
     }
 
@@ -144,13 +146,13 @@ impl Configuration<'_> {
         v
     }
 
-    /// Returns the rotation vector from the anchor, J axes.
+    /// Returns the rotation vector of I in J since the anchor (the end of the last time step), in J axes.
     fn turned(&self, friction: &JointFriction, grip: &StictionState) -> Vec3 {
         let (_, R_ji) = self.joint_place(friction);
         log(&(R_ji * grip.turn.transpose()))
     }
 
-    /// Returns the axis of a rotational sliding direction, fixed at the anchor, J axes.
+    /// Returns the axis of a rotational sliding direction, fixed at the anchor, in J axes.
     fn axis(slide: Slide, grip: &StictionState) -> Vec3 {
         match slide {
             Slide::AlongZ => Vec3::z(),
@@ -180,7 +182,8 @@ impl Configuration<'_> {
         (first, self.scratch.gradient.len())
     }
 
-    /// Computes the motion of the surfaces and the normal load. With `tangent`, their gradients are appended, always with the same pattern.
+    /// Computes the motion of the surfaces and the normal load. With `tangent`, their gradients are appended, always with the same sparsity
+    /// pattern.
     pub(super) fn sliding(&mut self, number: usize, tangent: bool) -> Result<Sliding, NoValue> {
         let friction = &self.system.frictions[number];
         let grip = self.state.grips[number];
@@ -242,9 +245,10 @@ impl Configuration<'_> {
         Ok(out)
     }
 
-    /// Computes the normal load `N = preload + sum of factors times parts of the reaction on I`, and appends its gradient.
+    /// Computes the normal load N and appends its gradient. N is the preload plus factors times components of the joint reaction on I.
     ///
-    /// With a the axis, the force has the parts `F_a = a . F` and `F_r = |F - a F_a|`, and the moment likewise. A zero load has zero slope.
+    /// With a the axis, the force has the components `F_a = a . F` and `F_r = |F - a F_a|`. The moment is split in the same way. A zero
+    /// component has zero slope.
     fn normal_load(&mut self, number: usize, tangent: bool) -> Result<f64, NoValue> {
         let friction = &self.system.frictions[number];
         let of = friction.pressing;
@@ -311,7 +315,8 @@ impl Configuration<'_> {
         Ok(load)
     }
 
-    /// Computes the wrench of a friction into `scratch.contribution`. An inactive friction gives zero with the same pattern.
+    /// Computes the wrench of a friction into `scratch.contribution`. An inactive friction gives a zero wrench with the same sparsity
+    /// pattern.
     pub(super) fn friction(
         &mut self,
         number: usize,
@@ -377,13 +382,13 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Returns the friction law in force: in statics that of rest.
+    /// Returns the friction law that applies: in statics the law at rest, if there is one; otherwise the law of motion.
     fn law<'a>(&self, friction: &'a JointFriction) -> &'a FrictionLaw {
         let at_rest = friction.at_rest.as_ref().filter(|_| !self.moving());
         at_rest.unwrap_or(&friction.law)
     }
 
-    /// Adds all frictions to the balances; in statics only those with a law at rest.
+    /// Adds all frictions to the balances; in statics only the frictions with a law at rest.
     pub(super) fn add_frictions<S: Sink>(
         &mut self,
         g: &mut [f64],
@@ -407,10 +412,11 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Returns the values of a FRICTION in motion, summed over its yokes; zero in statics. Requires [`Configuration::look`].
+    /// Returns the values of a FRICTION in motion, summed over its yokes; zero in statics. [`Configuration::evaluate`] must have been
+    /// called.
     ///
     /// # Errors
-    /// [`NoValue`] if it is undefined in this configuration.
+    /// [`NoValue`] if the friction is undefined in this configuration.
     pub fn read_friction(&mut self, id: u32) -> Result<FrictionReading, NoValue> {
         let system = self.system;
         let mut out = FrictionReading::default();

@@ -1,8 +1,8 @@
 //! Quantities of a FRICTION as inputs of functions, with gradients with respect to the unknowns.
 //!
-//! They are in the order of the components of its result, in the axes of the J marker of its JOINT (func_friction; grammar/NOTES.md): force
-//! and torque on I, coefficients of displacement and rotation, stiction coefficient, surface velocities, creeps, weight of the velocity
-//! term.
+//! The quantities have the order of the components of the function FRICTION, and vectors are in the axes of the J marker of the JOINT
+//! (func_friction; grammar/NOTES.md). The order is: force and torque on I, coefficients of translation and rotation, stiction coefficient,
+//! surface velocities, creeps, weight of the velocity term.
 
 use super::Configuration;
 use super::NoValue;
@@ -11,12 +11,12 @@ use super::friction::{Sliding, coefficients};
 use super::surface::{JointFriction, Slide};
 use crate::mechanics::{Vec3, Vec6};
 
-/// Quantity of a friction.
+/// Quantity that the function FRICTION returns.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum FrictionComponent {
     /// Force or torque on I along an axis of J.
     Wrench { axis: usize, torque: bool },
-    /// Component along an axis of J of a vector summed over the sliding directions.
+    /// Component along an axis of J of a vector that is summed over the sliding directions. `turning` selects the rotational directions.
     Along {
         of: Vector,
         axis: usize,
@@ -28,7 +28,7 @@ enum FrictionComponent {
     Share,
 }
 
-/// Quantity with one value per sliding direction.
+/// Quantity with one component per sliding direction.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Vector {
     Coefficient,
@@ -58,8 +58,8 @@ impl FrictionComponent {
 }
 
 impl Configuration<'_> {
-    /// Returns a quantity of the FRICTION with this id, summed over its yokes, and appends its gradient, always with the same pattern. Zero
-    /// in statics.
+    /// Returns a quantity of the FRICTION with this id, summed over its yokes. Appends the gradient of the quantity, always with the same
+    /// sparsity pattern. Zero in statics.
     ///
     /// The stiction coefficient and the velocity weight have no gradient.
     pub(super) fn measure_friction(&mut self, id: u32, which: usize) -> Result<f64, NoValue> {
@@ -104,7 +104,7 @@ impl Configuration<'_> {
         Ok(value)
     }
 
-    /// Returns a component of the wrench on I in the axes of J, and the start of its gradient.
+    /// Returns a component of the friction wrench on I in J axes, and the start index of its gradient.
     fn friction_wrench(
         &mut self,
         number: usize,
@@ -131,7 +131,7 @@ impl Configuration<'_> {
         Ok((e.dot(&half), first))
     }
 
-    /// Returns a component of a vector whose parts lie along the sliding directions, and appends its gradient.
+    /// Returns a component of a vector composed of parts along the sliding directions, and appends its gradient.
     fn friction_along(
         &mut self,
         friction: &JointFriction,

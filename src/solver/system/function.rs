@@ -1,6 +1,7 @@
-//! FUNCTIONs in a configuration: values, and gradients with respect to the unknowns.
+//! FUNCTIONs in a configuration: their values, and their gradients with respect to the unknowns.
 //!
-//! This file relates the inputs of a program to parts, multipliers, variables and states. It is independent of the program's formula.
+//! This file relates the inputs of a program to parts, multipliers, variables and states. The formulas of the programs are defined
+//! elsewhere.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,7 +12,7 @@ use crate::function::{Measure, Piece, Program, RateMeasure, Reference, measure, 
 use crate::mechanics::{Pose, Vec3, Vec6};
 
 impl CompiledFunction {
-    /// Sets the derivatives with respect to inputs and literals to zero.
+    /// Sets the derivatives of the function with respect to inputs and literals to zero.
     fn forget(&self, program: &Program, scratch: &mut Scratch) {
         scratch.by_input.clear();
         scratch.by_input.resize(program.inputs.len(), 0.0);
@@ -34,7 +35,8 @@ impl CompiledFunction {
             &theta[self.literals.clone()],
             pieces,
             &mut scratch.program,
-            (&mut scratch.by_input, &mut scratch.by_literal),
+            &mut scratch.by_input,
+            &mut scratch.by_literal,
         );
         value.map_err(|error| NoValue {
             element: self.owner.clone(),
@@ -47,7 +49,7 @@ impl CompiledFunction {
 #[derive(Clone, Copy, Default)]
 pub(super) struct InTime {
     pub value: f64,
-    /// Time derivative.
+    /// First derivative with respect to time.
     pub slope: f64,
     /// First and second time derivatives, if both exist.
     pub rates: Option<[f64; 2]>,
@@ -64,8 +66,8 @@ impl InTime {
 }
 
 impl Configuration<'_> {
-    /// Evaluates values and gradients of functions into `scratch`, discarding earlier results. Each function in `order` must come after
-    /// those it reads.
+    /// Evaluates values and gradients of functions into `scratch` and discards earlier results. Each function in `order` must come after
+    /// the functions it reads.
     pub(super) fn evaluate_functions(&mut self, order: &[usize]) -> Result<(), NoValue> {
         self.scratch.gradient.clear();
         self.scratch.looks += 1;
@@ -75,8 +77,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Returns the value of a function, and evaluates it first if [`Configuration::look`] omitted it because the equations do not need it.
-    /// Its gradient is left in `scratch`.
+    /// Returns the value of a function. The function is evaluated first if [`Configuration::evaluate`] omitted it because the equations do
+    /// not need it. The gradient of the function is left in `scratch`.
     pub(super) fn value_of(&mut self, function: usize) -> Result<f64, NoValue> {
         let system = self.system;
         if !system.in_equations[function] {
@@ -98,10 +100,10 @@ impl Configuration<'_> {
         Ok(self.scratch.functions[function].value)
     }
 
-    /// Returns the value of a VARIABLE. Requires [`Configuration::look`].
+    /// Returns the value of a VARIABLE. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if its function is undefined in this configuration.
+    /// [`NoValue`] if the function of the VARIABLE is undefined in this configuration.
     pub fn read_variable(&mut self, variable: usize) -> Result<f64, NoValue> {
         match self.system.reads().explicit(variable) {
             Some(function) => self.value_of(function),
@@ -109,10 +111,10 @@ impl Configuration<'_> {
         }
     }
 
-    /// Returns the gradient of a VARIABLE with respect to the unknowns. Requires [`Configuration::look`].
+    /// Returns the gradient of a VARIABLE with respect to the unknowns. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if its function is undefined in this configuration.
+    /// [`NoValue`] if the function of the VARIABLE is undefined in this configuration.
     pub(crate) fn variable_gradient(
         &mut self,
         variable: usize,
@@ -126,7 +128,7 @@ impl Configuration<'_> {
         Ok(self.scratch.gradient[value.first..value.last].to_vec())
     }
 
-    /// Returns the value of a VARIABLE that is an unknown; zero if it is inactive.
+    /// Returns the value of a VARIABLE that is an unknown, or zero if the VARIABLE is inactive.
     fn unknown_variable(&self, variable: usize) -> f64 {
         if self.system.variables[variable].active {
             self.state.variables[variable]
@@ -143,7 +145,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Passes the gradient of a VARIABLE that the equations read, times a factor, to `put`.
+    /// Passes each entry of the gradient of a VARIABLE that the equations read, multiplied by a factor, to `put`.
     pub(super) fn each_of_variable(
         &self,
         variable: usize,
@@ -165,7 +167,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Appends the gradient of a VARIABLE that the equations read, times a factor, and returns its value.
+    /// Appends the gradient of a VARIABLE that the equations read, multiplied by a factor, and returns the value of the VARIABLE.
     fn push_variable(&mut self, variable: usize, factor: f64) -> f64 {
         let mut gradient = std::mem::take(&mut self.scratch.gradient);
         let at = gradient.len();
@@ -183,7 +185,7 @@ impl Configuration<'_> {
         self.variable(variable)
     }
 
-    /// Evaluates value and gradient of one function into `scratch`. The functions it reads must have been evaluated.
+    /// Evaluates value and gradient of one function into `scratch`. The functions that it reads must already be evaluated.
     pub(super) fn evaluate_function(&mut self, number: usize) -> Result<(), NoValue> {
         let function = &self.system.functions[number];
         let first = self.scratch.gradient.len();
@@ -256,8 +258,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Returns a function at some time, if it depends only on time and on VARIABLEs that do so too; otherwise `None`. With `on_pieces` its
-    /// switches are held on the pieces of the state; otherwise the arguments select them.
+    /// Returns value and derivatives of a function at `time`. Returns `None` unless the function depends, also through VARIABLEs, only on
+    /// time. With `on_pieces`, its switches are held on the pieces of the state; otherwise the arguments select the pieces.
     pub(super) fn in_time(
         &mut self,
         number: usize,
@@ -336,7 +338,7 @@ impl Configuration<'_> {
         Ok(match source {
             Source::Time => {
                 if state.moves() {
-                    // Column of the time derivative.
+                    // Column of the derivative with respect to time.
                     scratch.gradient.push((3 * system.moving_unknowns, 1.0));
                 }
                 state.time
@@ -401,8 +403,8 @@ impl Configuration<'_> {
     /// Returns a velocity or acceleration of markers, and appends its gradient with respect to positions, velocities and accelerations of
     /// the parts.
     ///
-    /// With r from the origin of the part to the marker, `dv = dV + dw x r + w x (dphi x r)` and
-    /// `da = dA + db x r + b x (dphi x r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
+    /// With r the vector from the origin of the part to the marker, `dv = dV + dw x r + w x (dphi x r)` and `da = dA + db x r + b x (dphi x
+    /// r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
     pub(super) fn moved(&mut self, measure: &RateMeasure) -> f64 {
         if !self.moving() {
             return 0.0;
@@ -469,7 +471,8 @@ impl Configuration<'_> {
     }
 }
 
-/// Sums the entries of a gradient that share a column, from index `first` on. The resulting pattern is the same every time.
+/// Sums the entries of a gradient that belong to the same column, starting at index `first`. The resulting sparsity pattern is the same
+/// every time.
 fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
     gradient[first..].sort_unstable_by_key(|entry| entry.0);
     let mut last = first;
@@ -485,7 +488,7 @@ fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
 }
 
 impl System {
-    /// Returns the function angles whose full turns are counted, each with its index in `State::measure_angles`.
+    /// Returns the angles in functions whose full turns are counted, each with its index in `State::measure_angles`.
     pub fn counted_angles(&self) -> BTreeMap<Measure, usize> {
         let sources = self.functions.iter().flat_map(|function| &function.sources);
         let counted = sources.filter_map(|source| match source {
@@ -498,8 +501,13 @@ impl System {
     }
 
     /// Carries over the turn counts of a model from before a change, for every angle that it also counted, whichever function reads it.
-    pub fn count_on(&self, state: &mut State, before: (&BTreeMap<Measure, usize>, &[Reference])) {
-        let (counted, angles) = before;
+    /// `counted` and `angles` are its [`counted_angles`](Self::counted_angles) and `State::measure_angles`.
+    pub fn count_on(
+        &self,
+        state: &mut State,
+        counted: &BTreeMap<Measure, usize>,
+        angles: &[Reference],
+    ) {
         for function in &self.functions {
             for source in &function.sources {
                 if let Source::Measure(measure, angle) = source
@@ -511,7 +519,7 @@ impl System {
         }
     }
 
-    /// Updates the reference angles of functions to those of an equilibrium.
+    /// Updates the reference angles of functions to their values in an accepted equilibrium.
     pub(crate) fn count_measured_turns(&self, state: &mut State, scratch: &Scratch) {
         for function in &self.functions {
             for source in &function.sources {
@@ -525,7 +533,7 @@ impl System {
     }
 }
 
-/// Returns the poses of I, J and K of a measure. The markers must have been placed.
+/// Returns the poses of I, J and K of a measure. The marker poses must already be computed.
 fn measured_poses(measure: &Measure, scratch: &Scratch) -> [Pose; 3] {
     [measure.i, measure.j, measure.k]
         .map(|marker| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]))

@@ -7,17 +7,17 @@ use crate::mechanics::{Mat3, Mat6, Pose, Vec3, eigen::symmetric_eigen, skew};
 use crate::model::PartIx;
 use nalgebra::DMatrix;
 
-/// Share of the largest moment of inertia, below which a principal moment counts as zero.
+/// Principal moment of inertia, relative to the largest moment of inertia, below which it counts as zero.
 const WITHOUT_INERTIA: f64 = 1e-12;
 
 impl Configuration<'_> {
-    /// Subtracts the inertia forces of the moving parts from the balances, `-(M A + h)`, with derivatives with respect to positions,
+    /// Subtracts the inertia forces of the moving parts from the balances, `-(M A + h)`, with the derivatives with respect to positions,
     /// velocities and accelerations.
     ///
-    /// With c from the origin to the centre of mass, J about the origin, V = (v, w) and A = (a, b): `h = 1/ucf (m w x (w x c), w x (J w))`.
-    /// A rotation dphi gives `dc = dphi x c` and `dJ = dphi~ J - J dphi~`, hence `dF = m (b x dc + w x (w x dc))` and
-    /// `dT = m dc x a + dJ b + w x dJ w`. A change of w gives `dF = m (dw x (w x c) + w x (dw x c))` and `dT = dw x J w + w x J dw`. All
-    /// are divided by ucf.
+    /// With c the vector from the origin to the centre of mass, J the inertia about the origin, V = (v, w) and A = (a, b): `h = 1/ucf (m w
+    /// x (w x c), w x (J w))`. A rotation dphi gives `dc = dphi x c` and `dJ = dphi~ J - J dphi~`, hence `dF = m (b x dc + w x (w x dc))`
+    /// and `dT = m dc x a + dJ b + w x dJ w`. A change of w gives `dF = m (dw x (w x c) + w x (dw x c))` and `dT = dw x J w + w x J dw`.
+    /// All these terms are divided by ucf.
     pub(super) fn add_inertia<S: Sink>(&mut self, g: &mut [f64], sink: &mut S) {
         let system = self.system;
         let n = system.moving_unknowns;
@@ -91,7 +91,7 @@ impl System {
             return M;
         }
         let mass = parameters.theta()[body.mass];
-        // IP refers to the origin and axes of the CM marker, or of the part if there is none.
+        // IP refers to the origin and axes of the CM marker. Without a CM marker, IP refers to the part frame.
         let cm = body
             .cm
             .map_or_else(Pose::identity, |cm| parameters.markers()[cm]);
@@ -108,7 +108,7 @@ impl System {
         M / self.ucf
     }
 
-    /// Returns whether a movable part has zero mass, or a rotating one a zero principal moment of inertia.
+    /// Returns whether a movable part has zero mass, or a part with rotational freedoms has a zero principal moment of inertia.
     pub(crate) fn has_massless(&self, parameters: &Parameters, state: &State) -> bool {
         self.bodies.iter().enumerate().any(|(part, body)| {
             if body.freedoms == 0 {
@@ -134,7 +134,7 @@ mod tests {
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
-    /// For a part made of points, the kinetic energy equals that of the points, for any axes of its CM marker and any pose.
+    /// For a part made of points, the kinetic energy equals the sum over the points, for any axes of the CM marker and any pose.
     #[test]
     fn the_kinetic_energy_is_that_of_the_points() {
         let points = [

@@ -1,4 +1,4 @@
-//! Linearisation of the values of VARIABLEs, and of inputs added to them.
+//! Linearisation of VARIABLEs: derivatives of their values, and derivatives with respect to inputs added to them.
 
 use super::derivative::Seeded;
 use super::scratch::Seed;
@@ -8,12 +8,11 @@ use super::{NoValue, Parameters, Scratch, State, System};
 pub(crate) type Entry = (usize, usize, usize, f64);
 
 impl System {
-    /// Returns the derivatives of the values of all VARIABLEs, and the derivatives with respect to inputs added to them, for a moving
-    /// state. The VARIABLEs follow the rows and columns of the unknowns, in the order of the model: their values are rows, the added inputs
-    /// are columns.
+    /// Returns the entries that VARIABLEs add to the linearisation of a moving state. With m unknowns, row m + k is the value of VARIABLE k
+    /// in the order of the model, and column m + k is an input added to VARIABLE k.
     ///
     /// # Errors
-    /// [`NoValue`] if an element has no value here.
+    /// [`NoValue`] if an element has no value in this state.
     pub(crate) fn variables_linearised(
         &self,
         parameters: &Parameters,
@@ -60,7 +59,7 @@ impl System {
         }
         let mut here = self.at(parameters, state, scratch);
         for k in 0..self.variables.len() {
-            // A VARIABLE without a value here has no derivatives.
+            // A VARIABLE without a value in this state has no derivatives.
             for (column, by) in here.variable_gradient(k).unwrap_or_default() {
                 if column < 3 * m {
                     out.push((m + k, column % m, column / m, by));

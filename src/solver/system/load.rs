@@ -30,8 +30,8 @@ impl Load<'_> {
 }
 
 impl<'s> Configuration<'s> {
-    /// Returns every force and torque on every part, including ground. Requires [`Configuration::look`]. At an equilibrium the loads on
-    /// each part cancel.
+    /// Returns every force and torque on every part, including ground. [`Configuration::evaluate`] must have been called. At an equilibrium
+    /// the loads on each part cancel.
     ///
     /// Constraint reactions follow from the multipliers of the state. Inactive elements exert no load and are omitted.
     ///
@@ -43,7 +43,7 @@ impl<'s> Configuration<'s> {
         Ok(out)
     }
 
-    /// Passes every load of [`Configuration::loads`] to `show` in turn.
+    /// Passes every load of [`Configuration::loads`] to `show`, one after the other.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -132,8 +132,8 @@ impl<'s> Configuration<'s> {
         }
     }
 
-    /// Passes the reactions of GCONs to `show`: minus the multiplier times the gradient of the function, about the reference points of the
-    /// parts.
+    /// Passes the reactions of GCONs to `show`. A reaction is minus the multiplier times the gradient of the function; its torque is about
+    /// the reference point of the part.
     fn reactions_of_conditions(&self, mut show: impl FnMut(Load<'s>)) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         for condition in system.conditions.iter().filter(|c| !self.is_out(c)) {

@@ -6,11 +6,11 @@ use super::structure::NForce;
 use super::{Configuration, NoValue};
 
 impl Configuration<'_> {
-    /// Computes all wrenches of an NFORCE into `scratch.multi`.
+    /// Computes the wrenches of an NFORCE at all its I markers into `scratch.multi`.
     pub(super) fn evaluate_multi(&mut self, multi: &NForce) -> Result<(), NoValue> {
         self.scratch.motions.clear();
         for (&i, &pair) in multi.i.iter().zip(&multi.pairs) {
-            let motion = self.motion((i, multi.j, pair), true);
+            let motion = self.motion(i, multi.j, pair, true);
             self.scratch.motions.push(motion);
         }
         let theta = &self.parameters.theta()[multi.theta.clone()];
@@ -24,8 +24,8 @@ impl Configuration<'_> {
             })
     }
 
-    /// Computes the wrench of an NFORCE at one of its markers into `scratch.contribution`. Requires [`Self::evaluate_multi`]. An inactive
-    /// NFORCE gives zero with the same pattern.
+    /// Computes the wrench of an NFORCE at one of its I markers into `scratch.contribution`. Requires [`Self::evaluate_multi`]. An inactive
+    /// NFORCE gives a zero wrench with the same sparsity pattern.
     pub(super) fn multi(&mut self, multi: &NForce, at: usize, tangent: bool) {
         let system = self.system;
         let on = f64::from(u8::from(multi.active));

@@ -2,31 +2,31 @@ use std::fmt;
 
 use admire_syntax::diagnostic::Object;
 
-/// Name of an object for the user: `BUSHING/12 'front_arm_bushing'`.
+/// Name of an object in messages: `BUSHING/12 'front_arm_bushing'`.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Name {
-    /// Keyword in capitals.
+    /// Keyword of the statement in capitals.
     pub kind: &'static str,
-    /// Id.
+    /// Id of the object.
     pub id: u32,
     /// Adams/View name.
     pub view: String,
 }
 
 impl Name {
-    /// Returns the view name; `None` if it only repeats kind and id.
+    /// Returns the View name, or `None` if the View name only repeats kind and id.
     fn telling(&self) -> Option<&str> {
         let tells = !self.view.is_empty() && self.view != format!("{}_{}", self.kind, self.id);
         tells.then_some(&*self.view)
     }
 
-    /// Returns the view name, or kind and id if the view name only repeats these.
+    /// Returns the View name, or kind and id if the View name only repeats these.
     pub fn short(&self) -> String {
         let own = self.telling().map(str::to_string);
         own.unwrap_or_else(|| format!("{}/{}", self.kind, self.id))
     }
 
-    /// Returns the object as diagnostics refer to it.
+    /// Returns the object in the form used by diagnostics.
     pub fn object(&self) -> Object {
         Object {
             kind: self.kind,
@@ -47,12 +47,12 @@ impl fmt::Display for Name {
     }
 }
 
-/// Name of a constraint equation for the user: `Zi.Xj in JOINT/2 'crank_pin'`.
+/// Name of a constraint equation in messages: `Zi.Xj in JOINT/2 'crank_pin'`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct EquationName {
-    /// Expression that is zero, for statements with several equations or a form of their own.
+    /// Expression that the equation sets to zero. `None` for COUPLER, GEAR and GCON, whose name alone identifies the equation.
     pub what: Option<&'static str>,
-    /// Statement of the equation.
+    /// Statement to which the equation belongs.
     pub object: Name,
 }
 

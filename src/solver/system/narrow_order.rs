@@ -7,8 +7,8 @@ use super::System;
 impl System {
     /// Returns the position of every part column in a bandwidth-reducing order.
     ///
-    /// The parts of each mechanism are ordered breadth-first from one of its ends (as in Cuthill-McKee). The nonzero entries of a row are
-    /// then close together, for example along a chain with any numbering.
+    /// The parts of each mechanism are ordered breadth-first from one end of the mechanism (as in Cuthill-McKee). The nonzero entries of a
+    /// row are then close together, for example along a chain, for any numbering of the parts.
     pub(super) fn bandwidth_reducing_order(&self, rows: &[Vec<(usize, f64)>]) -> Vec<usize> {
         let mut owner = vec![0; self.first_equation];
         for (number, body) in self.bodies.iter().enumerate() {
@@ -31,7 +31,7 @@ impl System {
             others.sort_unstable();
             others.dedup();
         }
-        // Round in which each body was last reached.
+        // Search round (1 or 2) in which each body was last reached.
         let mut reached = vec![0; self.bodies.len()];
         let mut order = vec![0; self.first_equation];
         let mut next = 0;
@@ -39,7 +39,7 @@ impl System {
             if reached[body] > 0 {
                 continue;
             }
-            // The body reached last from an arbitrary start is at an end of the mechanism.
+            // The body that is reached last from an arbitrary start lies at an end of the mechanism.
             let from_anywhere = breadth_first_order(&tied, body, (&mut reached, 1));
             let end = *from_anywhere.last().unwrap_or(&body);
             for body in breadth_first_order(&tied, end, (&mut reached, 2)) {
@@ -54,7 +54,7 @@ impl System {
     }
 }
 
-/// Returns all bodies connected to `from`, ordered by their distance from it. `reached` records the round in which each body was found.
+/// Returns all bodies connected to body `from`, ordered by distance from it. `reached` records the round in which each body was found.
 fn breadth_first_order(
     tied: &[Vec<usize>],
     from: usize,

@@ -1,7 +1,7 @@
 use super::Name;
 use crate::element::Degenerate;
 
-/// Error of an element that is undefined in the present configuration.
+/// Error: an element is undefined in the present configuration.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("{element}: {reason}")]
 pub struct NoValue {
@@ -17,7 +17,7 @@ pub enum NoValueReason {
     /// The force law is undefined at this relative motion.
     #[error(transparent)]
     Degenerate(#[from] Degenerate),
-    /// Its function has no value.
+    /// A function of the element has no value.
     #[error(transparent)]
     Function(#[from] crate::function::EvalError),
 }

@@ -4,20 +4,20 @@ use super::Slot;
 use super::carried::{Carried, Moved};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313, exp, psi_theta_phi};
 
-/// Numbers per marker at the start of theta: QP and REULER.
+/// Number of parameters per marker at the start of theta: three of QP and three of REULER.
 pub(crate) const PER_MARKER: usize = 6;
 
-/// Parameter vector theta: every number that can be identified or edited between runs without recompilation.
+/// Parameter vector theta: every parameter that can be identified or edited between runs without recompilation.
 ///
-/// Angles are in radians, everything else in the dataset's units, as written in the statements: QP and REULER of a marker with RM are in
-/// the frame of RM. The marker frames are updated with the numbers. A change of QP moves a marker without rotating it; the points that
-/// define its axes move along.
+/// Angles are in radians, all other parameters in the dataset's units, with the meaning they have in the statements: QP and REULER of a
+/// marker with RM are in the frame of RM. The marker frames are updated with the parameters. A change of QP moves a marker without rotating
+/// it; the points that define its axes move along.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameters {
     theta: Vec<f64>,
     /// Pose of each marker on its part.
     markers: Vec<Pose>,
-    /// Rotation given by ZP and XP points, which REULER cannot change.
+    /// Rotation of each marker that is defined by ZP and XP points; REULER cannot change it. `None` for other markers.
     by_points: Vec<Option<Mat3>>,
     carried: Arc<Carried>,
 }
@@ -42,12 +42,12 @@ impl Parameters {
         new
     }
 
-    /// Returns the number in a slot. The slot of a whole function is NaN while the function itself is used.
+    /// Returns the value of a parameter. The parameter that replaces a whole function is NaN while the function itself is used.
     pub fn get(&self, slot: Slot) -> f64 {
         self.theta[slot.0]
     }
 
-    /// Sets a number.
+    /// Sets a parameter and updates the marker frames that depend on it.
     pub fn set(&mut self, slot: Slot, value: f64) {
         self.theta[slot.0] = value;
         let marker = slot.0 / PER_MARKER;
@@ -56,7 +56,7 @@ impl Parameters {
         }
     }
 
-    /// Returns all numbers.
+    /// Returns all parameters.
     pub(crate) fn theta(&self) -> &[f64] {
         &self.theta
     }
@@ -73,7 +73,8 @@ impl Parameters {
         self.refresh(marker.0);
     }
 
-    /// Returns the axes of a marker defined by points ZP and XP, in the frame in which the points are given. `None` for other markers.
+    /// Returns the axes of a marker defined by points ZP and XP, in the frame in which the points are given. `None` for markers defined
+    /// otherwise.
     pub fn axes_by_points(&self, marker: crate::model::MarkerIx) -> Option<Mat3> {
         self.by_points[marker.0]
     }
@@ -87,8 +88,8 @@ impl Parameters {
         &self.markers
     }
 
-    /// Returns the motions of all frames that depend on one of a marker's six numbers, per unit of it: the marker itself, and those defined
-    /// in its frame.
+    /// Returns the motions, per unit of parameter `k` of a marker, of all frames that depend on it: the marker itself and the markers
+    /// defined in its frame.
     pub(crate) fn marker_derivative(&self, marker: usize, k: usize) -> Vec<Moved> {
         let (shift, turn) = self.stated_derivative(marker, k);
         let axes = match self.carried.base(marker) {
@@ -98,12 +99,13 @@ impl Parameters {
         self.moved_with(marker, axes * shift, axes * turn)
     }
 
-    /// Returns the motions of all frames that depend on a marker, per radian of its rotation about an axis fixed to it.
+    /// Returns the motions of all frames that depend on a marker, per radian of the marker's rotation about an axis fixed to the marker.
     pub(crate) fn turn_derivative(&self, marker: usize, axis: &Vec3) -> Vec<Moved> {
         self.moved_with(marker, Vec3::zeros(), self.markers[marker].R * axis)
     }
 
-    /// Returns displacement and rotation vector per unit of a number, in the axes in which the number is given.
+    /// Returns the displacement and the rotation vector of a marker per unit of its parameter `k`, in the axes in which the parameter is
+    /// given.
     fn stated_derivative(&self, marker: usize, k: usize) -> (Vec3, Vec3) {
         if k < 3 {
             return (Vec3::ith(k, 1.0), Vec3::zeros());
@@ -126,7 +128,7 @@ impl Parameters {
         (Vec3::zeros(), axis)
     }
 
-    /// Returns the motion of a marker on its part and the resulting motions of those defined in its frame.
+    /// Returns the motion of a marker on its part, and the resulting motions of the markers defined in its frame.
     fn moved_with(&self, marker: usize, shift: Vec3, turn: Vec3) -> Vec<Moved> {
         let mut moved = vec![Moved {
             marker,
@@ -137,7 +139,7 @@ impl Parameters {
             let Some((rm, between)) = self.carried.base(marker) else {
                 continue;
             };
-            // Their reference marker comes before them in the list.
+            // The RM marker of each marker comes before it in the list.
             let Some(by) = moved.iter().find(|moved| moved.marker == *rm) else {
                 continue;
             };
@@ -151,7 +153,7 @@ impl Parameters {
         moved
     }
 
-    /// Returns the frame of a marker as stated: on its part, or in the frame of RM.
+    /// Returns the frame of a marker as the statement gives it: on its part, or in the frame of RM.
     fn stated(&self, marker: usize) -> Pose {
         let n = &self.theta[marker * PER_MARKER..(marker + 1) * PER_MARKER];
         Pose {
@@ -160,7 +162,7 @@ impl Parameters {
         }
     }
 
-    /// Updates the pose of a marker on its part and of those defined in its frame.
+    /// Updates the pose of a marker on its part, and the poses of the markers defined in its frame.
     fn refresh(&mut self, marker: usize) {
         self.place(marker);
         let carried = Arc::clone(&self.carried);

@@ -8,25 +8,26 @@ use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::PartIx;
 
-/// Relative step of the differences with respect to theta at fixed unknowns. They are of fourth order, so that only a round-off of 1e-12
-/// remains.
+/// Relative step of differences with respect to theta at fixed unknowns. The differences are of fourth order, so that only a round-off of
+/// 1e-12 remains.
 const STEP: f64 = 1e-4;
 
-/// Scalar quantity read from an equilibrium. Components 0 to 5 are x, y, z of a first vector, then of a second one, in ground axes.
+/// Scalar quantity read from an equilibrium. The last index of a vector quantity is its component: 0 to 2 for x, y, z of the first vector,
+/// 3 to 5 for x, y, z of the second vector, in ground axes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Quantity {
-    /// Displacement of a part's origin, then its rotation vector.
+    /// Motion of a part: displacement of its origin, then rotation vector.
     Motion(PartIx, usize),
-    /// Force of an element on I, then the torque about the I origin.
+    /// Force element: force on I, then torque about the I origin.
     Element(ElementIx, usize),
-    /// Reaction force of a constraint on I, then the torque about the I origin. For COUPLER and GEAR, the reaction at the first joint.
+    /// Constraint: reaction force on I, then torque about the I origin. For COUPLER and GEAR, the reaction at the first joint.
     Constraint(ConstraintIx, usize),
-    /// Function of a REQUEST: index of the request in the model, component 0 to 7 for F1 to F8.
+    /// Function of a REQUEST: index of the request in the model, then component 0 to 7 for F1 to F8.
     Request(usize, usize),
 }
 
 impl Configuration<'_> {
-    /// Returns the value of a quantity. A motion is zero, because it is the change from the present configuration.
+    /// Returns the value of a quantity. The value of `Motion` is zero, because it is the change from the present configuration.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -45,7 +46,7 @@ impl Configuration<'_> {
                 Ok(sum)
             }
             Quantity::Request(index, component) => Ok(self
-                .read_function((index, component))?
+                .read_function(index, component)?
                 .map_or(0.0, |(value, _)| value)),
         }
     }
@@ -68,7 +69,7 @@ impl Configuration<'_> {
                     out[unknown] += 1.0;
                 }
                 if component < 3 && unknowns.len() == 6 {
-                    // For the origin: e . (dphi x -r) = dphi . (-r x e).
+                    // For the displacement of the origin: e . (dphi x -r) = dphi . (-r x e).
                     let arm = -self.system.reference_arm(self.state, part.0);
                     let by_turn = arm.cross(&Vec3::ith(component, 1.0));
                     for (k, by) in by_turn.iter().enumerate() {
@@ -86,8 +87,7 @@ impl Configuration<'_> {
                 }
             }
             Quantity::Request(index, component) => {
-                let at = (index, component);
-                let read = self.read_function(at)?;
+                let read = self.read_function(index, component)?;
                 for &(unknown, by) in read.map_or(&[][..], |(_, gradient)| gradient) {
                     out[unknown] += by;
                 }
@@ -100,7 +100,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Returns the derivative of a quantity with respect to a number of theta at constant unknowns.
+    /// Returns the derivative of a quantity with respect to one parameter at constant unknowns.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -136,7 +136,7 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Returns false if a number can change a quantity only through the unknowns.
+    /// Returns false if a parameter can change a quantity only through the unknowns.
     fn may_touch(&self, quantity: Quantity, role: Role) -> bool {
         match quantity {
             Quantity::Motion(..) => false,

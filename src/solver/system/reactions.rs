@@ -1,4 +1,4 @@
-//! Wrenches of constraints: reactions of the multipliers.
+//! Reaction wrenches of constraints, computed from their Lagrange multipliers.
 
 use super::Configuration;
 use super::State;
@@ -8,7 +8,7 @@ use crate::constraint::Constraint;
 use crate::mechanics::{Mat6, Vec6};
 
 impl ConstraintEquation {
-    /// Returns which of its equations are ignored: all if the constraint is inactive, otherwise the redundant ones.
+    /// Returns which equations of the constraint are ignored: all if the constraint is inactive, otherwise the redundant ones.
     pub(super) fn out(&self, state: &State) -> [bool; 6] {
         let mut out = [false; 6];
         for (k, out) in out.iter_mut().enumerate().take(self.count) {
@@ -19,10 +19,11 @@ impl ConstraintEquation {
 }
 
 impl Configuration<'_> {
-    /// Computes the reaction of one term of a constraint into `scratch.contribution`; its equations stay in `scratch.equations`.
+    /// Computes the reaction of one term of a constraint into `scratch.contribution`, and the equations of the term into
+    /// `scratch.equations`.
     ///
-    /// With `gradients`, the wrench per unit of each multiplier is included. An inactive constraint has the same pattern with all entries
-    /// zero.
+    /// With `gradients`, the wrench per unit of each multiplier is included. An inactive constraint has the same sparsity pattern with all
+    /// entries zero.
     pub(super) fn term(&mut self, number: usize, term: usize, gradients: bool) {
         let joint = &self.system.joints[number];
         let out = joint.out(self.state);
@@ -70,7 +71,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Sets the derivative of the term's reaction with respect to the relative rotation of its markers.
+    /// Sets the derivative of a term's reaction with respect to the relative rotation of its markers.
     pub(super) fn set_reaction_stiffness(&mut self) {
         let scratch = &mut *self.scratch;
         let (equations, reaction) = (&scratch.equations, &mut scratch.contribution);
@@ -88,7 +89,7 @@ impl Configuration<'_> {
         multipliers: &[f64; 6],
     ) {
         let term = &joint.terms[number];
-        let motion = self.motion((term.i, term.j, term.pair), term.law.uses_angles());
+        let motion = self.motion(term.i, term.j, term.pair, term.law.uses_angles());
         let value;
         let theta = match &joint.drive {
             ParameterSource::Theta(range) => &self.parameters.theta()[range.clone()],

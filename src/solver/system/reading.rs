@@ -16,7 +16,7 @@ pub struct Reading {
     pub j: MarkerIx,
     /// Motion of I relative to J.
     pub motion: RelativeMotion,
-    /// Wrench (force, torque) on I at the I origin, in the axes of J (of RM for vector forces).
+    /// Wrench (force, torque) on I at the I origin, in J axes (in RM axes for vector forces).
     pub wrench_j: Vec6,
     /// Force on I, ground axes.
     pub force: Vec3,
@@ -29,16 +29,16 @@ pub struct Reading {
 }
 
 impl Configuration<'_> {
-    /// Returns the wrench of a force element. Requires [`Configuration::look`]. All zero if it is inactive.
+    /// Returns the wrench of a force element; all zero if the element is inactive. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if it is undefined in this configuration.
+    /// [`NoValue`] if the element is undefined in this configuration.
     pub fn read_element(&mut self, element: ElementIx) -> Result<Reading, NoValue> {
         self.read(Exerted::Element(element.0))
     }
 
-    /// Returns the reaction of a constraint on its I marker. Requires [`Configuration::look`]. For COUPLER and GEAR, the reaction at the
-    /// first joint.
+    /// Returns the reaction of a constraint on its I marker; for COUPLER and GEAR, the reaction at the first joint.
+    /// [`Configuration::evaluate`] must have been called.
     pub fn read_constraint(&mut self, constraint: ConstraintIx) -> Reading {
         let terms = self.system.joints[constraint.0].at_first().max(1);
         let mut all = (0..terms).map(|at| {
@@ -56,10 +56,10 @@ impl Configuration<'_> {
         out
     }
 
-    /// Returns the wrenches of an NFORCE at each of its I markers. Requires [`Configuration::look`].
+    /// Returns the wrenches of an NFORCE at each of its I markers. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if it is undefined in this configuration.
+    /// [`NoValue`] if the NFORCE is undefined in this configuration.
     pub fn read_nforce(&mut self, id: u32) -> Result<Vec<Reading>, NoValue> {
         let mut multis = self.system.multis.iter();
         let Some(number) = multis.position(|multi| multi.name.id == id) else {
@@ -70,7 +70,7 @@ impl Configuration<'_> {
             .collect()
     }
 
-    /// Returns the wrench of an element, a constraint term or an NFORCE marker.
+    /// Returns the wrench of an element, of a constraint term, or of an NFORCE at one of its markers.
     pub(super) fn read(&mut self, who: Exerted) -> Result<Reading, NoValue> {
         if !self.contribute(who, DerivativeRequest::Value)? {
             self.scratch.contribution = super::contribution::Contribution::default();
@@ -78,7 +78,7 @@ impl Configuration<'_> {
         Ok(self.contributed())
     }
 
-    /// Returns the reading of the wrench in `scratch.contribution`.
+    /// Returns the wrench in `scratch.contribution` as a [`Reading`].
     pub(super) fn contributed(&self) -> Reading {
         let wrench = &self.scratch.contribution;
         let (i, j) = (wrench.i, wrench.j);
@@ -87,7 +87,7 @@ impl Configuration<'_> {
         Reading {
             i: MarkerIx(i),
             j: MarkerIx(j),
-            motion: self.motion((i, j, wrench.pair), true),
+            motion: self.motion(i, j, wrench.pair, true),
             wrench_j: wrench.w,
             force: wrench.F,
             torque: wrench.T,

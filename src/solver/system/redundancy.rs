@@ -8,23 +8,23 @@ use super::System;
 use crate::constraint::Constraint as _;
 use crate::linear::{Matrix, Sink as _, dependent_columns};
 
-/// A constraint row is redundant if less than this share of its length remains after projection onto the complement of the earlier rows.
-/// Decks give angles and positions with about seven digits, so equations that agree within this rounding are dependent.
+/// Share of its length that a constraint row must keep after projection onto the complement of the earlier rows; otherwise the row is
+/// redundant. Decks give angles and positions with about seven digits, so equations that agree within this rounding are dependent.
 const REDUNDANT: f64 = 1e-6;
 
-/// A distance equation that keeps less than this share is postponed: other equations constrain that motion better, for example a rotation
-/// by a short lever.
+/// A distance equation whose row keeps less than this share of its length is postponed. Other equations constrain the same motion better,
+/// for example a rotation by a short lever.
 const WEAK: f64 = 1e-3;
 
-/// Number of products above which an elimination finds the redundant equations instead. It is fast for large mechanisms but chooses its own
-/// order.
+/// Number of multiplications above which orthogonalisation is abandoned and an elimination finds the redundant equations instead. The
+/// elimination is fast for large mechanisms but chooses its own order of equations.
 const LARGE: usize = 300_000_000;
 
-/// Entries smaller than this relative to the row are round-off. Components at remote ends of a mechanism fall below it, so the rows stay
-/// short.
+/// Entries smaller than this, relative to the length of the row, are round-off. Components at remote ends of a mechanism fall below this
+/// limit, so the stored rows stay short.
 const NOTHING: f64 = 1e-16;
 
-/// A row that keeps more than this share of its length is orthogonal to the others up to round-off.
+/// A row that keeps more than this share of its length after one pass is orthogonal to the other rows up to round-off.
 const MOST: f64 = 0.7;
 
 impl System {
@@ -65,8 +65,8 @@ impl System {
         out
     }
 
-    /// Finds the dependent rows by an elimination, which may drop other rows than [`Self::redundant_rows`]. Again holonomic equations take
-    /// precedence over nonholonomic ones.
+    /// Finds the dependent rows by an elimination. It may drop other rows than [`Self::redundant_rows`], but also prefers to keep holonomic
+    /// equations over nonholonomic ones.
     fn dependent_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<bool> {
         let mut out = self.dependent_among(rows, &self.is_nonholonomic);
         for equation in (0..self.equations).filter(|&k| self.is_nonholonomic[k]) {
@@ -76,13 +76,13 @@ impl System {
                 .iter_mut()
                 .zip(&self.is_nonholonomic[equation + 1..])
                 .for_each(|(out, later)| *out |= later);
-            // The rows kept so far are independent: a further dependent row leaves one row over.
+            // The rows kept so far are independent. If this row depends on them, the elimination finds one more dependent row.
             out[equation] = self.dependent_among(rows, &whole) != whole;
         }
         out
     }
 
-    /// Returns which rows depend on others, including the rows in `aside`.
+    /// Returns which rows depend on other rows. The rows in `aside` are excluded and reported as dependent.
     fn dependent_among(&self, rows: &[Vec<(usize, f64)>], aside: &[bool]) -> Vec<bool> {
         let mut matrix = Matrix::new(self.equations.max(self.first_equation));
         for (equation, row) in rows.iter().enumerate().filter(|(k, _)| !aside[*k]) {
@@ -101,8 +101,9 @@ impl System {
         out
     }
 
-    /// Returns the equations in the order in which they are processed: distances of joints; scalar products of joints, starting with the
-    /// last of each joint; all others, such as motions and couplers, ending with the nonholonomic ones.
+    /// Returns the equations in the order in which they are processed, in three groups. The groups are: distances of joints; scalar
+    /// products of joints, starting with the last product of each joint; all others, such as motions and couplers, with the nonholonomic
+    /// equations last.
     fn in_order(&self) -> [Vec<usize>; 3] {
         let [mut distances, mut products] = [Vec::new(), Vec::new()];
         let mut other = vec![true; self.equations];
@@ -123,7 +124,7 @@ impl System {
                 }
             }
         }
-        // Holonomic equations come before nonholonomic ones, so that of two dependent equations the one that constrains positions is kept.
+        // Holonomic equations come before nonholonomic ones. Of two dependent equations, the one that constrains positions is then kept.
         let (of_velocities, mut others): (Vec<usize>, Vec<usize>) = (0..self.equations)
             .filter(|&k| other[k])
             .partition(|&k| self.is_nonholonomic[k]);
@@ -131,8 +132,8 @@ impl System {
         [distances, products, others]
     }
 
-    /// Returns the exchange class of every equation. An equation may be dropped in place of another one of its class: scalar products of
-    /// joints for each other, and distances for each other. All other equations have no class.
+    /// Returns the exchange class of every equation. Equations of one class may be dropped in place of each other. The scalar products of
+    /// joints form one class, the distances another. All other equations have no class.
     pub(crate) fn exchangeable(&self) -> Vec<Option<u8>> {
         let mut kinds = vec![None; self.equations];
         let [distances, products, _] = self.in_order();
@@ -144,7 +145,8 @@ impl System {
         kinds
     }
 
-    /// Returns the length moved by a unit of each body unknown: 1 for translations, the length of the model for rotations.
+    /// Returns the length that corresponds to one unit of each body unknown: 1 for translations, the length scale of the model for
+    /// rotations.
     fn column_lengths(&self) -> Vec<f64> {
         let mut out = vec![1.0; self.first_equation];
         for body in &self.bodies {
@@ -167,20 +169,20 @@ enum RowStatus {
     Nothing,
 }
 
-/// Orthonormal basis of the rows. Each row is stored from its first to its last nonzero entry.
+/// Orthonormal basis of the constraint rows. Each row is stored from its first to its last nonzero entry.
 struct Basis {
     rows: Vec<(Range<usize>, Vec<f64>)>,
-    /// Position of each column.
+    /// Position of each column in the bandwidth-reducing order.
     order: Vec<usize>,
-    /// Row that is being added.
+    /// Row that is currently being added.
     v: Vec<f64>,
     /// Total number of rows to be added.
     all: usize,
     /// Number of rows processed so far.
     came: usize,
-    /// Number of products computed.
+    /// Number of multiplications so far.
     products: usize,
-    /// Whether the work would exceed [`LARGE`], so that no further row is processed.
+    /// Whether the work would exceed [`LARGE`]. No further row is then processed.
     given_up: bool,
 }
 
@@ -198,9 +200,9 @@ impl Basis {
         }
     }
 
-    /// Adds a row if more than a share of its length remains after its projection onto the basis is subtracted.
+    /// Adds a row to the basis if it keeps more than `share` of its length after its projection onto the basis is subtracted.
     fn take(&mut self, row: &[(usize, f64)], share: f64) -> RowStatus {
-        // Later rows need more products than earlier ones, because they overlap with more rows.
+        // Later rows need more multiplications than earlier rows, because they overlap with more rows.
         self.came += 1;
         let many = self.products / self.came > LARGE / self.all.max(1);
         self.given_up |= many && self.products > LARGE / 10;
@@ -223,7 +225,7 @@ impl Basis {
         if before == 0.0 {
             return RowStatus::Nothing;
         }
-        // Two passes of orthogonalisation suffice (Kahan), and one for a row that keeps most of its length.
+        // Two passes of orthogonalisation suffice (Kahan). One pass suffices for a row that keeps most of its length.
         for _ in 0..2 {
             *products += rows.len();
             for (of, b) in rows.iter() {
@@ -260,7 +262,7 @@ impl Basis {
     }
 }
 
-/// Returns the range from the first to the last number whose magnitude exceeds `nothing`.
+/// Returns the range from the first to the last entry whose magnitude exceeds `nothing`.
 fn support(v: &[f64], nothing: f64) -> Range<usize> {
     let first = v.iter().position(|x| x.abs() > nothing);
     let first = first.unwrap_or(v.len());

@@ -6,17 +6,18 @@ use crate::mechanics::{Pose, Vec3, Vec6, psi_theta_phi};
 use crate::model::{MarkerIx, Request, RequestKind};
 
 impl Configuration<'_> {
-    /// Returns the eight components of the model's request number `index`. Requires [`Configuration::look`].
+    /// Returns the eight components of request `index` of the model. [`Configuration::evaluate`] must have been called.
     ///
-    /// Components by kind, resolved in RM axes:
+    /// Components by kind of request, resolved in RM axes:
     /// - DISPLACEMENT: distance, x, y, z, zero, PSI, THETA, PHI.
-    /// - FORCE: magnitude, x, y, z of the force on I, then the same of the torque about the I origin.
-    /// - VELOCITY, ACCELERATION: magnitude, x, y, z for I minus those for J, then the same of the rotation; zero in statics.
+    /// - FORCE: magnitude, x, y, z of the force on I, then magnitude, x, y, z of the torque about the I origin.
+    /// - VELOCITY, ACCELERATION: magnitude, x, y, z of the difference between I and J, then magnitude, x, y, z for the rotation; zero in
+    ///   statics.
     ///
-    /// Absent functions are zero.
+    /// Components without a function are zero.
     ///
     /// # Errors
-    /// [`NoValue`] if a function or an element it reads is undefined in this configuration.
+    /// [`NoValue`] if a function, or an element that it reads, is undefined in this configuration.
     pub fn read_request(&mut self, request: &Request, index: usize) -> Result<[f64; 8], NoValue> {
         let pose = |here: &Self, marker: Option<MarkerIx>| {
             marker.map_or_else(Pose::identity, |m| here.scratch.markers[m.0])
@@ -35,7 +36,7 @@ impl Configuration<'_> {
                 let mut w = Vec6::zeros();
                 for condition in &self.system.conditions {
                     if condition.i == Some(i.0) {
-                        // ADAMS counts the reaction of a GCON at its I marker, whatever J is (grammar/NOTES.md).
+                        // ADAMS adds the reaction of a GCON at its I marker, for any J marker (grammar/NOTES.md).
                         let (F, T) = self.read_condition(condition.name.id, *i);
                         w += Vec6::new(F.x, F.y, F.z, T.x, T.y, T.z);
                     }
@@ -60,8 +61,8 @@ impl Configuration<'_> {
         }
     }
 
-    /// Returns velocity or acceleration of I minus that of J in ground: magnitude, then x, y, z along the axes of RM, then the same of the
-    /// rotation.
+    /// Returns the difference between the velocities or accelerations of I and J, seen from ground. The first four values are the magnitude and
+    /// x, y, z along the axes of RM; the last four are the magnitude and x, y, z of the rotation.
     fn rates(
         &self,
         (i, j, rm): (MarkerIx, Option<MarkerIx>, Option<MarkerIx>),
@@ -78,14 +79,15 @@ impl Configuration<'_> {
         [v.norm(), v.x, v.y, v.z, w.norm(), w.x, w.y, w.z]
     }
 
-    /// Returns value and gradient of one function of the request number `index`; the gradient is a list of (unknown, derivative). Requires
-    /// [`Configuration::look`]. `None` if the request has no such function.
+    /// Returns value and gradient of one function of request `index` of the model. The gradient is a list of (unknown, derivative). Returns
+    /// `None` if the request has no such function. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if it is undefined in this configuration.
+    /// [`NoValue`] if the function is undefined in this configuration.
     pub fn read_function(
         &mut self,
-        (index, component): (usize, usize),
+        index: usize,
+        component: usize,
     ) -> Result<Option<(f64, &[(usize, f64)])>, NoValue> {
         let Some(function) = self.system.requests[index]
             .get(component)
@@ -99,19 +101,19 @@ impl Configuration<'_> {
         Ok(Some((value, &self.scratch.gradient[range])))
     }
 
-    /// Returns the value of FUNCTION of the model's sensor number `index`. Requires [`Configuration::look`].
+    /// Returns the value of FUNCTION of sensor `index` of the model. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if it is undefined in this configuration.
+    /// [`NoValue`] if the function is undefined in this configuration.
     pub fn read_sensor(&mut self, index: usize) -> Result<f64, NoValue> {
         self.value_of(self.system.sensors[index].0)
     }
 
-    /// Returns the value of EVALUATE of the model's sensor number `index`, which SENVAL returns after the sensor has triggered. `None`
-    /// without EVALUATE.
+    /// Returns the value of EVALUATE of sensor `index` of the model, which SENVAL returns after the sensor has triggered. `None` if the
+    /// sensor has no EVALUATE.
     ///
     /// # Errors
-    /// [`NoValue`] if it is undefined in this configuration.
+    /// [`NoValue`] if the function is undefined in this configuration.
     pub fn read_sensor_evaluate(&mut self, index: usize) -> Result<Option<f64>, NoValue> {
         let Some(function) = self.system.sensors[index].1 else {
             return Ok(None);
@@ -121,7 +123,7 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Returns whether the FUNCTION of the model's sensor number `index` reads accelerations or forces, itself or through variables.
+    /// Returns whether the FUNCTION of sensor `index` of the model reads accelerations or forces, directly or through variables.
     pub fn sensor_reads_balance(&self, index: usize) -> bool {
         let mut seen = vec![false; self.functions.len()];
         let mut open = vec![self.sensors[index].0];

@@ -1,26 +1,27 @@
-//! Products of the constraint rows with velocities and multipliers. The rows themselves are not stored: a time integration needs only these
-//! products, at every stage.
+//! Products of the constraint Jacobian with velocities and multipliers. The rows of the Jacobian are not stored, because a time integration
+//! needs only these products, at every stage.
 
 use super::{NoValue, Parameters, Scratch, State, System};
 use crate::linear::Sink;
 
-/// Products `G V + time` and `G' mu`, accumulated while the equations are assembled.
+/// Products `G V + time` and `G' mu`, accumulated while the equations are assembled. G is the constraint Jacobian, V are the part
+/// velocities, and `time` is the derivative of the constraints with respect to time.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowProducts {
     /// Velocities of the parts, in the order of the unknowns.
     pub v: Vec<f64>,
-    /// Multiplier vector, one number per equation.
+    /// Multiplier vector, one entry per constraint equation.
     mu: Vec<f64>,
-    /// Rate of every equation, `G V + time`.
+    /// Rate of every constraint equation, `G V + time`.
     pub rates: Vec<f64>,
-    /// Generalised forces `G' mu`, one per degree of freedom of the parts.
+    /// Generalised forces `G' mu`, one entry per degree of freedom of the parts.
     pub pull: Vec<f64>,
     first_equation: usize,
     first_variable: usize,
     unknowns: usize,
-    /// Whether each row is nonholonomic. The gradient of such a row is taken with respect to the velocities.
+    /// Whether each constraint equation is nonholonomic. The gradient of a nonholonomic equation is taken with respect to the velocities.
     of_velocities: Vec<bool>,
-    /// Derivatives with respect to variables and states: (row, unknown, derivative).
+    /// Derivatives of the constraint equations with respect to variables and states: (row, unknown, derivative).
     others: Vec<(u32, u32, f64)>,
 }
 
@@ -85,15 +86,16 @@ impl Sink for RowProducts {
 }
 
 impl System {
-    /// Computes the residuals of all equations, including rates if the state moves, and the products of the rows with its velocities and
-    /// with `mu`.
+    /// Computes the residuals of all equations, including rates if the state moves. Also computes the products of the constraint Jacobian
+    /// with the velocities of the state and with `mu`.
     ///
     /// # Errors
-    /// [`NoValue`] if an element has no value here.
+    /// [`NoValue`] if an element has no value in this state.
     pub(crate) fn residual_and_products(
         &self,
         parameters: &Parameters,
-        (state, mu): (&State, &[f64]),
+        state: &State,
+        mu: &[f64],
         scratch: &mut Scratch,
         g: &mut [f64],
         products: &mut RowProducts,

@@ -1,4 +1,5 @@
-//! Constraint equations along a motion: gradients, rates, and the acceleration-independent part of the second time derivatives.
+//! Constraint equations along a motion: their gradients, their rates, and the part of their second time derivatives that does not depend on
+//! the accelerations.
 
 use super::NoValue;
 use super::structure::{ConstraintEquation, ParameterSource, StateEquation, StateRhs};
@@ -7,7 +8,7 @@ use crate::constraint::Constraint;
 use crate::linear::Sink;
 use crate::mechanics::{Vec3, Vec6, exp};
 
-/// Rows of the constraint equations: their gradients with respect to the motions of the parts.
+/// Rows of the constraint Jacobian: the gradients of the constraint equations with respect to the motions of the parts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     first_equation: usize,
@@ -15,14 +16,15 @@ pub(crate) struct Rows {
     time_column: usize,
     /// First column of the velocities.
     first_velocity: usize,
-    /// Whether each row is nonholonomic. The gradient of such a row is taken with respect to the velocities.
+    /// Whether each row is nonholonomic. The gradient of a nonholonomic row is taken with respect to the velocities.
     of_velocities: Vec<bool>,
-    /// (row, column, derivative), rows counted from the first equation.
+    /// Entries of the constraint Jacobian G as (row, column, derivative). Row 0 is the first constraint equation.
     pub entries: Vec<(u32, u32, f64)>,
-    /// Time derivative of each row at constant part positions, so that `G V + time = 0` with G given by `entries`.
-    /// [`Configuration::row_rates`] adds the part due to variables and states.
+    /// Derivative of each constraint equation with respect to time at constant part positions, so that `G V + time = 0` with G given by
+    /// `entries`. [`Configuration::row_rates`] adds the part due to variables and states.
     pub time: Vec<f64>,
-    /// Derivatives with respect to the unknowns from the first variable on: (row, unknown, derivative).
+    /// Derivatives of the constraint equations with respect to variables and states: (row, unknown counted from the first variable,
+    /// derivative).
     others: Vec<(u32, u32, f64)>,
 }
 
@@ -47,14 +49,14 @@ impl Rows {
         self.time.fill(0.0);
     }
 
-    /// Adds `G V` to `out`, one number per equation.
+    /// Adds `G V` to `out`, which has one entry per constraint equation.
     pub(crate) fn times(&self, v: &[f64], out: &mut [f64]) {
         for &(row, column, value) in &self.entries {
             out[row as usize] += value * v[column as usize];
         }
     }
 
-    /// Removes derivatives that are zero.
+    /// Removes Jacobian entries that are zero.
     pub(crate) fn pack(&mut self) {
         self.entries.retain(|(_, _, value)| *value != 0.0);
     }
@@ -87,7 +89,7 @@ impl Sink for Rows {
     }
 }
 
-/// Offsets in steps, and weights, of the fourth-order central difference of first rates that gives a second rate.
+/// Fourth-order central difference that gives second time derivatives from first ones: offsets in steps, and weights.
 const SIDES: [(f64, f64); 4] = [
     (-2.0, 1.0 / 12.0),
     (-1.0, -8.0 / 12.0),
@@ -105,7 +107,7 @@ impl System {
         self.gathered(&state.velocities, out);
     }
 
-    /// Writes velocities or accelerations of the parts to `out`, in the order of the unknowns.
+    /// Writes the velocities or accelerations of the parts to `out`, in the order of the unknowns.
     pub(crate) fn gathered(&self, rates: &[super::PartRates], out: &mut Vec<f64>) {
         out.clear();
         for (body, rates) in self.bodies.iter().zip(rates) {
@@ -114,7 +116,7 @@ impl System {
         }
     }
 
-    /// Distributes values in the order of the unknowns to the rates of the parts, the inverse of [`Self::gathered`].
+    /// Distributes values in the order of the unknowns to the rates of the parts. This is the inverse of [`Self::gathered`].
     pub(crate) fn scattered(&self, values: &[f64], rates: &mut [super::PartRates]) {
         for (body, rates) in self.bodies.iter().zip(rates) {
             for k in 0..body.freedoms {
@@ -128,10 +130,10 @@ impl System {
         }
     }
 
-    /// Computes residuals and rows of the constraints alone.
+    /// Computes the residuals and the Jacobian rows of the constraints alone.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value here.
+    /// [`NoValue`] if a function has no value in this state.
     pub(crate) fn constraints_and_rows(
         &self,
         parameters: &Parameters,
@@ -158,18 +160,19 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Adds to the time derivatives of the rows the part due to variables and states with the given rates.
+    /// Adds to `time`, the rates of the constraint rows, the part due to variables and states. `rates` holds the rates of the variables and
+    /// states.
     fn row_rates(&self, time: &mut [f64], others: &[(u32, u32, f64)], rates: &[f64]) {
         for &(row, unknown, by) in others {
             time[row as usize] += by * rates[unknown as usize];
         }
     }
 
-    /// Completes the rates of the rows at an integrator stage: nonholonomic rows get their full rate, and the others get the part due to
-    /// variables and states.
+    /// Completes the rates of the constraint rows at an integrator stage. Nonholonomic rows get their full rate. Other rows get the part
+    /// due to variables and states.
     ///
-    /// The dynamic states have the rates of the stage, which belong to their increments. The rows use the same rates, so that the
-    /// corrections of both agree.
+    /// The dynamic states use the rates of the integrator stage, which determine their increments. The constraint rows use the same rates,
+    /// so that the corrections of states and constraints agree.
     pub(super) fn stage_rates(&self, rates: &mut [f64], others: &[(u32, u32, f64)]) {
         self.add_nonholonomic_offset(rates);
         if !others.is_empty() {
@@ -180,8 +183,8 @@ impl Configuration<'_> {
 
     /// Returns the time derivatives of the unknowns from the first variable on, along the motion.
     ///
-    /// Variables satisfy `v' - e_v v' = e_q V + e_t`, solved by fixed-point passes. Explicit states have the rates that their equations
-    /// give. MOTIONs and GCONs read no velocities here; those that do are rejected when the model is compiled.
+    /// Variables satisfy `v' - e_v v' = e_q V + e_t`, solved by fixed-point passes. Explicit states have the rates given by their
+    /// equations. MOTIONs and GCONs that read velocities are rejected when the model is compiled, so no velocities are read here.
     fn data_rates(&self) -> Vec<f64> {
         let state = self.state;
         self.rates_of_data(|k, equation| match &equation.moving {
@@ -199,12 +202,12 @@ impl Configuration<'_> {
         })
     }
 
-    /// Returns the same rates for given rates of the states.
+    /// Returns the time derivatives of the unknowns from the first variable on. `of_state` gives the rate of each dynamic state.
     fn rates_of_data(&self, of_state: impl Fn(usize, &StateEquation) -> f64) -> Vec<f64> {
         let system = self.system;
         let mut rates = vec![0.0; system.moving_unknowns - system.first_variable];
         if !system.data_constrain {
-            // Nothing reads them, and the functions they depend on may not have been evaluated.
+            // Nothing reads these rates, and the functions they depend on may not have been evaluated.
             return rates;
         }
         for (k, equation) in system.states.iter().enumerate() {
@@ -224,7 +227,7 @@ impl Configuration<'_> {
         rates
     }
 
-    /// Returns the velocity of an unknown of the parts.
+    /// Returns the component of the part velocities that belongs to a part unknown.
     pub(super) fn velocity_of(&self, unknown: usize) -> f64 {
         let bodies = &self.system.bodies;
         let body = bodies.partition_point(|b| b.first + b.freedoms <= unknown);
@@ -237,7 +240,8 @@ impl Configuration<'_> {
         }
     }
 
-    /// Returns the time derivative of a function along the motion, at constant velocities and with given rates of variables and states.
+    /// Returns the time derivative of a function along the motion, at constant velocities. `variables` holds the rates of variables and
+    /// states.
     fn rate_along(&self, function: usize, variables: &[f64]) -> f64 {
         let system = self.system;
         let n = system.moving_unknowns;
@@ -256,16 +260,16 @@ impl Configuration<'_> {
         rate
     }
 
-    /// Computes gamma of every constraint equation: for accelerations A its second time derivative is `G A + gamma`. Requires
-    /// [`Configuration::look`].
+    /// Computes gamma of every constraint equation. For accelerations A, the second time derivative of the equation is `G A + gamma`.
+    /// [`Configuration::evaluate`] must have been called.
     ///
-    /// For one term, let u be the rates of I in J (J axes), r the row, C the derivative of the row along the motion and s the parameter.
-    /// Its gamma is `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`. b is the part of the second derivatives of p_ij_j and of the rotation
-    /// without part accelerations: `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))` and `b_t = -R_j' (w_j x w_i)`, where a
-    /// is the centripetal acceleration of the arms alone.
+    /// For one term, let u be the rates of I in J (J axes), r the Jacobian row, C the derivative of the row along the motion and s the
+    /// parameter. Its gamma is `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`. Here b is the part of the second derivatives of p_ij_j and of
+    /// the rotation that contains no part accelerations: `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))` and `b_t = -R_j'
+    /// (w_j x w_i)`, where a is the centripetal acceleration of the arms alone.
     ///
-    /// Functions of time alone are differentiated exactly. Others use fourth-order differences of their exact rates along the motion, with
-    /// steps of at most `step`. For a nonholonomic GCON, gamma is the first time derivative of its function.
+    /// Functions of time alone are differentiated exactly. Other functions use fourth-order differences of their exact rates along the
+    /// motion, with steps of at most `step`. For a nonholonomic GCON, gamma is the first time derivative of its function.
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value at a neighbouring point.
@@ -362,8 +366,8 @@ impl Configuration<'_> {
         Vec6::new(p.x, p.y, p.z, t.x, t.y, t.z)
     }
 
-    /// Returns the first and second time derivatives of functions along the motion, at zero accelerations. They are exact for functions of
-    /// time alone; otherwise the second uses the difference [`SIDES`].
+    /// Returns the first and second time derivatives of functions along the motion, at zero accelerations. The derivatives are exact for
+    /// functions of time alone. For other functions the second derivative uses the difference formula [`SIDES`].
     fn function_rates(&mut self, functions: &[usize], step: f64) -> Result<Vec<[f64; 2]>, NoValue> {
         if functions.is_empty() {
             return Ok(Vec::new());
@@ -412,11 +416,11 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Iterates the VARIABLEs that read themselves until they equal their functions, in fixed-point passes. A function without a value
-    /// counts as zero.
+    /// Iterates the VARIABLEs that read themselves, in fixed-point passes, until each equals the value of its function. A function without
+    /// a value counts as zero.
     ///
     /// # Errors
-    /// [`NoValue`] if an element that a function measures has no value here.
+    /// [`NoValue`] if an element that a function measures has no value in this state.
     pub(crate) fn settle_variables(
         &self,
         parameters: &Parameters,

@@ -6,7 +6,7 @@ use crate::element::{MultiWrench, Wrench};
 use crate::function::SwitchState;
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 
-/// Working memory for differences of GCON gradients.
+/// Working memory for finite differences of GCON gradients.
 #[derive(Clone, Debug)]
 pub(crate) struct NeighbourState {
     pub state: super::State,
@@ -14,8 +14,8 @@ pub(crate) struct NeighbourState {
     pub step: Vec<f64>,
 }
 
-/// Additional gradient column of a function: the derivative with respect to one of its literals, or to the function value as a whole if
-/// `literal` is `None`.
+/// Additional gradient column of a function: the derivative with respect to one of its literals or, if `literal` is `None`, with respect to
+/// the function value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seed {
     pub function: usize,
@@ -28,7 +28,7 @@ pub(crate) struct Seed {
 pub struct Scratch {
     /// Pose of every used marker in ground.
     pub(crate) markers: Vec<Pose>,
-    /// Vector from the reference point of its part to each marker, ground axes.
+    /// Vector from the reference point of the marker's part to each marker, in ground axes.
     pub(crate) arms: Vec<Vec3>,
     pub(crate) wrench: Wrench,
     pub(crate) contribution: Contribution,
@@ -39,18 +39,18 @@ pub struct Scratch {
     pub(crate) inputs: Vec<f64>,
     pub(crate) by_input: Vec<f64>,
     pub(crate) by_literal: Vec<f64>,
-    /// End indices in `gradient` of the gradients of the inputs.
+    /// For each input of a function, the end index of its gradient in `gradient`.
     pub(crate) spans: Vec<usize>,
     /// Neighbouring configuration for finite differences.
     pub(crate) beside: Option<Box<NeighbourState>>,
     pub(crate) functions: Vec<FunctionValue>,
-    /// Counter of function evaluations.
+    /// Counter of the calls that evaluate the functions.
     pub(crate) looks: u64,
-    /// Value of `looks` at the last evaluation of each function outside the equations.
+    /// For each function outside the equations, the value of `looks` at its last evaluation.
     pub(crate) looked: Vec<u64>,
-    /// Number of undefined functions, which count as zero. With `None`, an undefined function is an error.
+    /// Number of undefined functions so far; they count as zero. With `None`, an undefined function is an error.
     pub(crate) lacking: Option<usize>,
-    /// Additional gradient columns, behind those of the unknowns.
+    /// Additional gradient columns, which follow the columns of the unknowns.
     pub(crate) seeds: Vec<Seed>,
     /// Observed state of each switch while the functions are held on pieces.
     pub(crate) seen: Vec<SwitchState>,
@@ -58,7 +58,7 @@ pub struct Scratch {
     pub(crate) driven: Vec<[f64; 3]>,
     /// Gradients of all functions as (unknown, derivative), one after the other.
     pub(crate) gradient: Vec<(usize, f64)>,
-    /// Largest force or torque encountered, the reference for round-off.
+    /// Largest force or torque encountered, used as the reference for round-off.
     pub(crate) largest: f64,
 }
 

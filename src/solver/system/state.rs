@@ -1,7 +1,7 @@
 use crate::function::{Piece, Reference, half_width};
 use crate::mechanics::{Mat3, Pose, Vec3};
 
-/// Velocity or acceleration of a part: of its origin and its rotation, ground axes.
+/// Velocities or accelerations of a part, in ground axes: linear (of its origin) and angular.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PartRates {
     /// Linear velocity or acceleration of the part's origin.
@@ -27,14 +27,14 @@ pub struct Driven {
     pub time: f64,
     /// Displacement at that time.
     pub value: f64,
-    /// Rate of the displacement; unused for a velocity motion.
+    /// Rate of the displacement at that time; unused for a velocity motion.
     pub rate: f64,
 }
 
-/// State of a joint friction: the creep at the anchor, which is the end of the last step, and the joint position there.
+/// State of a joint friction: the creep and the joint position at the anchor. The anchor is the end of the last time step.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StictionState {
-    /// Whether the surfaces stick, so that the creep counts.
+    /// Whether the surfaces stick. Only then does the creep count.
     pub sticking: bool,
     /// Creep at the anchor, one component per sliding direction.
     pub creep: Vec3,
@@ -42,12 +42,12 @@ pub struct StictionState {
     pub place: f64,
     /// Rotation of I in J at the anchor.
     pub turn: Mat3,
-    /// Displacement along zj at the first assembly of the joint; `None` before it.
+    /// Displacement along zj at the first assembly of the joint; `None` before the first assembly.
     pub first: Option<f64>,
 }
 
 impl StictionState {
-    /// Returns the state of a sliding friction before the first assembly.
+    /// Returns the state of a friction before the first assembly: sliding, without creep.
     pub(crate) fn none() -> Self {
         Self {
             sticking: false,
@@ -59,7 +59,7 @@ impl StictionState {
     }
 }
 
-/// Variables that a solve changes. The state can be cloned, so that the next solve starts from the last solution.
+/// Values that a solver changes. The state can be cloned, so that the next solution starts from the last one.
 #[derive(PartialEq, Debug)]
 pub struct State {
     /// Simulation time, TIME.
@@ -72,13 +72,13 @@ pub struct State {
     pub multipliers: Vec<f64>,
     /// Values of the VARIABLEs, in the order of the model.
     pub variables: Vec<f64>,
-    /// DIFF states, then the states of LSE, GSE, TFSISO, including those held constant.
+    /// States of the DIFFs, then the states of LSE and TFSISO, including states that are held constant.
     pub states: Vec<f64>,
     /// Whether each constraint equation is redundant and therefore ignored; empty before the first analysis.
     pub redundant: Vec<bool>,
-    /// AX, AY, AZ of each marker pair at the last equilibrium, the reference for counting full turns.
+    /// AX, AY, AZ of each marker pair at the last equilibrium: the references for counting full turns.
     pub pair_angles: Vec<Vec3>,
-    /// Reference angles of the functions' angle measures at the last equilibrium.
+    /// Reference angles of the angle measures in functions, taken at the last equilibrium.
     pub measure_angles: Vec<Reference>,
     /// Velocity of each part; empty at rest, as in statics.
     pub velocities: Vec<PartRates>,
@@ -92,13 +92,13 @@ pub struct State {
     pub grips: Vec<StictionState>,
     /// Values of SENVAL, in the order of the model's SENSORs. The session sets them when a sensor triggers.
     pub sensors: Vec<f64>,
-    /// Pieces on which piecewise functions are held within an integration step. Empty outside a step, when the arguments select the piece.
+    /// Pieces on which piecewise functions are held within an integration step. Empty outside a step: the arguments then select the pieces.
     pub pieces: Vec<Piece>,
 }
 
 impl State {
-    /// Releases the held pieces, so that arguments select the piece again. Functions held between two sides stay held, because they have no
-    /// value of their own at the jump.
+    /// Releases the held pieces, so that the arguments select the pieces again. Functions held between two sides stay held, because they
+    /// have no value of their own at the jump.
     pub(crate) fn clear_branches(&mut self) {
         for piece in &mut self.pieces {
             *piece = piece.filter(|_| half_width(*piece).is_some());
@@ -132,7 +132,7 @@ impl State {
         !self.velocities.is_empty()
     }
 
-    /// Allocates velocities, accelerations and state rates, zero where there was none.
+    /// Allocates velocities, accelerations and state rates. Existing values are kept, new ones are zero.
     pub fn set_moving(&mut self) {
         self.velocities.resize(self.poses.len(), PartRates::zero());
         self.accelerations
@@ -140,7 +140,7 @@ impl State {
         self.state_rates.resize(self.states.len(), 0.0);
     }
 
-    /// Removes all rates and releases sticking friction.
+    /// Removes all velocities, accelerations and state rates, and releases sticking friction.
     pub fn set_at_rest(&mut self) {
         self.velocities.clear();
         self.accelerations.clear();
@@ -160,7 +160,7 @@ impl State {
         pairs.copied().chain(measured).collect()
     }
 
-    /// Sets the reference angles for counting full turns. A list of the wrong length, from another model, is ignored.
+    /// Sets the reference angles for counting full turns. A list of the wrong length, which comes from another model, is ignored.
     pub fn set_turns(&mut self, turns: &[f64]) {
         let pairs = 3 * self.pair_angles.len();
         if turns.len() == pairs + 4 * self.measure_angles.len() {
@@ -175,7 +175,7 @@ impl State {
         }
     }
 
-    /// Returns the equilibrium of this state, without the solver's internal data.
+    /// Returns the time and the part poses of this state, without the solver's internal data.
     pub fn equilibrium(&self) -> Equilibrium {
         Equilibrium {
             time: self.time,
@@ -191,7 +191,7 @@ impl Clone for State {
         new
     }
 
-    /// Copies without new allocation, because a solve copies states in every iteration.
+    /// Copies without new allocations, because a solver copies states in every iteration.
     fn clone_from(&mut self, other: &Self) {
         self.time = other.time;
         self.mode = other.mode;

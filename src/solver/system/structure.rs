@@ -12,19 +12,19 @@ use crate::mechanics::{Mat3, Mat6, Vec3};
 use crate::model::{EquilibriumSettings, PartIx};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Index of a force element of a [`System`].
+/// Index of a force element in a [`System`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct ElementIx(pub usize);
 
-/// Index of a constraint of a [`System`].
+/// Index of a constraint in a [`System`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct ConstraintIx(pub usize);
 
-/// Part or point mass.
+/// Body of the system: a part or a point mass.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub name: Name,
-    /// Index of the first unknown.
+    /// Index of the body's first unknown.
     pub first: usize,
     /// Number of degrees of freedom: 0 for ground, 3 for a point mass, 6 for a part.
     pub freedoms: usize,
@@ -34,10 +34,10 @@ pub(crate) struct Body {
     pub cm: Option<usize>,
     /// Reference point of the part in statics, in part axes.
     ///
-    /// It is the centre of mass, or without one the mean of the markers at which joints and forces act. The solution is therefore
+    /// It is the centre of mass or, without a CM marker, the mean of the markers at which joints and forces act. The solution is therefore
     /// independent of the position of the part's frame.
     pub centre: Vec3,
-    /// Inertia matrix about the origin of the CM marker, in its axes.
+    /// Inertia matrix about the origin of the CM marker, in the axes of the CM marker.
     pub inertia: Mat3,
     pub start: Start,
 }
@@ -45,11 +45,11 @@ pub(crate) struct Body {
 /// Initial velocity of a body, as given by its statement.
 #[derive(Clone, Debug)]
 pub(crate) struct Start {
-    /// VX, VY, VZ of the centre of mass, along the axes of `linear_axes`.
+    /// VX, VY, VZ: velocity of the centre of mass along the axes of `linear_axes`.
     pub linear: [Option<f64>; 3],
     /// Marker that gives the axes of the linear velocity; ground axes if absent.
     pub linear_axes: Option<usize>,
-    /// WX, WY, WZ, along the axes of `angular_axes`.
+    /// WX, WY, WZ: angular velocity along the axes of `angular_axes`.
     pub angular: [Option<f64>; 3],
     /// Marker that gives the axes of the angular velocity; part axes if absent.
     pub angular_axes: Option<usize>,
@@ -57,12 +57,12 @@ pub(crate) struct Start {
     pub exact: [bool; 6],
 }
 
-/// Force definition of a force element.
+/// Definition of the force that an element exerts.
 #[derive(Debug)]
 pub(crate) enum Action {
-    /// Force law of the marker pair, with the source of its parameters.
+    /// Force law between the two markers, with the source of the law's parameters.
     Law(&'static dyn Law, ParameterSource),
-    /// Functions of the force and torque components in the axes of the frame marker.
+    /// Functions of the force and torque components, in the axes of the frame marker.
     Vector([Option<usize>; 6]),
 }
 
@@ -74,7 +74,7 @@ pub(crate) struct Element {
     pub i: usize,
     /// J or JFLOAT marker.
     pub j: usize,
-    /// Marker whose axes resolve the wrench: J, or RM of a vector force; `None` means ground axes.
+    /// Marker whose axes resolve the wrench: J, or RM for a vector force. `None` means ground axes.
     pub frame: Option<usize>,
     /// Part on which the reaction acts; `None` for ACTIONONLY.
     pub reaction: Option<usize>,
@@ -92,12 +92,12 @@ pub(crate) struct NForce {
     pub name: Name,
     pub i: Vec<usize>,
     pub j: usize,
-    /// Range of its parameters in theta.
+    /// Range of the parameters in theta.
     pub theta: Range<usize>,
     /// Indices into `State::pair_angles`, one per I marker.
     pub pairs: Vec<usize>,
-    /// Blocks of the damping matrix, row by row: derivative of wrench a with respect to the velocity of marker b, J axes. Empty without
-    /// damping.
+    /// Blocks of the damping matrix, row by row. Each block is the derivative of wrench a with respect to the velocity of marker b, in J
+    /// axes. Empty without damping.
     pub damping: Vec<Mat6>,
     pub active: bool,
 }
@@ -110,7 +110,7 @@ impl NForce {
     }
 }
 
-/// Term of a constraint: a set of scalar equations between two markers, times a scale.
+/// Term of a constraint: a set of scalar equations between two markers, multiplied by a scale.
 #[derive(Debug)]
 pub(crate) struct Term {
     pub i: usize,
@@ -123,11 +123,11 @@ pub(crate) struct Term {
 /// Source of the parameters of a force law or a constraint.
 #[derive(Clone, Debug)]
 pub(crate) enum ParameterSource {
-    /// Range of theta.
+    /// Range of parameters in theta.
     Theta(Range<usize>),
-    /// Single parameter, given by the value of a function.
+    /// Value of a function as the only parameter.
     Function(usize),
-    /// Constant value.
+    /// Constant value as the only parameter.
     Constant(f64),
     /// MOTION that prescribes a velocity or acceleration. Its displacement is held constant in statics.
     Rate(RateDrive),
@@ -142,19 +142,19 @@ pub(crate) struct RateDrive {
     pub second: bool,
     /// Index into [`State::driven`].
     pub index: usize,
-    /// Initial displacement ICDISP; the displacement of the parts at the start if absent.
+    /// Initial displacement ICDISP. If absent, the motion starts at the displacement of the parts at that time.
     pub start: Option<f64>,
     /// Initial velocity, ICVEL.
     pub start_rate: f64,
 }
 
-/// Constraint of a JOINT, JPRIM, MOTION, COUPLER or GEAR: the scaled sum of its terms equals `offset`.
+/// Constraint of a JOINT, JPRIM, MOTION, COUPLER or GEAR: the sum of its terms, each multiplied by its scale, equals `offset`.
 #[derive(Debug)]
 pub(crate) struct ConstraintEquation {
     pub name: Name,
     pub terms: Vec<Term>,
     pub drive: ParameterSource,
-    /// Constant value of the sum (GEAR).
+    /// Constant that the sum must equal; nonzero only for GEAR.
     pub offset: f64,
     /// Index of the first scalar equation.
     pub first: usize,
@@ -163,7 +163,7 @@ pub(crate) struct ConstraintEquation {
 }
 
 impl ConstraintEquation {
-    /// Returns the number of leading terms that act between the same two markers, which are the terms of a COUPLER or GEAR at its first
+    /// Returns the number of leading terms that act between the same two markers. For a COUPLER or GEAR, these are the terms at its first
     /// joint. A cylindrical joint in a GEAR has two terms, rotation and translation.
     pub(crate) fn at_first(&self) -> usize {
         let ends = |term: &Term| (term.i, term.j);
@@ -184,13 +184,13 @@ pub(crate) struct GconEquation {
     pub active: bool,
 }
 
-/// VARIABLE: equals the value of a function.
+/// VARIABLE statement: a variable that equals the value of a function.
 #[derive(Debug)]
 pub struct VariableEquation {
     pub name: Name,
     pub function: usize,
     pub active: bool,
-    /// Index of its unknown, if the function reads the VARIABLE itself. The equation is then value minus function = 0.
+    /// Index of the unknown, if the function depends on the VARIABLE itself. The equation is then `value - function = 0`.
     pub unknown: Option<usize>,
 }
 
@@ -199,9 +199,10 @@ pub struct VariableEquation {
 pub(crate) enum StateRhs {
     /// Value of a function.
     Function(usize),
-    /// The state is constant: STATIC_HOLD (where it is then no unknown), DYNAMIC_HOLD, or an inactive statement.
+    /// Zero: the state is constant. Used for STATIC_HOLD (in statics the state is then not an unknown), DYNAMIC_HOLD and inactive
+    /// statements.
     Held,
-    /// Row of A x + B u: (state, coefficient) and (variable, coefficient).
+    /// Row of A x + B u: pairs (state, coefficient), and pairs (variable, coefficient).
     Linear(Vec<(usize, f64)>, Vec<(usize, f64)>),
 }
 
@@ -211,24 +212,25 @@ pub(crate) struct StateEquation {
     pub name: Name,
     /// Right-hand side in statics, which is zero at equilibrium.
     pub rate: StateRhs,
-    /// Index of its unknown in statics; `None` if held constant.
+    /// Index of the state's unknown in statics; `None` if the state is held constant.
     pub unknown: Option<usize>,
-    /// Index of its unknown in motion.
+    /// Index of the state's unknown in motion.
     pub moving_unknown: usize,
-    /// Right-hand side in motion, also for a state that statics holds constant.
+    /// Right-hand side in motion; also set for a state that statics holds constant.
     pub moving: StateRhs,
     /// Whether the equation is implicit: the function contains the rate and equals zero.
     pub implicit: bool,
-    /// Whether its statement is active; otherwise the state is zero.
+    /// Whether the statement is active. The state of an inactive statement is zero.
     pub active: bool,
 }
 
 /// Fixed structure of one model: its topology, and the indices of the unknowns and parameters.
 ///
 /// The unknowns are ordered as follows:
-/// - per part, a translation of its reference point and a rotation vector (ground axes, `R <- exp(dphi) R`); per point mass, a translation;
-/// - one multiplier per scalar constraint equation;
-/// - values of VARIABLEs that read themselves;
+/// - for each part, a translation of its reference point and a rotation vector (ground axes, `R <- exp(dphi) R`); for each point mass, a
+///   translation;
+/// - one multiplier for each scalar constraint equation;
+/// - values of VARIABLEs that depend on themselves;
 /// - dynamic states that are not held constant.
 ///
 /// The equations have the same order: force and torque about the part's reference point (ground axes), constraints, `v - e`, rates of
@@ -236,11 +238,11 @@ pub(crate) struct StateEquation {
 #[derive(Debug)]
 pub struct System {
     pub(crate) bodies: Vec<Body>,
-    /// Part of each marker.
+    /// Index of the part that carries each marker.
     pub(crate) owners: Vec<usize>,
     /// Markers that move with other markers (RM).
     pub(crate) carried: Arc<Carried>,
-    /// I marker of the force of each floating marker. The floating marker always coincides with it.
+    /// For each floating marker, the I marker of the force it belongs to. The two markers always coincide.
     pub(crate) floating: BTreeMap<usize, usize>,
     /// Names of the markers.
     pub(crate) markers: Vec<Name>,
@@ -251,18 +253,19 @@ pub struct System {
     pub(crate) joints: Vec<ConstraintEquation>,
     pub(crate) frictions: Vec<JointFriction>,
     pub(crate) conditions: Vec<GconEquation>,
-    /// VARIABLEs: algebraic unknowns.
+    /// Equations of the VARIABLEs.
     pub variables: Vec<VariableEquation>,
     pub(crate) states: Vec<StateEquation>,
     /// Functions F1 to F8 of each REQUEST of the model.
     pub(crate) requests: Vec<[Option<usize>; 8]>,
-    /// Elements that act between the markers of each FORCE request, and whether the reported marker is their J.
+    /// For each FORCE request, the elements that act between its markers. The flag of each element is true if the I marker of the request
+    /// is the element's J marker.
     pub(crate) request_forces: Vec<Vec<(Exerted, bool)>>,
     /// FUNCTION and EVALUATE of each SENSOR of the model.
     pub(crate) sensors: Vec<(usize, Option<usize>)>,
     pub(crate) functions: Vec<CompiledFunction>,
-    /// Functions needed by the equations, each after those it reads. Forces, constraints, rates of states, SENSORs and unknown VARIABLEs
-    /// need them. All other functions are evaluated only when their value is reported.
+    /// Functions that the equations need, each after the functions it reads. The equations include forces, constraints, rates of states,
+    /// SENSORs and unknown VARIABLEs. All other functions are evaluated only when their value is reported.
     pub(crate) order: Vec<usize>,
     /// Functions among [`Self::order`] that MOTIONs and GCONs need.
     pub(crate) order_of_constraints: Vec<usize>,
@@ -270,11 +273,11 @@ pub struct System {
     pub(crate) data_constrain: bool,
     /// Whether each function is in [`Self::order`].
     pub(crate) in_equations: Vec<bool>,
-    /// Rank of every function in an order in which each comes after those it reads.
+    /// Rank of every function in an order in which each function comes after the functions it reads.
     pub(crate) ranks: Vec<usize>,
     /// VARIABLEs that are unknowns, in the order of their unknowns.
     pub(crate) implicit: Vec<usize>,
-    /// Index in theta of the first of three gravity components.
+    /// Index in theta of the first of the three gravity components.
     pub(crate) gravity: usize,
     pub(crate) ucf: f64,
     /// Length unit of the model, in metres.
@@ -283,7 +286,7 @@ pub struct System {
     pub(crate) parameters: Parameters,
     pub(crate) initial: State,
     pub(crate) settings: EquilibriumSettings,
-    /// Index of the first multiplier, which is the first constraint equation.
+    /// Index of the first multiplier among the unknowns, and of the first constraint equation among the equations.
     pub(crate) first_equation: usize,
     pub(crate) equations: usize,
     pub(crate) first_variable: usize,
@@ -292,16 +295,16 @@ pub struct System {
     pub(crate) moving_unknowns: usize,
     /// Diagnostics of statements that statics can solve but motion cannot.
     pub(crate) not_in_motion: Vec<Diagnostic>,
-    /// Index of the joint of each constraint equation; `None` for a GCON.
+    /// Index in `joints` of the constraint to which each scalar constraint equation belongs; `None` for a GCON.
     pub(crate) joint_of: Vec<Option<usize>>,
-    /// Whether each constraint equation is nonholonomic: `f(q, V, t) = 0`, linear in the velocities V. Positions alone neither satisfy nor
-    /// violate it.
+    /// Whether each constraint equation is nonholonomic: `f(q, V, t) = 0`, linear in the velocities V. Such an equation does not constrain
+    /// the positions alone.
     pub(crate) is_nonholonomic: Vec<bool>,
-    /// Mass scale of motions: the median mass of the bodies.
+    /// Mass scale of the equations of motion: the median mass of the bodies.
     pub(crate) reference_mass: f64,
-    /// Length scale that converts radians to lengths: the mean distance of markers from the centre of their part.
+    /// Length scale that converts radians to lengths: the mean distance of markers from the centres of their parts.
     pub length: f64,
-    /// Size of the mechanism in the dataset: the largest distance between two markers, within a factor of two.
+    /// Size of the mechanism in the dataset: the largest distance between two markers, accurate within a factor of two.
     pub(crate) extent: f64,
     /// Times at which functions of time are not smooth, in increasing order.
     pub(crate) breaks: Vec<f64>,
@@ -314,9 +317,9 @@ pub struct System {
 pub(crate) struct Switch {
     /// Index of the function in the system.
     pub function: usize,
-    /// Whether its piece depends on time alone.
+    /// Whether the piece depends on time alone.
     pub of_time: bool,
-    /// Whether its value may jump at a switch.
+    /// Whether the value of the function may jump when the piece changes.
     pub jumps: bool,
 }
 
@@ -331,18 +334,18 @@ impl System {
         self.first_equation
     }
 
-    /// Returns diagnostics of statements that the equations of motion do not include. With any of them, a dynamic simulation would not
+    /// Returns diagnostics of statements that the equations of motion do not include. If there are any, a dynamic simulation would not
     /// represent the model.
     pub fn not_in_motion(&self) -> &[Diagnostic] {
         &self.not_in_motion
     }
 
-    /// Returns which dynamic states are active.
+    /// Returns for each dynamic state whether it is active.
     pub fn active_states(&self) -> Vec<bool> {
         self.states.iter().map(|state| state.active).collect()
     }
 
-    /// Returns the index of the unknown of a dynamic state; `None` if it is held constant.
+    /// Returns the index of the unknown of a dynamic state, or `None` if the state is held constant.
     pub(crate) fn state_unknown(&self, state: usize, moving: bool) -> Option<usize> {
         let equation = &self.states[state];
         if moving {
@@ -352,12 +355,12 @@ impl System {
         }
     }
 
-    /// Returns whether VARIABLEs or dynamic states are unknowns besides poses and multipliers.
+    /// Returns whether VARIABLEs or dynamic states are unknowns, in addition to poses and multipliers.
     pub fn has_data_unknowns(&self) -> bool {
         self.first_variable < self.unknowns
     }
 
-    /// Returns the parameters of the dataset.
+    /// Returns the parameters with their values from the dataset.
     pub fn parameters(&self) -> Parameters {
         self.parameters.clone()
     }
@@ -372,19 +375,20 @@ impl System {
         &self.settings
     }
 
-    /// Returns the catalogue, which maps numbers of the dataset to elements of theta.
+    /// Returns the catalogue, which maps addresses in the dataset to parameters in theta.
     pub fn catalogue(&self) -> &Catalogue {
         &self.catalogue
     }
 
-    /// Returns the unknowns of a part: translation of its reference point, then rotation vector, in ground axes. Empty for ground.
+    /// Returns the indices of the unknowns of a part: translation of its reference point, then rotation vector, in ground axes. Empty for
+    /// ground.
     pub fn part_unknowns(&self, part: PartIx) -> Range<usize> {
         let body = &self.bodies[part.0];
         body.first..body.first + body.freedoms
     }
 
-    /// Returns the reference point of a part in part axes. It is the centre in statics and the origin in motion, because results report the
-    /// velocity of the origin.
+    /// Returns the reference point of a part in part axes. In statics it is the centre. In motion it is the origin, because results report
+    /// the velocity of the origin.
     pub fn local_reference(&self, state: &State, part: usize) -> Vec3 {
         if state.moves() {
             Vec3::zeros()
@@ -393,20 +397,20 @@ impl System {
         }
     }
 
-    /// Returns the vector from the origin of a part to its reference point, ground axes.
+    /// Returns the vector from the origin of a part to its reference point, in ground axes.
     pub fn reference_arm(&self, state: &State, part: usize) -> Vec3 {
         state.poses[part].R * self.local_reference(state, part)
     }
 
     /// Returns the reference point of a part in ground, to which its translation and its torque balance refer.
     ///
-    /// In statics it is the centre of mass, or without one the mean of the markers at which joints and forces act. In motion it is the
-    /// origin of the part.
+    /// In statics it is the centre of mass or, without a CM marker, the mean of the markers at which joints and forces act. In motion it is
+    /// the origin of the part.
     pub fn reference_point(&self, state: &State, part: PartIx) -> Vec3 {
         state.poses[part.0].p + self.reference_arm(state, part.0)
     }
 
-    /// Returns whether an active MOTION drives parts.
+    /// Returns whether any active MOTION exists.
     pub fn is_driven(&self) -> bool {
         let drives = |joint: &ConstraintEquation| {
             matches!(
@@ -424,7 +428,7 @@ impl System {
         &self.bodies[part.0].name
     }
 
-    /// Returns a force element by keyword and id.
+    /// Returns the index of the force element with this keyword and id.
     pub fn element(&self, kind: &str, id: u32) -> Option<ElementIx> {
         self.elements
             .iter()
@@ -432,7 +436,7 @@ impl System {
             .map(ElementIx)
     }
 
-    /// Returns a constraint by keyword and id.
+    /// Returns the index of the constraint with this keyword and id.
     pub fn constraint(&self, kind: &str, id: u32) -> Option<ConstraintIx> {
         self.joints
             .iter()
@@ -440,7 +444,7 @@ impl System {
             .map(ConstraintIx)
     }
 
-    /// Returns all force elements.
+    /// Returns the indices and names of all force elements.
     pub fn elements(&self) -> impl Iterator<Item = (ElementIx, &Name)> {
         self.elements
             .iter()
@@ -448,7 +452,7 @@ impl System {
             .map(|(k, e)| (ElementIx(k), &e.name))
     }
 
-    /// Returns all constraints that act between markers.
+    /// Returns the indices and names of all constraints that act between markers.
     pub fn constraints(&self) -> impl Iterator<Item = (ConstraintIx, &Name)> {
         self.joints
             .iter()
@@ -486,7 +490,7 @@ impl System {
             .map_or_else(String::new, |s| s.name.to_string())
     }
 
-    /// Returns false for an equation of an inactive constraint.
+    /// Returns whether a constraint equation is active: false if its constraint is inactive.
     pub fn equation_is_active(&self, equation: usize) -> bool {
         // Each equation belongs to a joint or to a GCON.
         let at = self.joint_of.get(equation).copied().flatten();
@@ -500,17 +504,17 @@ impl System {
         }
     }
 
-    /// Returns whether an equation is active and not redundant.
+    /// Returns whether a constraint equation is active and not redundant.
     pub(crate) fn is_effective(&self, state: &State, equation: usize) -> bool {
         state.redundant.get(equation) != Some(&true) && self.equation_is_active(equation)
     }
 
-    /// Returns whether an equation is active, not redundant, and constrains positions (holonomic).
+    /// Returns whether a constraint equation is active, not redundant, and holonomic (constrains positions).
     pub(crate) fn is_effective_holonomic(&self, state: &State, equation: usize) -> bool {
         !self.is_nonholonomic[equation] && self.is_effective(state, equation)
     }
 
-    /// Returns whether the equation of a state reads its own rate in motion.
+    /// Returns whether the equation of a dynamic state reads the state's own rate in motion.
     pub(crate) fn state_reads_rate(&self, state: usize) -> bool {
         let StateRhs::Function(function) = self.states[state].moving else {
             return false;
@@ -520,8 +524,8 @@ impl System {
         sources.into_iter().any(own)
     }
 
-    /// Returns the degrees of freedom of the parts minus the number of active, non-redundant equations. Nonholonomic equations count too,
-    /// so the result counts free velocities.
+    /// Returns the degrees of freedom of the parts minus the number of active, non-redundant constraint equations. Nonholonomic equations
+    /// count too, so the result is the number of free velocities.
     pub(crate) fn freedoms_left(&self, state: &State) -> usize {
         let held = (0..self.equations).filter(|&k| self.is_effective(state, k));
         self.first_equation.saturating_sub(held.count())

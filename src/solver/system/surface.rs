@@ -4,7 +4,7 @@ use super::Name;
 use crate::element::FrictionLaw;
 use crate::mechanics::Vec6;
 
-/// Number of function-value slots per friction, behind those of the functions.
+/// Number of function-value slots for each friction. These slots come after the slots of the functions.
 pub(crate) const SLOTS: usize = 3;
 /// Sliding direction of a joint's surfaces.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -17,7 +17,7 @@ pub(crate) enum Slide {
     AboutJ(usize),
 }
 
-/// Normal load of the friction surfaces as a function of the joint reaction.
+/// Normal load of the friction surfaces as a weighted sum of components of the joint reaction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Pressing {
     /// Constant preload force.
@@ -30,13 +30,13 @@ pub(crate) struct Pressing {
     pub bending: f64,
     /// Factor of the moment about the axis.
     pub torsion: f64,
-    /// Whether the total force counts regardless of its direction, as in a ball joint.
+    /// Whether the magnitude of the total force counts, regardless of its direction, as in a ball joint.
     pub ball: bool,
-    /// Overlap by which the perpendicular moment is divided: initial value, and derivative with respect to the displacement.
+    /// Overlap by which the perpendicular moment is divided: initial value, and derivative with respect to the joint displacement.
     pub overlap: Option<(f64, f64)>,
 }
 
-/// FRICTION of one joint, or of one of its yokes.
+/// Friction of one joint or, for a joint with two yokes, of one yoke.
 #[derive(Debug)]
 pub(crate) struct JointFriction {
     pub name: Name,
@@ -45,12 +45,12 @@ pub(crate) struct JointFriction {
     pub i: usize,
     pub j: usize,
     pub pair: usize,
-    /// One to three sliding directions. Their forces are resolved in the axes of one marker.
+    /// Sliding directions, one to three. Their forces are resolved in the axes of one marker.
     pub slides: Vec<Slide>,
     /// Radius of the surface, the lever arm for rotations.
     pub radius: f64,
     pub law: FrictionLaw,
-    /// Whether EFFECT includes stiction, so that the surfaces creep.
+    /// Whether EFFECT includes stiction, so that the surfaces can creep.
     pub sticks: bool,
     /// Whether EFFECT includes sliding.
     pub slips: bool,
@@ -71,7 +71,7 @@ impl JointFriction {
         }
     }
 
-    /// Returns the marker whose axes resolve the wrench.
+    /// Returns the marker whose axes resolve the friction wrench.
     pub(crate) fn frame(&self) -> usize {
         match self.slides.first() {
             Some(Slide::AboutI(_)) => self.i,
@@ -79,7 +79,7 @@ impl JointFriction {
         }
     }
 
-    /// Returns the wrench of a unit generalised force in a sliding direction, in the axes of the frame.
+    /// Returns the wrench of a unit generalised force in a sliding direction, in the axes of [`Self::frame`].
     pub(crate) fn unit(slide: Slide) -> Vec6 {
         Vec6::ith(
             match slide {

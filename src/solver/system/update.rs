@@ -3,8 +3,8 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, exp};
 use crate::model::PartIx;
 
 impl System {
-    /// Applies a correction of the unknowns to a state. Translations of the reference points are added; rotations act about these points as
-    /// `R <- exp(dphi) R`.
+    /// Adds a correction of the unknowns to a state. Translations of the reference points are added; rotations act about the reference
+    /// points as `R <- exp(dphi) R`.
     pub fn advance(&self, state: &mut State, correction: &[f64]) {
         for part in 0..self.bodies.len() {
             self.displace(state, PartIx(part), correction);
@@ -23,7 +23,7 @@ impl System {
         }
     }
 
-    /// Applies a correction of the unknowns to one part.
+    /// Applies the correction of the unknowns to the pose of one part.
     pub fn displace(&self, state: &mut State, part: PartIx, correction: &[f64]) {
         let d = &correction[self.part_unknowns(part)];
         if d.is_empty() {
@@ -39,8 +39,8 @@ impl System {
         }
     }
 
-    /// Returns the pose change of a part due to a small change of the unknowns: translation of its origin, then rotation vector, ground
-    /// axes.
+    /// Returns the pose change of a part due to a small change of the unknowns: translation of the part's origin, then rotation vector, in
+    /// ground axes.
     pub fn pose_change(&self, state: &State, part: PartIx, dx: &[f64]) -> [f64; 6] {
         let mut change = [0.0; 6];
         let d = &dx[self.part_unknowns(part)];
@@ -53,7 +53,7 @@ impl System {
         change
     }
 
-    /// Accepts the configuration as an equilibrium and updates the reference angles for counting full turns.
+    /// Accepts the configuration as an equilibrium: updates the reference angles for counting full turns.
     pub(crate) fn accept(
         &self,
         parameters: &super::Parameters,

@@ -1,4 +1,4 @@
-//! Bootstrap: fits of resampled readings.
+//! Bootstrap: repeated fits to resampled readings.
 
 use nalgebra::DVector;
 
@@ -7,25 +7,25 @@ use crate::{Row, Status, Stream, normal};
 use admire_identify::global::Row as Reading;
 use admire_identify::global::gauss_newton::{Ending, Prior, Tolerances};
 
-/// Smallest number of residuals of a kind for a pool of its own; smaller kinds share one pool.
+/// Smallest number of residuals for which a kind of reading has its own pool; rarer kinds share one pool.
 const FEW: usize = 20;
-/// Upper limit of the leverage. A reading with a greater leverage nearly determines its own prediction and has no usable residual.
+/// Upper limit of the leverage. A reading of higher leverage nearly determines its own prediction, so its residual carries no information.
 const LEVERAGE: f64 = 0.99;
 
-/// Data from which every replicate is drawn.
+/// Data from which every bootstrap replicate is drawn.
 pub(crate) struct Bootstrap<'a> {
     estimate: &'a Estimate<'a>,
     stream: Stream,
-    /// Pools of errors, one for each kind of reading.
+    /// Pools of errors, one for each kind of reading and one shared pool.
     pools: Vec<Vec<f64>>,
     /// Index of the pool of each residual.
     pool_of: Vec<usize>,
-    /// Root mean square of all pooled errors; 1 if noise and tolerances are as large as the fit assumes.
+    /// Root mean square of all pooled errors. It is 1 if noise and tolerances are as large as the fit assumes.
     pub noise_ratio: f64,
 }
 
 impl<'a> Bootstrap<'a> {
-    /// Prepares the bootstrap of a fit.
+    /// Prepares the bootstrap of a fit; `seed` is the seed of all draws.
     pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64) -> Self {
         let kinds = kinds(estimate);
         let (pools, pool_of) = pools(
@@ -45,7 +45,7 @@ impl<'a> Bootstrap<'a> {
         }
     }
 
-    /// Runs a replicate. The outputs are the identified numbers and half the remaining chi-square.
+    /// Runs one replicate. The outputs are the identified parameters and half the chi-square of the replicate.
     pub(crate) fn run(&self, case: u64) -> Row {
         let start = std::time::Instant::now();
         let fitted = self.fitted(case);
@@ -94,7 +94,7 @@ impl<'a> Bootstrap<'a> {
     }
 }
 
-/// Returns the kind of reading of each residual.
+/// Returns the kind of reading that each residual belongs to, as a number.
 fn kinds(estimate: &Estimate<'_>) -> Vec<usize> {
     let problem = estimate.problem;
     let observations = estimate
@@ -112,7 +112,7 @@ fn kinds(estimate: &Estimate<'_>) -> Vec<usize> {
     estimate.marginal.rows().map(kind).collect()
 }
 
-/// Returns the pools of errors, and the index of the pool of each residual. An error is reading minus prediction.
+/// Returns the pools of errors, and the index of the pool for each residual. An error is the reading minus its prediction.
 fn pools(
     kinds: &[usize],
     residual: &DVector<f64>,
@@ -130,7 +130,7 @@ fn pools(
         pools[*pool].push(error);
     }
     if pools[last].len() < FEW {
-        // If the shared pool is still too small, it takes the errors of all kinds.
+        // If the shared pool is still too small, it takes the errors of all pools.
         let all: Vec<f64> = pools.iter().flatten().copied().collect();
         pools[last] = all;
     }

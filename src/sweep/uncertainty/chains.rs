@@ -1,6 +1,6 @@
-//! Convergence and effective size of chains (Gelman et al., Bayesian Data Analysis, 3rd ed., 11.4 and 11.5).
+//! Convergence and effective number of draws of Markov chains (Gelman et al., Bayesian Data Analysis, 3rd ed., 11.4 and 11.5).
 
-/// Splits each chain into halves of equal length.
+/// Splits each chain into two halves of equal length.
 fn halves(chains: &[Vec<f64>]) -> Vec<&[f64]> {
     chains
         .iter()
@@ -21,7 +21,7 @@ fn variance(values: &[f64]) -> f64 {
     sum / (values.len() as f64 - 1.0)
 }
 
-/// Returns the mean variance within the halves, and the estimated variance of the whole distribution.
+/// Returns the mean variance within the halves, and the estimated variance of the distribution that the chains sample.
 fn variances(halves: &[&[f64]]) -> (f64, f64) {
     let n = halves[0].len() as f64;
     let within = halves.iter().map(|half| variance(half)).sum::<f64>() / halves.len() as f64;
@@ -29,7 +29,7 @@ fn variances(halves: &[&[f64]]) -> (f64, f64) {
     (within, within * (n - 1.0) / n + variance(&means))
 }
 
-/// Returns the potential scale reduction of split chains, which is 1 if all halves agree. NaN for chains of fewer than four draws.
+/// Returns the potential scale reduction (R-hat) of split chains, which is 1 if all halves agree. NaN for chains of fewer than four draws.
 pub(crate) fn split_r_hat(chains: &[Vec<f64>]) -> f64 {
     let halves = halves(chains);
     if halves.first().is_none_or(|half| half.len() < 2) {
@@ -39,7 +39,7 @@ pub(crate) fn split_r_hat(chains: &[Vec<f64>]) -> f64 {
     (whole / within).sqrt()
 }
 
-/// Returns the effective number of independent draws, from Geyer's pairs of autocorrelations.
+/// Returns the effective number of independent draws, from Geyer's initial monotone sequence of autocorrelation pairs.
 pub(crate) fn effective_draws(chains: &[Vec<f64>]) -> f64 {
     let halves = halves(chains);
     if halves.first().is_none_or(|half| half.len() < 2) {
@@ -47,7 +47,7 @@ pub(crate) fn effective_draws(chains: &[Vec<f64>]) -> f64 {
     }
     let n = halves[0].len();
     let (_, whole) = variances(&halves);
-    // The variogram at a lag gives the autocorrelation.
+    // The variogram at a lag gives the autocorrelation at that lag.
     let correlation = |lag: usize| {
         let of = |half: &&[f64]| {
             let pairs = half[lag..].iter().zip(*half);
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
     use crate::{Stream, normal};
 
-    /// Creates autoregressive chains with a known effective number of draws: n (1 - a) / (1 + a).
+    /// Creates autoregressive chains with coefficient `a`. Their effective number of draws is known: n (1 - a) / (1 + a).
     fn chains(a: f64, length: usize) -> Vec<Vec<f64>> {
         (0..8)
             .map(|chain| {

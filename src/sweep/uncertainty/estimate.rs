@@ -5,13 +5,13 @@ use admire_identify::global::gauss_newton::{Minimum, Prior, Tolerances};
 use admire_identify::global::{Marginal, MarginalProblem, profile_interval};
 use admire_identify::{IdentifyError, Problem};
 
-/// Fit to be repeated: the best values of the unknowns and their covariance.
+/// Fit to be repeated: the estimate of the unknowns and their covariance.
 pub(crate) struct Estimate<'a> {
     /// Identification problem of the study.
     pub problem: &'a Problem<'a>,
-    /// Unknowns with all else marginalised.
+    /// Problem in the unknowns, with all tolerances marginalised.
     pub marginal: &'a Marginal,
-    /// Minimum of the fit.
+    /// Minimum that the fit found.
     pub minimum: Minimum,
     /// Covariance of the unknowns at the minimum.
     pub covariance: DMatrix<f64>,
@@ -20,7 +20,7 @@ pub(crate) struct Estimate<'a> {
 }
 
 impl<'a> Estimate<'a> {
-    /// Completes the fit with all else marginalised. `None` if it has no minimum.
+    /// Minimises the problem with all tolerances marginalised. `None` if the fit finds no minimum.
     ///
     /// # Errors
     /// When a load drives something that the solver cannot change.
@@ -43,7 +43,7 @@ impl<'a> Estimate<'a> {
         }))
     }
 
-    /// Returns a fresh copy of the fit, independent of earlier fits.
+    /// Returns a fresh fit of the same problem, independent of the state of earlier fits.
     ///
     /// # Errors
     /// When a load drives something that the solver cannot change.
@@ -51,7 +51,7 @@ impl<'a> Estimate<'a> {
         self.marginal.problem(self.problem)
     }
 
-    /// Computes intervals by profile likelihood, of the numbers themselves rather than their logarithms.
+    /// Computes the profile-likelihood interval of each parameter: of the parameter itself, not of its logarithm.
     ///
     /// # Errors
     /// When a load drives something that the solver cannot change.
@@ -60,14 +60,21 @@ impl<'a> Estimate<'a> {
         let (scale, held) = (self.marginal.scale(), held(priors));
         let mut fit = self.again()?;
         let of = |k: usize| {
-            let place = (k, &self.covariance);
-            let sides = profile_interval(&mut fit, &self.minimum, place, priors, &scale, &held);
+            let sides = profile_interval(
+                &mut fit,
+                &self.minimum,
+                k,
+                &self.covariance,
+                priors,
+                &scale,
+                &held,
+            );
             sides.map(|side| side.map(libm::exp))
         };
         Ok((0..self.marginal.len()).map(of).collect())
     }
 
-    /// Returns the leverage of each reading: the sensitivity of its prediction to the reading itself.
+    /// Returns the leverage of each reading: the derivative of its prediction with respect to the reading itself.
     pub(crate) fn leverages(&self) -> DVector<f64> {
         let jacobian = &self.minimum.evaluation.jacobian;
         let across = jacobian * &self.root;

@@ -1,13 +1,14 @@
-//! Uncertainty of identified numbers by repetition: bootstrap fits of resampled readings, and draws from the posterior.
+//! Uncertainty of identified parameters by repetition: bootstrap fits to resampled readings, and draws from the posterior.
 //!
-//! Both work on the unknowns with all tolerances marginalised ([`Marginal`](admire_identify::global::Marginal)). They use the engine of the
-//! sweeps: counter-based random numbers, a journal, a table. Threads and interruptions therefore change no bit.
+//! Both methods work on the unknowns with all tolerances marginalised ([`Marginal`](admire_identify::global::Marginal)). They use the
+//! engine of the sweeps: counter-based random numbers, a journal, a table. Thus neither the number of threads nor an interruption changes a
+//! bit of the results.
 //!
-//! Bootstrap: readings are the predictions of the fit plus its whitened residuals, drawn with replacement. Residuals are drawn rather than
-//! load cases, because the cases of a rig are designed: each has its own loads, and all share the same tolerances. Residuals whitened by
-//! noise and tolerances are exchangeable, so that drawing them draws the tolerances, too. Each residual is drawn from its kind of reading,
-//! divided by the root of one minus its leverage, and centred (Davison and Hinkley 1997, section 6.2). Priors count as readings and are
-//! drawn, too.
+//! Bootstrap: the readings of a replicate are the predictions of the fit plus whitened residuals, drawn with replacement. Residuals are
+//! drawn rather than load cases, because the load cases of a rig are designed: each has its own loads, and all share the same tolerances.
+//! Residuals whitened by noise and tolerances are exchangeable. Drawing them therefore also draws the tolerances. Each residual is drawn
+//! from the pool for its kind of reading. The residuals in a pool are divided by the square root of one minus the leverage, and centred
+//! (Davison and Hinkley 1997, section 6.2). Priors count as readings and are drawn, too.
 //!
 //! Posterior: Hamiltonian Monte Carlo (Neal 2011) in coordinates whitened by the fit's covariance.
 

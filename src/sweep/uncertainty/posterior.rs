@@ -1,7 +1,8 @@
 //! Draws from the posterior by Hamiltonian Monte Carlo.
 //!
-//! With `x = estimate + L z`, where `L L'` is the covariance of the fit, z is nearly a unit Gaussian if the model is nearly linear. A
-//! quarter of an oscillation then leads to a nearly independent draw. Leapfrog steps use the exact gradient `L'(J'r + (x - m)/sd^2)`.
+//! Let `x = estimate + L z`, where `L L'` is the covariance of the fit. If the model is nearly linear, z is nearly a unit Gaussian, and a
+//! trajectory over a quarter of an oscillation ends at a nearly independent draw. Leapfrog steps use the exact gradient
+//! `L'(J'r + (x - m)/sd^2)`.
 
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -11,22 +12,22 @@ use crate::{Row, Status, Stream, normal};
 use admire_identify::global::MarginalProblem;
 use admire_identify::global::gauss_newton::LeastSquares;
 
-/// Numbers of leapfrog steps per quarter oscillation that the pilot tries, in ascending order.
+/// Trial numbers of leapfrog steps per quarter oscillation, in ascending order. The pilot run chooses one of them.
 const STEPS: [usize; 5] = [4, 6, 9, 14, 22];
-/// Smallest mean acceptance probability in the pilot at which a number of steps is chosen.
+/// Smallest mean acceptance probability in the pilot run at which a number of leapfrog steps is accepted.
 const ACCEPT: f64 = 0.85;
 /// Number of pilot chains. They start at different points, because the posterior may be much narrower far from the estimate.
 const PILOTS: u64 = 8;
-/// Number of trajectories of each pilot chain.
+/// Number of trajectories in each pilot chain.
 const PILOT: u64 = 4;
-/// Probability of the region of a Gaussian posterior within which chains start.
+/// Probability content of the region of a Gaussian posterior within which chains start.
 const TYPICAL: f64 = 0.99;
 /// Number of draws discarded at the beginning of every chain.
 const WARM_UP: u64 = 30;
-/// Relative half range of the random trajectory length, which avoids periodic trajectories.
+/// Half range of the random trajectory length, relative to the mean length. The randomness avoids periodic trajectories.
 const JITTER: f64 = 0.2;
 
-/// Sampler of the posterior in several chains.
+/// Sampler that draws from the posterior in several chains.
 pub(crate) struct Posterior<'a> {
     estimate: &'a Estimate<'a>,
     seed: u64,
@@ -36,27 +37,27 @@ pub(crate) struct Posterior<'a> {
     pub steps: usize,
 }
 
-/// Point in whitened coordinates.
+/// Point in whitened coordinates, with its energy.
 struct PosteriorPoint {
     z: DVector<f64>,
-    /// Half chi-square with priors.
+    /// Energy: half the chi-square, including the priors.
     energy: f64,
     /// Gradient of the energy with respect to `z`.
     gradient: DVector<f64>,
 }
 
-/// State of a chain after a trajectory.
+/// State of a chain at the end of a trajectory.
 struct End {
     x: Vec<f64>,
-    /// Half chi-square with priors at this state.
+    /// Half the chi-square, including the priors, at this state.
     energy: f64,
-    /// Acceptance probability of the trajectory's end.
+    /// Probability with which the end of the trajectory is accepted.
     probability: f64,
 }
 
 impl<'a> Posterior<'a> {
-    /// Prepares the sampler of a fit, with chains of this length. A short pilot chooses the smallest number of steps with sufficient
-    /// acceptance.
+    /// Prepares the sampler of a fit, with chains of this length. A short pilot run chooses the smallest number of leapfrog steps with
+    /// sufficient acceptance.
     pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64, length: u64) -> Self {
         let mut new = Self {
             estimate,
@@ -86,19 +87,20 @@ impl<'a> Posterior<'a> {
         new
     }
 
-    /// Returns the chain and draw of a case, counted from 0.
+    /// Returns the chain number and the draw number of a case, both counted from 0.
     pub(crate) fn place(&self, case: u64) -> (u64, u64) {
         (case / self.length, case % self.length)
     }
 
-    /// Makes a draw. The outputs are the identified numbers, half chi-square with priors, and the acceptance probability of the
-    /// trajectory's end.
+    /// Makes one draw. The outputs are the identified parameters, half the chi-square including the priors, and the acceptance probability
+    /// of the trajectory's end.
     pub(crate) fn run(&self, case: u64, before: Option<&Row>) -> Row {
         let start = std::time::Instant::now();
         let (chain, draw) = self.place(case);
         let stream = Stream::named(self.seed, &format!("chain {chain}"));
         let count = self.estimate.marginal.len();
-        // The next draw starts from the numbers in the table, so that an interrupted chain continues exactly as if uninterrupted.
+        // The next draw starts from the values in the table, so that an interrupted chain continues exactly as an uninterrupted chain
+        // would.
         let x: Vec<f64> = if let Some(row) = before {
             row.outputs[..count]
                 .iter()
@@ -124,7 +126,8 @@ impl<'a> Posterior<'a> {
     }
 
     /// Returns the start of a chain, drawn from the covariance of the fit. The start is moved towards the estimate if the model has no
-    /// equilibrium there or the readings exclude it, because the step length of the posterior would not lead away from such a point.
+    /// equilibrium there or the readings exclude it. From such a point, trajectories with the step length of the posterior would not lead
+    /// away.
     fn scattered(&self, stream: &Stream) -> Vec<f64> {
         let count = self.estimate.marginal.len() as u64;
         let z = normals(stream, 0, count);
@@ -144,7 +147,7 @@ impl<'a> Posterior<'a> {
             .unwrap_or_else(|| self.estimate.minimum.x.clone())
     }
 
-    /// Computes one trajectory from x.
+    /// Computes one trajectory that starts at x.
     fn draw(&self, x: &[f64], stream: &Stream, number: u64) -> End {
         let count = self.estimate.marginal.len() as u64;
         let first = number * (count + 2);

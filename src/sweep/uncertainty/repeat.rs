@@ -1,4 +1,4 @@
-//! Repetition of a fit: from the request to the entries of `identification.json` for every number.
+//! Repetition of a fit, from the request to the entries in `identification.json` for every parameter.
 
 use std::path::{Path, PathBuf};
 
@@ -14,21 +14,21 @@ use crate::{
 use admire_identify::global::Marginal;
 use admire_identify::{BootstrapMade, Fit, IdentifyError, PosteriorMade, Problem};
 
-/// Number of posterior chains: enough to compare them, few enough that their warm-up is cheap.
+/// Number of posterior chains. Eight chains are enough for a comparison between chains, and their warm-up is still cheap.
 pub(crate) const CHAINS: u64 = 8;
-/// Smallest number of replicates that determines the ends of an interval.
+/// Smallest number of bootstrap replicates that determines the ends of an interval.
 pub const LEAST_REPLICATES: u64 = 100;
-/// Smallest number of draws that determines the ends of an interval and the agreement of chains.
+/// Smallest number of posterior draws that determines the ends of an interval and the agreement of chains.
 pub const LEAST_DRAWS: u64 = 100;
-/// Largest number of repetitions.
+/// Largest number of replicates or draws.
 pub const MOST: u64 = 10_000_000;
 
-/// Requested repetitions.
+/// Requested repetitions of a fit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Repeats {
-    /// Number of bootstrap fits.
+    /// Number of bootstrap fits; `None` means no bootstrap.
     pub bootstrap: Option<u64>,
-    /// Number of draws from the posterior, rounded up to a multiple of the number of chains.
+    /// Number of draws from the posterior, rounded up to a multiple of the number of chains; `None` means no draws.
     pub posterior: Option<u64>,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -39,14 +39,14 @@ pub struct Repeats {
 /// Kind of repetition.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
-    /// Bootstrap fits of resampled readings.
+    /// Bootstrap fits to resampled readings.
     Bootstrap,
     /// Draws from the posterior.
     Posterior,
 }
 
 impl Kind {
-    /// Returns the name of its table.
+    /// Returns the file name of the table for this kind of repetition.
     pub const fn file(self) -> &'static str {
         match self {
             Self::Bootstrap => "bootstrap.parquet",
@@ -54,7 +54,7 @@ impl Kind {
         }
     }
 
-    /// Returns its name.
+    /// Returns the name of the kind, `bootstrap` or `posterior`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Bootstrap => "bootstrap",
@@ -63,15 +63,15 @@ impl Kind {
     }
 }
 
-/// Callback for progress; returns whether to continue.
+/// Callback that receives the progress and returns true if the run is to continue.
 pub(crate) type Told<'a> = dyn FnMut(Kind, &Progress) -> bool + 'a;
 
-/// Result of a repetition.
+/// Rows that a repetition produced.
 #[derive(Clone, Debug)]
 pub enum RepeatOutput {
-    /// Path of a table.
+    /// Path of the table with the rows.
     Table(PathBuf),
-    /// Rows of the table, in its order.
+    /// Rows in memory, in the order of the table.
     Rows(Vec<Row>),
 }
 
@@ -80,27 +80,33 @@ impl RepeatOutput {
         match self {
             Self::Rows(rows) => rows.iter().for_each(take),
             Self::Table(path) => {
-                let counts = (layout.inputs.len(), layout.outputs.len());
-                TableReader::open(path)?.each(counts, |row, _| -> Result<(), SweepError> {
-                    take(&row);
-                    Ok(())
-                })?;
+                let (inputs, outputs) = (layout.inputs.len(), layout.outputs.len());
+                TableReader::open(path)?.each(
+                    inputs,
+                    outputs,
+                    |row, _| -> Result<(), SweepError> {
+                        take(&row);
+                        Ok(())
+                    },
+                )?;
             }
         }
         Ok(())
     }
 }
 
-/// Repeats a fit and stores the results in `fit`. Journals and tables are kept in `folder`, from which an interrupted run continues;
-/// without a folder everything stays in memory. `None` if the run was interrupted.
+/// Repeats a fit and stores the resulting intervals in `fit`. Journals and tables are kept in `folder`, so that an interrupted run can be
+/// continued there. Without a folder all rows stay in memory. Returns the output of each repetition; `None` if the run was interrupted.
 ///
 /// # Errors
 /// When a journal or table cannot be written, or the fit cannot be repeated.
 pub fn repeat(
-    (problem, marginal): (&Problem<'_>, &Marginal),
+    problem: &Problem<'_>,
+    marginal: &Marginal,
     fit: &mut Fit,
     asked: &Repeats,
-    (folder, version): (Option<&Path>, &str),
+    folder: Option<&Path>,
+    version: &str,
     tell: &mut Told<'_>,
 ) -> Result<Option<Vec<(Kind, RepeatOutput)>>, RepeatError> {
     let estimate = Estimate::new(problem, marginal)?.ok_or(RepeatError::NoEstimate)?;
@@ -164,7 +170,7 @@ pub fn repeat(
     Ok(Some(done))
 }
 
-/// Reason why a fit is not repeated.
+/// Reason why a fit cannot be repeated.
 #[derive(Debug, thiserror::Error)]
 pub enum RepeatError {
     /// The identification problem cannot be set up.
@@ -181,7 +187,7 @@ pub enum RepeatError {
     NoReplicate(String),
 }
 
-/// Returns the files of a run with these options.
+/// Returns the paths of journal and table for a run with these options.
 fn places(folder: &Path, work: &Work<'_>, (kind, count, seed): (Kind, u64, u64)) -> Places {
     let key = format!(
         "{}\n{}\n{}\n{count}\n{seed}",
@@ -263,7 +269,7 @@ impl Cases for Work<'_> {
     }
 }
 
-/// Stores the results in the fit.
+/// Stores the results of a repetition in the fit.
 fn take(
     work: &Work<'_>,
     (kind, count, seed): (Kind, u64, u64),
@@ -321,12 +327,12 @@ fn take(
     Ok(())
 }
 
-/// Largest R-hat of converged chains.
+/// Upper limit of R-hat below which chains count as converged.
 const APART: f64 = 1.05;
-/// Ratio of widths from which two intervals count as different.
+/// Ratio of two interval widths from which the intervals count as different.
 const DIFFERENT: f64 = 1.25;
 
-/// Adds remarks about disagreement between the repetition and the profile likelihood.
+/// Adds remarks on the agreement between repetition and profile likelihood, and on convergence, to the fit.
 fn remark(kind: Kind, fit: &mut Fit) {
     let of = |k: usize| match kind {
         Kind::Bootstrap => fit.parameters[k].bootstrap,

@@ -1,7 +1,7 @@
 use super::chains::{effective_draws, split_r_hat};
 use admire_identify::Repeated;
 
-/// Summarises the repeated values of a number, chain by chain; `profile` is its interval by profile likelihood.
+/// Summarises the repeated values of one parameter, given chain by chain. `profile` is the profile-likelihood interval of the parameter.
 pub(crate) fn spread(
     chains: &[Vec<f64>],
     estimate: f64,
@@ -35,7 +35,7 @@ pub(crate) fn spread(
 }
 
 /// Returns a quantile by linear interpolation between sorted values (Hyndman and Fan 1996, type 8). The median of an odd number of values
-/// is the middle one.
+/// is the middle value.
 fn quantile(sorted: &[f64], p: f64) -> f64 {
     let n = sorted.len() as f64;
     let at = (p * (n + 1.0 / 3.0) + 1.0 / 3.0 - 1.0).clamp(0.0, n - 1.0);

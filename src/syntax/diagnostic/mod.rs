@@ -1,4 +1,4 @@
-//! Diagnostics about a text or a model, as data; independent of how they are printed and of the rules that find them.
+//! Diagnostics about a text or a model, as data. They are independent of their output format and of the rules that report them.
 
 mod code;
 
@@ -14,27 +14,27 @@ use crate::text::{Edit, Span};
 )]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// Information.
+    /// Information only; nothing needs to change.
     Note,
-    /// The result may differ from the intended one.
+    /// The result may differ from what the user intends.
     Warning,
     /// The input cannot be used in its present form.
     Error,
 }
 
-/// A location in a file, with a message about it.
+/// A location in a file, with a message about that location.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Label {
     /// File name, as given by its [`Source`](crate::text::Source).
     pub file: Arc<str>,
-    /// Smallest span that shows the problem.
+    /// Smallest span that contains the problem.
     pub span: Span,
     /// Message about the location; may be empty.
     pub message: String,
 }
 
 impl Label {
-    /// Returns true if the label concerns the file as a whole: its span is empty and at offset 0.
+    /// Returns true if the label concerns the whole file: its span is then empty and at offset 0.
     pub fn is_about_all(&self) -> bool {
         self.span == Span::at(0)
     }
@@ -45,50 +45,50 @@ impl Label {
 pub enum Applicability {
     /// The fix keeps the meaning of the file.
     Safe,
-    /// The fix may change the meaning; a person must decide.
+    /// The fix may change the meaning of the file; a person must decide.
     MaybeIncorrect,
 }
 
-/// A proposed change of the file of the first label.
+/// A proposed change of the file that the first label names.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fix {
     /// Description of the fix in one line.
     pub title: String,
-    /// Edits with offsets in the unchanged file.
+    /// Edits of the file, with offsets in its unchanged bytes.
     pub edits: Vec<Edit>,
     /// Whether the fix may be applied without confirmation.
     pub applicability: Applicability,
 }
 
-/// An object of a model that a message mentions.
+/// An object of a model that is the subject of a diagnostic.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Object {
     /// Keyword in capitals.
     pub kind: &'static str,
     /// Id of the object.
     pub id: u32,
-    /// Name of the object in the message: `CONTACT/1 'cam_to_pin'`.
+    /// Name of the object as written in the message: `CONTACT/1 'cam_to_pin'`.
     pub called: String,
-    /// View name, if it adds information to keyword and id.
+    /// ADAMS/View name of the object, if it adds information to keyword and id.
     pub view: Option<String>,
 }
 
 /// One diagnostic: an error, a warning or a note.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Diagnostic {
-    /// Stable code in kebab case.
+    /// Stable code, which identifies the kind of problem.
     pub code: Code,
     /// Severity of the diagnostic.
     pub severity: Severity,
     /// One sentence without a full stop.
     pub message: String,
-    /// Object that the message mentions, if no label locates it.
+    /// Object that the message mentions; set if no label locates the problem.
     pub object: Option<Object>,
-    /// Locations, the primary one first.
+    /// Locations of the problem, the most important first.
     pub labels: Vec<Label>,
     /// Advice on how to resolve the problem.
     pub help: Option<String>,
-    /// Proposed change.
+    /// Proposed change that resolves the problem.
     pub fix: Option<Fix>,
 }
 
@@ -120,14 +120,14 @@ impl Diagnostic {
         }
     }
 
-    /// Sets the object of the diagnostic.
+    /// Sets the object that the message mentions.
     #[must_use]
     pub fn about(mut self, object: Object) -> Self {
         self.object = Some(object);
         self
     }
 
-    /// Adds a location.
+    /// Adds a location in a file, with a message about it.
     #[must_use]
     pub fn label(
         mut self,
@@ -167,7 +167,7 @@ impl Diagnostic {
     }
 }
 
-/// A result together with its diagnostics, for operations such as parsing that always return a result.
+/// Result of an operation such as parsing, which always gives a result, together with the diagnostics of the operation.
 #[derive(Clone, Debug)]
 pub struct Checked<T> {
     /// The result, as complete as the input permits.

@@ -1,6 +1,6 @@
 //! FUNCTION expressions as trees with spans.
 //!
-//! The module covers the grammar of expressions and the names of functions; it does not evaluate them.
+//! The module parses expressions and looks up the names of functions; it does not evaluate expressions.
 
 mod parse;
 mod references;
@@ -23,9 +23,9 @@ pub struct Expression {
     pub text: String,
     /// Location in the file.
     pub span: Span,
-    /// All number literals in order of appearance, with value (radians if it has the degree suffix) and location.
+    /// All literal numbers in order of appearance, with value and location. Angles with the degree suffix are in radians.
     ///
-    /// Literal k has the address `....FUNCTION.{k+1}`.
+    /// The literal at index k has the address `....FUNCTION.{k+1}`.
     pub literals: Vec<super::Number>,
 }
 
@@ -54,17 +54,17 @@ pub enum Constant {
 /// A node of the expression tree.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Node {
-    /// A number literal, as an index into [`Expression::literals`].
+    /// A literal number, given by its index in [`Expression::literals`].
     Literal(usize),
-    /// PI, RTOD, DTOR.
+    /// A named constant: PI, RTOD or DTOR.
     Constant(Constant),
-    /// A function without arguments whose value depends on the state of the run: TIME, MODE.
+    /// A function without arguments, such as TIME or MODE; its value depends on the state of the simulation.
     Name(&'static FunctionDef),
-    /// Unary minus.
+    /// Negation by a minus sign.
     Negate(Box<Node>),
     /// A binary operation.
     Binary(BinaryOperator, Box<Node>, Box<Node>),
-    /// A choice by sign: IF(test: negative, zero, positive).
+    /// A selection by sign, `IF(test: negative, zero, positive)`: the test, and one expression for each sign.
     If(Box<[Node; 4]>),
     /// `[x, y, z]`, a vector of three expressions.
     Vector(Box<[Node; 3]>),
@@ -72,7 +72,7 @@ pub enum Node {
     Call {
         /// Function that is called.
         function: &'static FunctionDef,
-        /// Arguments of the call.
+        /// Arguments of the call, in order.
         arguments: Vec<Node>,
         /// Location of the whole call in the file.
         span: Span,
@@ -92,7 +92,7 @@ impl Node {
         }
     }
 
-    /// Iterates over the node and all its descendants; siblings are visited from last to first.
+    /// Iterates over the node and all its descendants; the children of a node are visited from last to first.
     pub fn walk(&self) -> impl Iterator<Item = &Self> {
         let mut open = vec![self];
         std::iter::from_fn(move || {

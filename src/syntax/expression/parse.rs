@@ -8,17 +8,17 @@ use crate::fix::did_you_mean;
 use crate::grammar::{Count, FUNCTIONS, FunctionDef, all_nearest, find_function};
 use crate::text::{Source, Span};
 
-/// Maximum nesting of parentheses, calls and signs.
+/// Maximum nesting depth of parentheses, calls and signs.
 const DEEPEST_NESTING: usize = 300;
-/// Maximum height of the tree; a sum of n terms has height n. The limit bounds the stack of every tree walk.
+/// Maximum height of the tree; a sum of n terms has height n. The limit bounds the stack depth of every recursive tree walk.
 const DEEPEST_TREE: usize = 1000;
 /// Maximum length of an unknown name for which similar names are suggested.
 const LONGEST_NAME: usize = 24;
 
-/// Parses the expression given by the tokens of one function text, following the grammar of guide/formats.md 3.1.
+/// Parses the tokens of one function text into an expression; the grammar is in guide/formats.md 3.1.
 ///
-/// Blanks, line ends, comments and continuation marks only separate tokens. `span` is the location of the whole text; it locates errors
-/// where no token is left. Parsing stops at the first error and the value is then `None`.
+/// Blanks, line ends, comments and continuation marks only separate tokens. `span` is the location of the whole text; errors at the end of
+/// the text are located there. Parsing stops at the first error, and the value is then `None`.
 pub fn parse(source: &Source, tokens: &[Token], span: Span) -> Checked<Option<Expression>> {
     let belongs = |token: &Token| is_significant(token) && span.contains(token.span);
     let tokens = if tokens.iter().all(belongs) {
@@ -53,10 +53,10 @@ pub fn parse(source: &Source, tokens: &[Token], span: Span) -> Checked<Option<Ex
 }
 
 impl Expression {
-    /// Parses a stand-alone expression, such as `AX(21,1)*RTOD` in a study. Spans are offsets in `text`.
+    /// Parses a stand-alone expression, such as `AX(21,1)*RTOD` in a study. All spans in the result are offsets in `text`.
     ///
     /// # Errors
-    /// Returns `bad-expression` located in `text`, as a file named `expression`.
+    /// Returns `bad-expression`, located in a file named `expression` whose content is `text`.
     pub fn parse_str(text: &str) -> Result<Self, Diagnostic> {
         let source = Source::new("expression", text.as_bytes().to_vec());
         let span = Span::new(0, text.len());
@@ -77,7 +77,7 @@ fn is_significant(token: &Token) -> bool {
             | TokenKind::LineEnd
             | TokenKind::Comment
             | TokenKind::Continuation
-            // The `&` occurs only as the mark at the end of a line.
+            // Here `&` can only be the continuation mark at the end of a line.
             | TokenKind::Punctuation(b'&')
     )
 }
@@ -99,7 +99,7 @@ fn text_of(source: &Source, tokens: &[Token]) -> String {
         .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
-/// A node and the height of its tree.
+/// A node, with the height of the tree below it.
 type Grown = (Node, usize);
 type Parsed<T> = Result<T, Box<Diagnostic>>;
 
@@ -139,7 +139,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses `factor { (*|/|%) factor }`.
+    /// Parses `factor { (*|/|%) factor }`; `%` is the cross product.
     fn product(&mut self) -> Parsed<Grown> {
         let mut left = self.factor()?;
         loop {
@@ -155,7 +155,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses `[+|-] power`; several signs are accepted.
+    /// Parses `[+|-] power`; several signs in a row are accepted.
     fn factor(&mut self) -> Parsed<Grown> {
         let minus = match self.punctuation() {
             Some(b'+') => false,
@@ -171,7 +171,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses `primary [ ** factor ]`, right associative; blanks may separate the two stars.
+    /// Parses `primary [ ** factor ]`, which is right associative; blanks may separate the two stars.
     fn power(&mut self) -> Parsed<Grown> {
         let base = self.primary()?;
         let star = TokenKind::Punctuation(b'*');
@@ -214,7 +214,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses a vector `[x, y, z]` of the C++ solver (`operators.html`).
+    /// Parses a vector `[x, y, z]`, a notation of the C++ solver (page `operators.html`).
     fn vector(&mut self, opened: Span) -> Parsed<Grown> {
         self.at += 1;
         let (x, a) = self.sum()?;
@@ -227,9 +227,9 @@ impl Parser<'_> {
         Ok((Node::Vector(Box::new([x, y, z])), height))
     }
 
-    /// Returns the span of a negative number such as `-1.5` if it and a closing parenthesis come next.
+    /// Returns the span of a negative number such as `-1.5` if the next tokens are such a number and a closing parenthesis.
     ///
-    /// The number becomes one literal, so that a number of a function can be set to a negative value and read back.
+    /// Such a number becomes a single literal. A literal can therefore be set to a negative value and read back.
     fn negative_number(&self) -> Option<Span> {
         let [minus, number, close] = self.tokens.get(self.at..self.at + 3)? else {
             return None;
@@ -253,7 +253,7 @@ impl Parser<'_> {
         Ok((Node::Literal(self.literals.len() - 1), 1))
     }
 
-    /// Parses what a name begins: a constant, a name without arguments, an IF, or a call.
+    /// Parses a constant, a name without arguments, an IF, or a function call, after its name was consumed.
     fn name(&mut self, span: Span) -> Parsed<Grown> {
         let source = self.source;
         let name = source.slice(span);
@@ -289,7 +289,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses `IF(test: negative, zero, positive)` after its name.
+    /// Parses the rest of `IF(test: negative, zero, positive)`, after the name IF was consumed.
     fn choice(&mut self, name: Span) -> Parsed<Grown> {
         self.at += 1;
         let (test, a) = self.sum()?;
@@ -313,7 +313,7 @@ impl Parser<'_> {
         Ok((Node::If(Box::new([test, negative, zero, positive])), height))
     }
 
-    /// Parses the arguments of a function after its name.
+    /// Parses the arguments of a function call, after the name of the function was consumed.
     fn call(&mut self, function: &'static FunctionDef, name: Span) -> Parsed<Grown> {
         self.at += 1;
         let mut arguments = Vec::with_capacity(function.count.min.max(2));
@@ -366,7 +366,7 @@ impl Parser<'_> {
         ))
     }
 
-    /// Returns the height of a node from the height of its highest child; an error if it exceeds the limit.
+    /// Returns the height of a node, given the height of its highest child, or an error if the height exceeds [`DEEPEST_TREE`].
     fn height(&self, child: usize) -> Parsed<usize> {
         if child < DEEPEST_TREE {
             Ok(child + 1)
@@ -411,7 +411,7 @@ impl Parser<'_> {
             .map_or(Span::at(self.span.end()), |token| token.span)
     }
 
-    /// Consumes one expected punctuation mark; `opened` is the span to show if the expression ends first.
+    /// Consumes the expected punctuation mark. If the expression ends before the mark, the error is located at `opened`, the opening mark.
     fn expect(&mut self, byte: u8, opened: Span) -> Parsed<Span> {
         match self.peek() {
             Some(token) if token.kind == TokenKind::Punctuation(byte) => {
@@ -471,7 +471,7 @@ impl Parser<'_> {
         error
     }
 
-    /// Returns the text at a span, truncated for use in a message.
+    /// Returns the text of a span, shortened for use in a message.
     fn shown(&self, span: Span) -> String {
         let short = Span::new(
             span.start(),

@@ -1,8 +1,9 @@
 use super::{Expression, Node};
 
-/// Returns the id space of each argument of a function, or `None` for a plain value; the last entry applies to all further arguments.
+/// Returns, for each argument of a function, the id space of the objects it refers to, or `None` if the argument is a plain value.
 ///
-/// Id spaces are named as in the grammar. Functions not listed here take plain values only.
+/// The last entry applies to all further arguments. Id spaces are named as in the grammar. Functions that are not listed here take only
+/// plain values.
 fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
     const MARKER: Option<&str> = Some("marker");
     const MARKERS: &[Option<&str>] = &[MARKER];
@@ -46,16 +47,16 @@ fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
     }
 }
 
-/// Returns the id space of argument `at` (from 0) of a function, or `None` for a plain value.
+/// Returns the id space of the objects to which argument `at` (from 0) of a function refers, or `None` for a plain value.
 pub fn argument_space(function: &str, at: usize) -> Option<&'static str> {
     let spaces = argument_spaces(function);
     spaces[at.min(spaces.len() - 1)]
 }
 
 impl Expression {
-    /// Returns the literals that are ids, as (id space, index in [`literals`](Expression::literals)) in order of appearance.
+    /// Returns the literals that are ids, as pairs (id space, index in [`literals`](Expression::literals)) in order of appearance.
     ///
-    /// A zero means ground and is left out.
+    /// A literal 0 means ground and is left out.
     pub fn references(&self) -> Vec<(&'static str, usize)> {
         let mut found = Vec::new();
         for node in self.root.walk() {

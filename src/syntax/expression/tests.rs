@@ -55,7 +55,7 @@ fn vectors_are_read() {
 
 #[test]
 fn powers_bind_tighter_than_signs_and_to_the_right() {
-    // guide/formats.md 3.1: FORTRAN semantics.
+    // guide/formats.md 3.1: precedence as in FORTRAN, where the power binds more tightly than the sign.
     assert_eq!(tree("-2**2"), "-(Power(2, 2))");
     assert_eq!(tree("2**3**2"), "Power(2, Power(3, 2))");
     assert_eq!(tree("2**-1"), "Power(2, -(1))");
@@ -120,7 +120,7 @@ fn depth_is_limited_and_size_is_not() {
     assert_eq!(Expression::parse_str(&wide).unwrap().literals.len(), 1000);
     let deep = format!("{}1{}", "(".repeat(300), ")".repeat(300));
     assert_eq!(tree(&deep), "1");
-    // IFs in parentheses add two levels each.
+    // Each IF in parentheses adds two levels of nesting.
     let ifs = format!("{}1{}", "(IF(TIME-1:0,0,".repeat(149), "))".repeat(149));
     assert!(Expression::parse_str(&ifs).is_ok());
 }

@@ -1,7 +1,8 @@
 use super::super::{Token, TokenKind, number::number_length};
 use crate::text::Span;
 
-/// Splits a stand-alone expression, such as a channel of a study, into tokens; it has no comments or continuation marks.
+/// Splits a stand-alone expression, such as a channel of a study, into tokens. Such an expression contains no comments or continuation
+/// marks.
 pub(super) fn tokens_of(text: &[u8]) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut at = 0;

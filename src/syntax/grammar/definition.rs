@@ -5,59 +5,59 @@ use crate::units::Dimension;
 pub struct StatementDef {
     /// Full keyword in capitals, for example `BUSHING`.
     pub name: &'static str,
-    /// Number of leading letters that must be typed.
+    /// Number of letters in the shortest legal abbreviation of the keyword.
     pub minimum: usize,
     /// Files in which the statement may appear.
     pub role: Role,
-    /// Id space of the statement (`"marker"`, `"force.bushing"`, ...), or `None` if it has no id.
+    /// Id space of the statement (`"marker"`, `"force.bushing"`, ...), within which its ids are unique; `None` if the statement has no id.
     pub id: Option<&'static str>,
     /// Arguments in canonical order.
     pub arguments: &'static [ArgumentDef],
-    /// Rules about which arguments may or must appear together.
+    /// Rules on which arguments exclude or require each other.
     pub presence: &'static [Presence],
-    /// Arguments that real ADAMS uses and the built-in solver ignores.
+    /// Arguments that affect the results of real ADAMS but are ignored by the built-in solver.
     pub left_out: &'static [LeftOut],
-    /// Force laws between the markers I and J; empty if the statement is not such a force.
+    /// Force laws between the markers I and J that the statement can select; empty if the statement is no such force.
     pub laws: &'static [LawDef],
-    /// Which solver handles the statement.
+    /// The solver that handles the statement: built-in or real ADAMS.
     pub solved: Solved,
     /// Description in one line.
     pub doc: &'static str,
     /// Documentation page of the statement; `grammar/NOTES.md` lists the pages that were read.
     pub source: &'static str,
-    /// Facts that no documentation page confirms and that may be wrong or incomplete; empty if there are none.
+    /// Facts about the statement that no documentation page confirms and that may be wrong or incomplete; empty if there are none.
     pub unchecked: &'static str,
 }
 
 impl StatementDef {
-    /// Returns the argument with this full keyword.
+    /// Returns the argument with this full keyword, or `None` if the statement has no such argument.
     pub fn argument(&self, name: &str) -> Option<&'static ArgumentDef> {
         self.arguments.iter().find(|argument| argument.name == name)
     }
 
-    /// Returns true if the argument may be repeated and each occurrence adds a row: Y of a SPLINE with two variables.
+    /// Returns true if the argument may be repeated and each occurrence adds a row of values, as Y does in a SPLINE with two variables.
     ///
-    /// For any other argument the last occurrence counts.
+    /// For any other argument, only the last occurrence counts.
     pub(crate) fn adds_rows(&self, argument: &str) -> bool {
         self.name == "SPLINE" && argument == "Y"
     }
 }
 
-/// Arguments that real ADAMS uses and the built-in solver ignores, so that their results differ.
+/// Arguments that real ADAMS uses and the built-in solver ignores, so that the results of the two differ.
 #[derive(Debug, PartialEq, Eq)]
 pub struct LeftOut {
     /// Full keywords of the arguments in capitals.
     pub arguments: &'static [&'static str],
-    /// Effect of the arguments in real ADAMS.
+    /// Effect that the arguments have in real ADAMS.
     pub effect: &'static str,
 }
 
-/// A force law between two markers, with the arguments of a statement that hold its parameters.
+/// A force law between two markers, with the arguments of the statement from which its parameters are read.
 #[derive(Debug, PartialEq, Eq)]
 pub struct LawDef {
     /// Name of the law in the registry of laws.
     pub name: &'static str,
-    /// Type of the law's objects in results files.
+    /// Type of the objects with this law in results files.
     pub entity: &'static str,
     /// Arguments that hold the parameters of the law, in the order the law expects.
     pub arguments: &'static [&'static str],
@@ -81,7 +81,7 @@ pub enum Role {
 pub struct ArgumentDef {
     /// Full keyword in capitals, for example `REULER`.
     pub name: &'static str,
-    /// Number of leading letters that must be typed.
+    /// Number of letters in the shortest legal abbreviation of the keyword.
     pub minimum: usize,
     /// Type of the value.
     pub kind: ValueKind,
@@ -89,9 +89,9 @@ pub struct ArgumentDef {
     pub count: Count,
     /// Default values; empty if the argument has none.
     pub default: &'static [f64],
-    /// Physical dimension of real values, if all have the same.
+    /// Physical dimension of the real values, if all of them have the same dimension.
     pub dimension: Dimension,
-    /// Whether all values have the same dimension, and how the dimensions differ otherwise.
+    /// Rule for the dimensions of the individual values, if they differ.
     pub components: Components,
     /// Lower bound of numeric values.
     pub lower: Bound,
@@ -104,7 +104,7 @@ pub struct ArgumentDef {
 }
 
 impl ArgumentDef {
-    /// Returns the physical dimension of value `k`, from 0.
+    /// Returns the physical dimension of the value at index `k`, from 0.
     pub fn dimension_of(&self, k: usize) -> Dimension {
         self.components.of(k).unwrap_or(self.dimension)
     }
@@ -124,7 +124,7 @@ impl ArgumentDef {
         above && below
     }
 
-    /// Describes the bounds in words, such as `more than 0 and 1 or less`; empty if there are none.
+    /// Describes the bounds in words, such as `more than 0 and 1 or less`; empty if the argument has no bounds.
     pub fn wanted(&self) -> String {
         let lower = match self.lower {
             Bound::Open => None,
@@ -140,7 +140,7 @@ impl ArgumentDef {
         both.join(" and ")
     }
 
-    /// Returns the lower bound, or minus infinity if there is none.
+    /// Returns the lower bound of the values, or minus infinity if there is none.
     pub fn minimum(&self) -> f64 {
         match self.lower {
             Bound::Open => f64::NEG_INFINITY,
@@ -149,23 +149,23 @@ impl ArgumentDef {
     }
 }
 
-/// How the dimensions of the values of one argument differ.
+/// Rule for the dimensions of the values of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Components {
     /// All values have the same dimension.
     Alike,
-    /// Three lengths and three angles, repeated.
+    /// Three lengths, then three angles; this group of six may be repeated.
     Motion,
-    /// Three forces and three torques, repeated.
+    /// Three forces, then three torques; this group of six may be repeated.
     Wrench,
-    /// The 36 stiffnesses (wrench per motion), column by column.
+    /// The 36 entries of a stiffness matrix (wrench per displacement), column by column.
     Stiffness,
-    /// The 36 damping coefficients (wrench per rate of motion), column by column.
+    /// The 36 entries of a damping matrix (wrench per velocity), column by column.
     Damping,
 }
 
 impl Components {
-    /// Returns the dimension of value `k`, from 0; `None` if all values have the same dimension.
+    /// Returns the dimension of the value at index `k`, from 0; `None` if all values have the same dimension.
     pub fn of(self, k: usize) -> Option<Dimension> {
         let wrench = |row: usize| {
             if row < 3 {
@@ -202,30 +202,30 @@ pub enum ValueKind {
     Real,
     /// Integers.
     Integer,
-    /// Ids of statements of this id space. A space may contain others: `"force"` contains all `"force.*"`.
+    /// Ids of statements in this id space. A space may contain others: `"force"` contains all spaces `"force.*"`.
     Reference(&'static str),
-    /// One of several words, or several of them joined by colons if the count allows it.
+    /// One of several words. Several words joined by colons are allowed if the count permits it.
     Choice(&'static [Choice]),
-    /// A FUNCTION expression, up to a backslash, a comma outside of parentheses, or the end of the statement.
+    /// A FUNCTION expression, which ends at a backslash, at a comma outside of parentheses, or at the end of the statement.
     Function,
-    /// Free text up to the next delimiter, or quoted text.
+    /// Free text up to the next delimiter, or text in quotes.
     Text,
-    /// Several texts separated by colons (or commas when quoted).
+    /// Several texts separated by colons; texts in quotes may also be separated by commas.
     TextList,
     /// A file name.
     File,
 }
 
-/// A word that an argument may have as its value.
+/// A word that an argument can have as its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
     /// Full word in capitals.
     pub name: &'static str,
-    /// Number of leading letters that must be typed.
+    /// Number of letters in the shortest legal abbreviation of the word.
     pub minimum: usize,
 }
 
-/// Allowed number of values.
+/// Range of the allowed number of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Count {
     /// Smallest allowed number of values.
@@ -239,40 +239,40 @@ pub struct Count {
 pub enum Bound {
     /// No bound.
     Open,
-    /// A bound that is itself allowed.
+    /// A bound that belongs to the allowed range.
     Inclusive(f64),
-    /// A bound that is itself not allowed.
+    /// A bound that does not belong to the allowed range.
     Exclusive(f64),
 }
 
-/// A rule about which arguments may or must appear together.
+/// A rule on which arguments exclude or require each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Presence {
-    /// At most one of these arguments.
+    /// At most one of these arguments may be present.
     Exclusive(&'static [&'static str]),
-    /// All or none of these arguments.
+    /// Either all of these arguments or none of them must be present.
     Together(&'static [&'static str]),
-    /// The first argument requires all the others.
+    /// If the first argument is present, all the others must be present.
     Requires(&'static [&'static str]),
-    /// Exactly one of these arguments.
+    /// Exactly one of these arguments must be present.
     OneOf(&'static [&'static str]),
 }
 
-/// Which solver handles a statement or function.
+/// The solver that handles a statement or function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solved {
-    /// The built-in solver, as the named element, constraint or data.
+    /// The built-in solver handles it; the text names the kind of element, constraint, data or function value.
     Native(&'static str),
-    /// No effect on statics, for the given reason; the statement is read and kept.
+    /// The statement has no effect on built-in solutions, for the given reason; it is read and kept.
     NoEffect(&'static str),
-    /// Only real ADAMS, for the given reason.
+    /// Only real ADAMS handles it; the text gives the reason.
     External(&'static str),
-    /// Only real ADAMS with a user-written subroutine; the text describes the content of the subroutine.
+    /// Only real ADAMS with a user-written subroutine handles it; the text says what the subroutine contains.
     Subroutine(&'static str),
 }
 
 impl Solved {
-    /// Returns the reason why only real ADAMS handles it; `None` otherwise.
+    /// Returns the reason why only real ADAMS handles the statement or function; `None` if the built-in solver handles it or can ignore it.
     #[must_use]
     pub fn only_adams(self) -> Option<&'static str> {
         match self {
@@ -282,16 +282,16 @@ impl Solved {
     }
 }
 
-/// Definition of a function of FUNCTION expressions.
+/// Definition of a function that may occur in FUNCTION expressions.
 #[derive(Debug, PartialEq, Eq)]
 pub struct FunctionDef {
-    /// Name in capitals; functions are never abbreviated.
+    /// Name in capitals; names of functions are never abbreviated.
     pub name: &'static str,
     /// Allowed number of arguments.
     pub count: Count,
     /// Argument list as shown to users, for example `i[,j][,k]`.
     pub arguments: &'static str,
-    /// Which solver evaluates the function.
+    /// The solver that evaluates the function: built-in or real ADAMS.
     pub solved: Solved,
     /// Description in one line.
     pub doc: &'static str,

@@ -7,14 +7,14 @@ use super::{ArgumentDef, Choice, FUNCTIONS, FunctionDef, Role, STATEMENTS, State
 pub enum Lookup<T> {
     /// Exactly one keyword matches.
     Found(T),
-    /// Several keywords match; if the typed word reaches the minimum of several, only these are listed.
+    /// Several keywords match. If the typed word is a legal abbreviation of several of them, only these are listed; otherwise all are.
     Ambiguous(Vec<&'static str>),
     /// No keyword matches.
     Unknown,
 }
 
 impl<T> Lookup<T> {
-    /// Returns the keyword found, or `None` if it is ambiguous or unknown.
+    /// Returns the matching keyword, or `None` if several keywords match or none does.
     pub fn found(self) -> Option<T> {
         match self {
             Self::Found(value) => Some(value),
@@ -25,9 +25,9 @@ impl<T> Lookup<T> {
 
 /// Finds the keyword that a typed word abbreviates; case is ignored (guide/formats.md 1.5).
 ///
-/// An exact match wins. Otherwise the typed word must be a prefix of exactly one keyword, or reach the documented minimum of exactly one of
-/// them. A longer spelling also matches if it begins with exactly one whole keyword of five or more letters: `TRANSLATIONAL` for
-/// `TRANSLATION`.
+/// An exact match wins. Otherwise the typed word matches if it is the beginning of exactly one keyword, or a legal abbreviation (at least
+/// as long as the shortest one) of exactly one keyword. A word longer than its keyword also matches if it begins with exactly one whole
+/// keyword of five or more letters: `TRANSLATIONAL` for `TRANSLATION`.
 fn resolve<T: Copy>(
     typed: &[u8],
     candidates: impl Iterator<Item = (T, &'static str, usize)> + Clone,
@@ -79,7 +79,7 @@ fn resolve<T: Copy>(
     }
 }
 
-/// Finds the statement (of a dataset) or command (of a command file) for a typed keyword.
+/// Finds the definition of a statement (`file` is a dataset) or of a command (`file` is a command file) from its typed keyword.
 pub fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef> {
     let here = move |def: &&'static StatementDef| {
         file == Role::Both || def.role == Role::Both || def.role == file
@@ -98,7 +98,7 @@ pub fn statement(name: &str) -> Option<&'static StatementDef> {
     STATEMENTS.iter().find(|def| def.name == name)
 }
 
-/// Finds the argument of a statement for a typed keyword.
+/// Finds the argument of a statement from its typed keyword.
 pub fn find_argument(
     statement: &'static StatementDef,
     typed: &[u8],
@@ -112,7 +112,7 @@ pub fn find_argument(
     )
 }
 
-/// Finds the choice for a typed word.
+/// Finds the choice that a typed word denotes or abbreviates.
 pub(crate) fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static Choice> {
     resolve(
         typed,
@@ -140,7 +140,7 @@ pub fn nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Option<
     all_nearest(typed, names).first().copied()
 }
 
-/// Returns all names at the smallest edit distance to the typed text, in alphabetical order; empty if none is close enough.
+/// Returns all names at the smallest edit distance to the typed text, in alphabetical order; empty if no name is close enough.
 pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let typed = typed.to_ascii_uppercase();
     if typed.is_empty() {
@@ -148,7 +148,7 @@ pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>)
     }
     let limit = (typed.len() / 3).max(1);
     let mut near: Vec<(usize, &str)> = names
-        // Words of very different length are skipped, so that no distance is computed for megabytes of letters.
+        // Words of very different length are skipped, so that no distances are computed for a word of a million letters.
         .filter(|name| name.len().abs_diff(typed.len()) <= limit)
         .map(|name| (distance(typed.as_bytes(), name.as_bytes()), name))
         .filter(|(d, _)| *d <= limit)
@@ -162,7 +162,7 @@ pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>)
         .collect()
 }
 
-/// Computes the optimal string alignment distance: insertions, deletions, replacements and swaps of neighbours.
+/// Computes the optimal string alignment distance: the least number of insertions, deletions, replacements and swaps of neighbours.
 fn distance(a: &[u8], b: &[u8]) -> usize {
     let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in 0..=a.len() {

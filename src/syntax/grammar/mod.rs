@@ -1,7 +1,7 @@
 //! The dataset language as data: statements, commands and functions with their arguments.
 //!
-//! The tables in `generated` are written by `cargo run -p grammar` from `grammar/*.grammar`. This module defines their types and looks up
-//! their entries; it is independent of texts, models and solvers.
+//! The tables in `generated` are written by `cargo run -p grammar` from `grammar/*.grammar`. This module defines the types of the tables
+//! and functions to look up their entries. It is independent of texts, models and solvers.
 
 mod definition;
 mod generated;

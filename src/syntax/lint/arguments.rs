@@ -1,7 +1,8 @@
 use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Reports arguments that are written twice, of which the later one counts. Y of a SPLINE with several curves may be repeated.
+/// Reports arguments that are written twice in a statement; only the later occurrence counts. Y of a SPLINE with several curves may be
+/// repeated.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let file = context.dataset.source().name();
     for statement in context.statements() {

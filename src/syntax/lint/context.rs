@@ -12,7 +12,7 @@ pub(super) struct Context<'a> {
     pub dataset: &'a Dataset,
     pub options: &'a Options,
     by_id: HashMap<(&'static str, u32), &'a Statement>,
-    /// Body of each marker that names none itself, by marker id.
+    /// Body of each marker that names no body itself; the key is the id of the marker.
     before: HashMap<u32, (&'static str, u32)>,
     faults: OnceCell<Vec<Fault<'a>>>,
 }
@@ -52,7 +52,7 @@ impl<'a> Context<'a> {
             .filter(move |statement| statement.kind() == Some(kind))
     }
 
-    /// Returns the first statement that defines an id of a space.
+    /// Returns the first statement that defines this id in this id space.
     pub(crate) fn find(&self, space: &'static str, id: u32) -> Option<&'a Statement> {
         self.by_id.get(&(space, id)).copied()
     }
@@ -63,7 +63,7 @@ impl<'a> Context<'a> {
         self.find("marker", number.as_id()?)
     }
 
-    /// Returns the id space and id of the body that carries a marker.
+    /// Returns the body that carries a marker, as id space and id.
     pub(crate) fn body(&self, marker: &Statement) -> Option<(&'static str, u32)> {
         if marker.follows_body() {
             return self.before.get(&marker.number()?).copied();
@@ -79,7 +79,8 @@ impl<'a> Context<'a> {
             })
     }
 
-    /// Returns all references of a statement, including those in functions. Zeros mean ground or no object and are left out.
+    /// Returns all references of a statement to other objects, including references inside functions. An id of zero means ground or no
+    /// object and is left out.
     pub(crate) fn references(statement: &Statement) -> Vec<Reference> {
         statement
             .arguments
@@ -88,12 +89,12 @@ impl<'a> Context<'a> {
             .collect()
     }
 
-    /// Returns the name of a statement for a message.
+    /// Returns the name of a statement as used in messages.
     pub(crate) fn title(&self, statement: &Statement) -> String {
         statement.title(self.dataset.source())
     }
 
-    /// Returns the faults of all statements against the grammar, without lint rules.
+    /// Returns the faults of all statements with respect to the grammar; findings of lint rules are not included.
     pub(crate) fn faults(&self) -> &[Fault<'a>] {
         self.faults.get_or_init(|| {
             let mut faults = Vec::new();
@@ -134,7 +135,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Iterates over the arguments that are in the grammar, with their definitions.
+/// Iterates over the arguments of a statement that are in the grammar, with their definitions.
 pub(super) fn known(
     statement: &Statement,
 ) -> impl Iterator<Item = (&Argument, &'static crate::grammar::ArgumentDef)> {

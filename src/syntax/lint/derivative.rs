@@ -5,7 +5,7 @@ use crate::grammar::{FunctionDef, Solved};
 use crate::text::Span;
 use crate::{Expression, Value};
 
-/// Reports functions of the motion that are not differentiable everywhere; Newton's method may fail at their kinks or jumps.
+/// Reports functions of the positions of parts that are not differentiable everywhere; Newton's method may fail at a kink or jump.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let forces = matches!(
@@ -45,7 +45,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns the first call that has a kink or jump depending on the motion.
+/// Returns the first function call with a kink or jump at certain positions of parts.
 fn first_bend(expression: &Expression) -> Option<(&'static str, Span)> {
     let mut found: Option<(&'static str, Span)> = None;
     for node in expression.root.walk() {

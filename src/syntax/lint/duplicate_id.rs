@@ -1,7 +1,7 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Reports two statements of one id space with the same id.
+/// Reports pairs of statements in one id space that have the same id.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let file = context.dataset.source().name();
     for statement in context.statements() {

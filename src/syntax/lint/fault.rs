@@ -11,12 +11,12 @@ pub(super) fn count(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::WrongCount, context, found);
 }
 
-/// Reports numbers that are not an id or an integer where one is required.
+/// Reports numbers that should be an id or an integer and are not.
 pub(super) fn value_type(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::WrongType, context, found);
 }
 
-/// Reports missing arguments: required ones, and those that other arguments require.
+/// Reports missing arguments: arguments that the statement requires, and arguments that other arguments require.
 pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::MissingArgument, context, found);
 }

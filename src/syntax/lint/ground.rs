@@ -1,7 +1,7 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Reports a dataset with no ground part or with several.
+/// Reports a dataset that has no ground part or several ground parts.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut grounds = context.of_kind("PART").filter(|part| part.has("GROUND"));
     let Some(first) = grounds.next() else {

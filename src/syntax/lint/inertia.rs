@@ -1,15 +1,17 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Relative excess of the largest moment over the sum of the others that is still accepted, because printed moments are rounded.
+/// Largest accepted relative excess of the largest principal moment over the sum of the other two; it allows for the rounding of printed
+/// moments.
 const ROUNDING: f64 = 1e-3;
 
-/// Two moments below this fraction of the third count as not stated.
+/// Two moments smaller than this fraction of the third moment count as not specified.
 const NOT_STATED: f64 = 1e-3;
 
-/// Reports physically impossible inertias: a principal moment that is negative or exceeds the sum of the other two.
+/// Reports physically impossible inertias: a principal moment is negative or exceeds the sum of the other two.
 ///
-/// A body that rotates about one axis only may state just that moment and leave the others at or near zero; this is not reported.
+/// For a body that rotates about one axis only, a deck may specify just the moment about this axis and leave the others at or near zero.
+/// This is not reported.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for part in context.of_kind("PART") {
         let values: Vec<f64> = part.numbers("IP").iter().map(|ip| ip.value).collect();
@@ -17,7 +19,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         else {
             continue;
         };
-        // IP states the products of inertia as positive integrals (`state_part`).
+        // IP contains the products of inertia as positive integrals (`state_part`), so their sign is reversed here.
         let product = |k: usize| -products.get(k).copied().unwrap_or(0.0);
         let (xy, xz, yz) = (product(0), product(1), product(2));
         let tensor = [[*xx, xy, xz], [xy, *yy, yz], [xz, yz, *zz]];
@@ -57,7 +59,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
 /// 8.5).
 fn principal_moments(mut a: [[f64; 3]; 3]) -> [f64; 3] {
     let size = a.iter().flatten().map(|x| x.abs()).sum::<f64>();
-    // The off-diagonal elements converge quadratically, so five sweeps suffice; the limit is for values that are not finite.
+    // The off-diagonal elements converge quadratically, so five sweeps suffice. The limit of 60 ends the loop for values that are not
+    // finite.
     for _ in 0..60 {
         let beside = a[0][1].abs() + a[0][2].abs() + a[1][2].abs();
         if !(beside > 1e-3 * f64::EPSILON * size) {

@@ -3,13 +3,13 @@ use crate::Argument;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::units::LENGTH_UNITS;
 
-/// Shortest plausible lever arm, in m; for a shorter one, the rotational stiffness was probably not given per radian.
+/// Shortest plausible lever arm sqrt(KT/K), in m. A shorter lever arm suggests that the rotational stiffness KT was given per degree.
 const SHORTEST_LEVER: f64 = 2.5e-3;
 
 /// Reports a KT of a bushing that looks like a stiffness per degree.
 ///
-/// sqrt(KT/K) is the lever arm at which the translational stiffness K resists a rotation as much as KT does. It is about the size of the
-/// rubber, 5 to 50 mm. A KT per degree is 57.3 times too small, so its lever arm is sqrt(57.3) = 7.6 times too short.
+/// sqrt(KT/K) is the lever arm at which a translational stiffness K gives the rotational stiffness KT. In rubber bushings it is about as
+/// long as the rubber, 5 to 50 mm. A KT per degree is 57.3 times too small, so its lever arm is sqrt(57.3) = 7.6 times too short.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let Some(metre) = length_unit(context) else {
         return;
@@ -44,7 +44,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns true if the number is 57.29578 times a number with few digits: a stiffness per degree that was already converted to per radian.
+/// Returns true if KT is 57.29578 times a number with few digits. Such a value was already converted from per degree to per radian.
 fn was_converted(kt: f64) -> bool {
     let digits = |value: f64| {
         let scaled = value / 10f64.powi(libm::log10(value).floor() as i32 - 3);
@@ -53,7 +53,7 @@ fn was_converted(kt: f64) -> bool {
     digits(kt.to_radians()) && !digits(kt)
 }
 
-/// Returns the length unit of the dataset in metres, if it is stated.
+/// Returns the length unit of the dataset in metres, if the dataset states it.
 fn length_unit(context: &Context<'_>) -> Option<f64> {
     let units = context.of_kind("UNITS").next()?;
     let word = *units

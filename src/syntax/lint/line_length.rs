@@ -6,7 +6,7 @@ use crate::text::Span;
 /// Number of columns of a line that the FORTRAN solver reads.
 const COLUMNS: usize = 80;
 
-/// Returns the number of columns before the comment of a line.
+/// Returns the length of a line without its comment, in columns.
 fn code_length(line: &[u8]) -> usize {
     match comment_start(line) {
         at if at < line.len() => line[..at].trim_ascii_end().len(),
@@ -14,7 +14,7 @@ fn code_length(line: &[u8]) -> usize {
     }
 }
 
-/// Reports lines that the FORTRAN solver would truncate; long comments are not reported.
+/// Reports lines that the FORTRAN solver would truncate. Lines are not reported if only their comment exceeds the limit.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     if !context.options.fortran {
         return;
@@ -22,7 +22,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut start = 0;
     for line in context.dataset.bytes().split(|byte| *byte == b'\n') {
         let text = line.strip_suffix(b"\r").unwrap_or(line);
-        // A truncated comment does no harm.
+        // Truncation of a comment does no harm.
         if code_length(text) > COLUMNS {
             let message = format!("this line has {} columns", text.len());
             let span = Span::new(start + COLUMNS, start + text.len());

@@ -1,7 +1,7 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Reports parts with mass but without a CM marker, and parts whose CM marker is on another part.
+/// Reports parts that have mass but no CM marker, and parts whose CM marker is on another part.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for part in context.of_kind("PART") {
         let title = context.title(part);

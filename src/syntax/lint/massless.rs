@@ -3,10 +3,10 @@ use std::collections::HashSet;
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 
-/// Reports parts without mass that no constraint holds.
+/// Reports parts that have no mass and are held by no constraint.
 ///
-/// If nothing acts on such a part, it is free: a warning. If only forces act on it, its acceleration is undefined, but statics does not
-/// need it: a note.
+/// If nothing acts on such a part, it is free and a warning is given. If only forces act on it, its acceleration is undefined; this is only
+/// a note, because statics does not need accelerations.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let (mut constrained, mut loaded) = (HashSet::new(), HashSet::new());
     for statement in context.statements() {

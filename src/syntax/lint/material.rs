@@ -1,9 +1,9 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Reports parts whose material the deck does not define.
+/// Reports parts with a material that the deck does not define.
 ///
-/// Material names are checked only if the deck defines materials by name, because ADAMS/View also writes names from its own database.
+/// Material names are checked only if the deck itself defines named materials, because ADAMS/View also writes names from its own database.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let source = context.dataset.source();
     let names: Vec<String> = context

@@ -1,9 +1,10 @@
-//! Lint: rules that find problems in a dataset that was read without errors, and report them as data.
+//! Lint: rules that find problems in a dataset that was parsed without errors. The results are diagnostics.
 //!
-//! Each rule is one file and one entry of [`RULES`]; rules that need only the grammar share `syntax::fault` with the model. The
-//! documentation of a rule is the documentation of its code (`admire explain CODE`). Rules see statements but no model; checks of positions
-//! and directions are in `model::lint`. Problems reported by the parser (unknown keywords, unreadable values, a missing END) are not
-//! repeated here.
+//! Each rule is one file and one entry of [`RULES`]. Rules that need only the grammar use the faults of `syntax::fault`, as the model does.
+//! The documentation of a rule is the documentation of its code (`admire explain CODE`).
+//!
+//! Rules see statements but no model; checks of positions and directions are in `model::lint`. The parser has already reported unknown
+//! keywords, unreadable values and a missing END; the rules do not repeat this.
 
 mod arguments;
 mod context;
@@ -40,27 +41,28 @@ use context::Context;
 pub use options::Options;
 pub use suppressed::Suppressed;
 
-/// The part of a file that a rule reads to judge one statement. A change elsewhere does not alter the diagnostics of the statement.
+/// The part of a file that a rule reads to judge one statement. A change outside of this part does not alter the diagnostics of the
+/// statement.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Reach {
     /// Only the statement itself.
     Statement,
-    /// Also the statements with the same id, the statements it refers to, and the body that a marker follows.
+    /// The statement, all statements with the same id, the statements it refers to, and the body before a marker that names no body.
     Neighbours,
     /// The whole file.
     File,
 }
 
-/// One rule: the code it reports and the function that checks it.
+/// A lint rule: the code under which it reports problems, and the function that checks a dataset.
 pub struct Rule {
-    /// Code of the rule's diagnostics; the documentation of the code is the documentation of the rule.
+    /// Code of the diagnostics that the rule reports; the documentation of the code is the documentation of the rule.
     pub code: Code,
-    /// Part of the file that the rule reads.
+    /// Part of the file that the rule reads to judge one statement.
     pub reach: Reach,
     check: fn(&Context<'_>, &mut Vec<Diagnostic>),
 }
 
-/// All rules.
+/// All lint rules.
 pub static RULES: &[Rule] = &[
     rule(Code::UndefinedId, Reach::Neighbours, fault::undefined_id),
     rule(Code::DuplicateId, Reach::Neighbours, duplicate_id::check),
@@ -110,10 +112,12 @@ const fn rule(code: Code, reach: Reach, check: fn(&Context<'_>, &mut Vec<Diagnos
     Rule { code, reach, check }
 }
 
-/// Maximum number of diagnostics kept per rule; further ones are only counted.
+/// Maximum number of diagnostics kept per rule; the rest is only counted.
 const MOST_OF_A_RULE: usize = 10_000;
 
-/// Truncates the diagnostics of a rule; the last one kept states how many more there are and has the highest severity of these.
+/// Keeps the first [`MOST_OF_A_RULE`] diagnostics of a rule.
+///
+/// The last of them is replaced by a count of the diagnostics that are not listed, with the highest severity of these.
 fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
     let rest = own.split_off(MOST_OF_A_RULE);
     let worst = rest.iter().map(|d| d.severity).max();
@@ -128,7 +132,7 @@ fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
     own
 }
 
-/// Rules that need only the statement itself. They also apply to commands, which contain only the arguments they change.
+/// Rules that need only the statement itself. These rules also apply to commands, which give only the arguments that they change.
 const OF_COMMANDS: [Code; 7] = [
     Code::WrongCount,
     Code::WrongType,
@@ -139,7 +143,7 @@ const OF_COMMANDS: [Code; 7] = [
     Code::StepWithoutWidth,
 ];
 
-/// Runs the rules that need no dataset on the commands of a file. Diagnostics are in the order of their positions in the file.
+/// Runs the rules that need no dataset on the commands of a file. The diagnostics are ordered by their positions in the file.
 pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
     let commands = Dataset::of_commands(file);
     let of_commands = |rule: &Rule| OF_COMMANDS.contains(&rule.code);
@@ -150,10 +154,10 @@ pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// Checks the commands of a file in sequence against the decks on which they run: missing objects and impossible times.
+/// Checks the commands of a file in sequence, together with the decks on which they run: missing objects and impossible times.
 ///
-/// `deck_of` returns the deck for the model name at a span of the file, or `None` if it could not be read; checks that need the deck are
-/// then skipped. Diagnostics are in the order of the file.
+/// `deck_of` returns the deck whose name is at the given span of the file, or `None` if that deck could not be read; checks that need the
+/// deck are then skipped. The diagnostics are in the order of the commands.
 pub fn check_sequence(
     file: &CommandFile,
     deck_of: impl FnMut(Span) -> Option<Dataset>,
@@ -161,7 +165,7 @@ pub fn check_sequence(
     sequence::check(file, deck_of)
 }
 
-/// Runs all rules on a dataset. Diagnostics are in the order of their positions in the file.
+/// Runs all rules on a dataset. The diagnostics are ordered by their positions in the file.
 pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
     let found = check_until(dataset, options, Reach::File, || false).unwrap_or_default();
     found
@@ -172,7 +176,7 @@ pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
 
 /// Runs the rules whose reach is at most `reach` on a dataset, and returns each diagnostic with the reach of its rule.
 ///
-/// `outdated` is called between rules; once it returns true, the result is `None`.
+/// `outdated` is called before each rule; once it returns true, the run ends and the result is `None`.
 pub fn check_until(
     dataset: &Dataset,
     options: &Options,

@@ -4,12 +4,12 @@ use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::{Number, Statement};
 
-/// The degree of freedom driven by a motion: a joint or a pair of markers, and the axis.
+/// The degree of freedom that a MOTION drives: a joint id or a pair of marker ids, and the axis.
 type Freedom = (Option<u32>, Option<(u32, u32)>, &'static str);
 
-/// Reports motions on joints without such a freedom, and second motions on the same freedom.
+/// Reports motions that drive a degree of freedom which their joint does not have, and second motions for the same degree of freedom.
 ///
-/// Translational, revolute and cylindrical joints can be driven (`state_motion`).
+/// Only translational, revolute and cylindrical joints can be driven (`state_motion`); screw joints are accepted as well.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let file = context.dataset.source().name();
     let mut driven: HashMap<Freedom, &Statement> = HashMap::new();
@@ -78,7 +78,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns the type of a joint (empty if unknown) and the freedoms that a motion can drive.
+/// Returns the type of a joint (empty if unknown) and the degrees of freedom that a MOTION can drive in it.
 fn freedoms_of(joint: &Statement) -> (&'static str, &'static [&'static str]) {
     const DRIVEN: [(&str, &[&str]); 4] = [
         ("REVOLUTE", &["ROTATIONAL"]),

@@ -7,7 +7,8 @@ use crate::grammar::{FunctionDef, Solved};
 use crate::text::Span;
 use crate::{Stated, Statement, Value};
 
-/// Reports what ADAMS supports and the built-in solver does not, once for each kind of statement and each function.
+/// Reports statements and functions that ADAMS supports but the built-in solver does not, once for each kind of statement and each
+/// function.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut external: BTreeMap<&str, (usize, &Statement, &str)> = BTreeMap::new();
     let mut inactive: BTreeMap<&str, (usize, &Statement)> = BTreeMap::new();

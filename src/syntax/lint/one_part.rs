@@ -8,7 +8,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let second = match statement.kind() {
             Some("JOINT" | "JPRIM" | "MOTION") => "J",
             Some(_) if statement.def.is_some_and(|def| !def.laws.is_empty()) => "J",
-            // The direction marker of an action-only force may be on the body it acts on: a follower force.
+            // For an action-only force, J only gives the direction and may be on the same body as I: a follower force.
             Some("SFORCE") if !statement.has("ACTIONONLY") => "J",
             Some("GFORCE" | "VFORCE" | "VTORQUE" | "PTCV") => "JFLOAT",
             _ => continue,

@@ -2,7 +2,8 @@ use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{Bound, Solved};
 
-/// Reports numbers outside of the range of their argument; only a warning if the statement has no effect on the solution, such as GRAPHICS.
+/// Reports numbers outside of the range of their argument. It is only a warning in statements without effect on the solution, such as
+/// GRAPHICS.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let severity = match statement.def.map(|def| def.solved) {

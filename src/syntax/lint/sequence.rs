@@ -1,15 +1,15 @@
-//! Checks the commands of a file in sequence against their deck: the objects they name and the simulation time.
+//! Checks of the commands of a file in sequence, together with their deck: the objects that commands name, and the simulation time.
 //!
-//! The module opens no files; the caller supplies the decks.
+//! The module opens no files; its caller supplies the decks.
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{STATEMENTS, nearest};
 use crate::text::Span;
 use crate::{Argument, CommandFile, Dataset, Statement, Wrong};
 
-/// Checks one command file. `deck_of` returns the deck for the model name at a span of the file, if it could be read.
+/// Checks one command file. `deck_of` returns the deck whose name is at the given span of the file, if that deck could be read.
 ///
-/// Diagnostics are in the order of the file.
+/// The diagnostics are in the order of the commands.
 pub(super) fn check(
     file: &CommandFile,
     mut deck_of: impl FnMut(Span) -> Option<Dataset>,
@@ -29,7 +29,7 @@ pub(super) fn check(
                 clock = Clock::start(deck.as_ref());
             }
             Some("RELOAD") => {
-                // A reloaded file of states has its own time, and a reloaded system its own objects.
+                // Reloaded states have their own time, and a reloaded system has its own objects.
                 clock = Clock::start(None);
                 if command.has("SYSTEM") {
                     deck = None;
@@ -51,13 +51,13 @@ pub(super) fn check(
     walk.found
 }
 
-/// Bounds on the simulation time before a command.
+/// Bounds on the simulation time just before a command.
 struct Clock {
-    /// Lower bound of the current time.
+    /// Lower bound of the current simulation time.
     earliest: f64,
-    /// Latest END of the simulations so far.
+    /// Latest END of all simulations so far.
     asked: f64,
-    /// True if a simulation may stop before its END, because the deck has a sensor or is unknown.
+    /// True if a simulation may stop before its END, because the deck has a SENSOR or could not be read.
     may_end_early: bool,
 }
 
@@ -96,7 +96,7 @@ impl Walk<'_> {
         self.found.push(diagnostic.help(help));
     }
 
-    /// Checks the times of a SIMULATE command (`com_simulate`: END > begin time).
+    /// Checks the times of a SIMULATE command; END must be later than the time at which the simulation begins (`com_simulate`).
     fn simulate(&mut self, command: &Statement, clock: &mut Clock) {
         let typed = command
             .argument("TYPE")
@@ -132,7 +132,7 @@ impl Walk<'_> {
         }
         if let Some((end, span)) = end {
             if end < clock.asked || end == clock.earliest && !clock.may_end_early {
-                // An earlier END is possible only after a simulation that a sensor stopped before its own END.
+                // An END before a previous END is possible only if a sensor stopped the previous simulation early.
                 let sure = end <= clock.earliest && !clock.may_end_early;
                 let (severity, message) = if sure {
                     let now = clock.earliest;
@@ -164,7 +164,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Checks ACTIVATE and DEACTIVATE: every ID exists, and RANGE contains at least one object.
+    /// Checks an ACTIVATE or DEACTIVATE command: every ID exists, and RANGE contains at least one object.
     fn switched(&mut self, command: &Statement, deck: &Dataset) {
         let kinds: Vec<&'static str> = command
             .arguments
@@ -208,7 +208,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Checks that the object of a redefinition, and the objects it refers to, are in the deck.
+    /// Checks a command that redefines an object: the object and all objects it refers to must be in the deck.
     fn objects(&mut self, command: &Statement, deck: &Dataset) {
         let Some(def) = command.def else { return };
         if let (Some(_), Some((id, span))) = (def.id, command.id)
@@ -248,7 +248,7 @@ fn ids(kind: &str, deck: &Dataset) -> Vec<String> {
         .collect()
 }
 
-/// Lists the ids of a kind in a deck, for a help text.
+/// Lists the ids of all objects of a kind in a deck, for a help text.
 fn in_deck(kind: &str, deck: &Dataset) -> String {
     const SHOWN: usize = 8;
     match ids(kind, deck).as_slice() {

@@ -1,7 +1,7 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Reports splines whose x values do not increase or whose numbers of x and y values differ.
+/// Reports splines whose x values do not increase, and splines that do not have one y value for each x value.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for spline in context.of_kind("SPLINE") {
         let title = context.title(spline);
@@ -18,7 +18,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             }
         }
         let rows: Vec<_> = spline.all("Y").collect();
-        // Each row of a surface begins with its z value.
+        // If the spline is a surface, each row of values begins with its z value.
         let wanted = x.len() + usize::from(rows.len() > 1);
         let mut before = f64::NEG_INFINITY;
         for row in &rows {

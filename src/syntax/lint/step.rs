@@ -40,7 +40,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Evaluates an expression of numbers and constants only; `None` for anything else.
+/// Evaluates an expression that consists of literal numbers and constants; returns `None` for any other expression.
 fn value(expression: &Expression, node: &Node) -> Option<f64> {
     Some(match node {
         Node::Literal(at) => expression.literals[*at].value,

@@ -5,14 +5,14 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::lines::{comment_start, physical_line};
 use crate::text::{Source, Span};
 
-/// Diagnostics suppressed by comments of a file.
+/// Diagnostics that comments in a file suppress.
 ///
-/// `! admire: ignore[tab, unreferenced]` after a statement, or on a line above it, suppresses these codes there; without a list it
-/// suppresses all codes. `! admire: ignore-file[tab]` suppresses the codes in the whole file.
+/// `! admire: ignore[tab, unreferenced]` suppresses the listed codes for one statement, if it follows the statement or is on a line above
+/// it. Without a list, all codes are suppressed. `! admire: ignore-file[tab]` suppresses the listed codes in the whole file.
 #[derive(Clone, Debug, Default)]
 pub struct Suppressed {
     silences: Vec<Silence>,
-    /// Warnings about unknown codes in such comments.
+    /// Warnings about unknown codes in the suppressing comments.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -20,7 +20,7 @@ pub struct Suppressed {
 struct Silence {
     place: Range<usize>,
     whole_file: bool,
-    /// Suppressed codes; `None` suppresses all.
+    /// Suppressed codes; `None` means that all codes are suppressed.
     codes: Option<Vec<Code>>,
 }
 
@@ -31,11 +31,11 @@ impl Silence {
     }
 }
 
-/// First word of such a comment.
+/// First word of a suppressing comment.
 const MARK: &[u8] = b"admire:";
 
 impl Suppressed {
-    /// Reads the comments of a file; `statements` are its statements or commands in the order of the file.
+    /// Reads the suppressing comments of a file; `statements` are its statements or commands, in the order of the file.
     pub fn of(source: &Source, statements: &[Statement]) -> Self {
         let bytes = source.bytes();
         let mut found = Self::default();
@@ -66,7 +66,7 @@ impl Suppressed {
         found
     }
 
-    /// Returns true if a comment of the file suppresses the diagnostic.
+    /// Returns true if a comment in the file suppresses the diagnostic.
     pub fn covers(&self, diagnostic: &Diagnostic) -> bool {
         let label = diagnostic.labels.first();
         label.is_some_and(|label| self.covers_at(diagnostic.code, label.span.start()))
@@ -84,7 +84,7 @@ impl Suppressed {
         silences.any(|silence| silence.whole_file && silence.covers(code))
     }
 
-    /// Parses the text after the mark: whether it applies to the whole file, and the codes.
+    /// Parses the text after [`MARK`]; returns whether the comment applies to the whole file, and its codes (`None` means all).
     fn words(&mut self, source: &Source, said: Span) -> Option<(bool, Option<Vec<Code>>)> {
         let text = source.text(said);
         let text = text.trim();
@@ -118,7 +118,7 @@ impl Suppressed {
     }
 }
 
-/// Returns the range that a comment applies to: the statement that contains or precedes it, or else the next statement.
+/// Returns the byte range to which a comment applies: the statement that contains or precedes the comment, or else the next statement.
 fn statement_of(statements: &[Statement], line: Span, comment: usize) -> Option<Range<usize>> {
     let behind = statements
         .iter()

@@ -1,19 +1,20 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Tolerated difference of two mirrored elements, relative to the larger one, because printed numbers are rounded.
+/// Tolerated difference between two mirrored matrix elements, relative to the larger element; it allows for the rounding of printed
+/// numbers.
 const ROUNDING: f64 = 1e-3;
 
-/// Reports stiffness matrices of a FIELD that are not symmetric, so that elastic forces do net work on a closed path.
+/// Reports stiffness matrices of a FIELD that are not symmetric; their elastic forces do net work on a closed path.
 ///
-/// ADAMS accepts them; most result from a wrong order of the list or a mistyped digit.
+/// ADAMS accepts such a matrix. Most often, the numbers were listed in the wrong order or a digit was mistyped.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for field in context.of_kind("FIELD") {
         let numbers = field.numbers("KMATRIX");
         if numbers.len() != 36 {
             continue;
         }
-        // Element (row, column) has the index 6 column + row.
+        // The element at (row, column) has the index 6 column + row.
         let at = |row: usize, column: usize| &numbers[6 * column + row];
         let mut worst: Option<(f64, usize, usize)> = None;
         for row in 0..6 {

@@ -4,9 +4,9 @@ use crate::grammar::ArgumentDef;
 use crate::units::Dimension;
 use crate::{Argument, Statement};
 
-/// Reports a degree suffix on a number that is not an angle, which divides the number by 57.3.
+/// Reports the degree suffix on a number that is not an angle, because the suffix divides the number by 57.3.
 ///
-/// Also reports an angle without the suffix that exceeds one turn and is a multiple of five; it was probably meant in degrees.
+/// Also reports an angle without the suffix that exceeds one turn and is a multiple of five, because it was probably meant in degrees.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         for (argument, def) in known(statement) {
@@ -37,7 +37,8 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Reports an angle that is probably in degrees: 90 radians are implausible, but 7 radians may be an accumulated rotation.
+/// Reports an angle in radians that was probably meant in degrees. An angle of 90 radians is implausible, but 7 radians may be an
+/// accumulated rotation.
 fn looks_like_degrees(
     context: &Context<'_>,
     statement: &Statement,

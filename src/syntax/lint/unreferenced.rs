@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::Value;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Reports data that nothing refers to. Unused markers are normal in decks of ADAMS/View; `admire summary` counts them.
+/// Reports data objects to which nothing refers. Unused markers are normal in decks of ADAMS/View; `admire summary` counts them.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut used = HashSet::new();
     let mut user = false;

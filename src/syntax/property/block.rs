@@ -3,14 +3,14 @@ use std::borrow::Cow;
 use super::super::Number;
 use crate::text::{Source, Span};
 
-/// A block `[NAME]`, or a part `(PART)` of a block, with its content.
+/// A block `[NAME]` of a property file, or a part `(PART)` of a block, with its content.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Block {
-    /// Name of the block in capitals.
+    /// Name of the block, in capitals.
     pub name: String,
     /// Name of the part in capitals; `None` for the block itself.
     pub part: Option<String>,
-    /// Location of the heading.
+    /// Location of the heading `[NAME]` or `(PART)`.
     pub heading: Span,
     /// The `NAME = value` lines.
     pub parameters: Vec<Parameter>,
@@ -18,19 +18,19 @@ pub struct Block {
     pub tables: Vec<Table>,
 }
 
-/// A `NAME = value` line.
+/// A line `NAME = value`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameter {
     /// Name in capitals.
     pub name: String,
-    /// Value of the parameter.
+    /// Value after the equals sign.
     pub value: Cell,
 }
 
-/// A table: rows under a heading in braces.
+/// A table: rows of cells under a heading in braces.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Table {
-    /// Words of the heading in lower case; empty for rows without a heading.
+    /// Words of the heading in lower case, one for each column; empty if the rows have no heading.
     pub columns: Vec<String>,
     /// Cells, row by row.
     pub rows: Vec<Vec<Cell>>,
@@ -38,17 +38,17 @@ pub struct Table {
     pub span: Span,
 }
 
-/// A single value of a parameter or table.
+/// A single value of a parameter, or a single cell of a table.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Cell {
     /// A number; property files have no degree suffix.
     Number(Number),
-    /// A text without its quotes.
+    /// A text; the span excludes its quotes.
     Text(Span),
 }
 
 impl Block {
-    /// Returns the last parameter with this name in capitals.
+    /// Returns the last parameter with this name, which is given in capitals.
     pub(crate) fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters
             .iter()
@@ -73,7 +73,7 @@ impl Parameter {
 }
 
 impl Cell {
-    /// Returns the number, if the cell is one.
+    /// Returns the number in the cell, or `None` if the cell is a text.
     pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(number.value),

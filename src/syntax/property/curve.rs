@@ -10,13 +10,13 @@ use crate::units::{Dimension, Units};
 pub struct PropertyCurve {
     /// Name of the block that contains the curve, in capitals.
     pub block: String,
-    /// Name of the part of the block that contains the curve, in capitals; `None` outside of a part.
+    /// Name of the part of the block that contains the curve, in capitals; `None` if the curve is not in a part.
     pub part: Option<String>,
-    /// Abscissae with their locations.
+    /// Abscissae, with their locations in the file.
     pub x: Vec<Number>,
-    /// Ordinates with their locations.
+    /// Ordinates, with their locations in the file.
     pub y: Vec<Number>,
-    /// Dimensions of x and y; `None` if neither the file type nor the headings determine them.
+    /// Dimensions of x and y; `None` if neither the kind of file nor the table heading determines them.
     pub dimensions: Option<(Dimension, Dimension)>,
     /// Location of the table.
     pub span: Span,
@@ -25,7 +25,7 @@ pub struct PropertyCurve {
 const VELOCITY: Dimension = Dimension::new(0, 0, 1, -1, 0);
 
 impl PropertyCurve {
-    /// Returns the curve of a table of two columns, or `None` if no row has two numbers; rows with other cells are left out.
+    /// Returns the curve of a table with two columns, or `None` if no row contains two numbers. Rows with other cells are left out.
     pub(super) fn of(kind: &PropertyKind, block: &Block, table: &Table) -> Option<Self> {
         let mut curve = Self {
             block: block.name.clone(),
@@ -44,9 +44,9 @@ impl PropertyCurve {
         (!curve.x.is_empty()).then_some(curve)
     }
 
-    /// Returns x and y converted to the units of a model, with angles in radians.
+    /// Returns x and y in the units of a model, with angles in radians.
     ///
-    /// The numbers are not converted if the file states no units or the dimensions are unknown.
+    /// `own` holds the units of the file. The values are not converted if `own` is `None` or the dimensions of the curve are unknown.
     pub fn in_units(&self, own: Option<&PropertyUnits>, units: &Units) -> (Vec<f64>, Vec<f64>) {
         let (fx, fy) = match (own, self.dimensions) {
             (Some(own), Some((x, y))) => (own.factor(x, units), own.factor(y, units)),
@@ -87,7 +87,7 @@ impl PropertyCurve {
     }
 }
 
-/// Returns the dimensions of the columns, from the kind of element or else from the words of the headings.
+/// Returns the dimensions of the two columns. They follow from the kind of element, or else from the words of the table heading.
 fn dimensions(
     kind: &PropertyKind,
     block: &str,

@@ -1,11 +1,13 @@
 //! Adams/Car property files (`.bus`, `.spr`, `.bum`, `.reb`, `.dpr`) in TeimOrbit format, as typed curves.
 //!
-//! The format is described on the page `adams_tire/about.html`: blocks in `[]`, their parts in `()`, tables under `{}`, parameters `NAME =
-//! value`, comments from `$` or `!` to the end of the line. The names of the blocks with curves are those that existing readers expect
-//! (`grammar/NOTES.md`): `FX_CURVE` to `TZ_CURVE` and `DAMPING` in a bushing file, `CURVE` in the others.
+//! The format is described on the page `adams_tire/about.html`: blocks `[NAME]`, parts of blocks `(PART)`, tables under headings in `{}`,
+//! parameters `NAME = value`, and comments from `$` or `!` to the end of the line.
 //!
-//! The module contains no force laws; each law documents how it uses a curve. The newer `.xml` property files are rejected with a message
-//! that names the format.
+//! The names of the blocks with curves are the names that existing readers expect (`grammar/NOTES.md`): `FX_CURVE` to `TZ_CURVE` and
+//! `DAMPING` in a bushing file, `CURVE` in the other files.
+//!
+//! The module contains no force laws; each law documents how it uses a curve. The newer XML property files are rejected with a message that
+//! names their format.
 
 mod block;
 mod curve;
@@ -24,33 +26,33 @@ use crate::units::{Dimension, Units};
 /// The kind of element that a property file describes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PropertyKind {
-    /// `.bus`: force against displacement along x, y, z, and torque against angle about them.
+    /// `.bus`: force against displacement along x, y and z, and torque against rotation angle about x, y and z.
     Bushing,
     /// `.spr`: force against displacement; positive in compression.
     Spring,
-    /// `.bum` and `.reb`: force against the penetration of a bump or rebound stop.
+    /// `.bum` and `.reb`: force against the penetration into a bump stop or rebound stop.
     Stop,
-    /// `.dpr`: force against velocity.
+    /// `.dpr`: force against the velocity of the damper.
     Damper,
-    /// Another kind: the word after FILE_TYPE, in lower case.
+    /// Another kind of element: the value of FILE_TYPE, in lower case.
     Other(String),
 }
 
-/// A property file, kept without loss: its bytes, the content of its blocks, and the interpretation of its header.
+/// A property file. All of its bytes are kept, together with the content of its blocks and the interpretation of its header.
 #[derive(Clone, Debug)]
 pub struct PropertyFile {
     source: Source,
-    /// Kind of element described by the file.
+    /// Kind of element that the file describes.
     pub kind: PropertyKind,
-    /// Value of FILE_VERSION, if given.
+    /// Value of FILE_VERSION, if the file gives one.
     pub version: Option<f64>,
-    /// Units of the file; `None` if it states none.
+    /// Units in which the file gives its numbers; `None` if the file does not state them.
     pub units: Option<PropertyUnits>,
     /// All blocks and parts of blocks, in the order of the file.
     pub blocks: Vec<Block>,
 }
 
-/// Block names of the six curves of a bushing file, in the order x, y, z, about x, about y, about z.
+/// Block names of the six curves in a bushing file: forces along x, y, z and torques about x, y, z.
 const BUSHING_CURVES: [&str; 6] = [
     "FX_CURVE", "FY_CURVE", "FZ_CURVE", "TX_CURVE", "TY_CURVE", "TZ_CURVE",
 ];
@@ -102,7 +104,7 @@ impl PropertyFile {
         }
     }
 
-    /// Reports missing content that a file of its kind requires: units, and at least one of its curves.
+    /// Reports missing content: the units, and the curves if the file contains none of the curves of its kind.
     fn missing(&self, diagnostics: &mut Vec<Diagnostic>) {
         let Some(header) = self.block("MDI_HEADER") else {
             return;
@@ -126,7 +128,7 @@ impl PropertyFile {
             PropertyKind::Other(_) => &[],
         };
         let curves = self.curves();
-        // A bushing may have no force in some directions, but a file without any curve is useless.
+        // Single curves of a bushing may be absent, because it may have no force in some directions. A file without any curve is reported.
         let absent = wanted
             .iter()
             .all(|name| curves.iter().all(|curve| curve.block != *name));
@@ -160,7 +162,8 @@ impl PropertyFile {
             .find(|block| block.name == name && block.part.is_none())
     }
 
-    /// Returns a number in a block or its parts in units of the file, such as `FX_DAMPING` in `DAMPING` or `FREE_LENGTH` in `SPRING_DATA`.
+    /// Returns a parameter of a block, or of one of its parts, in units of the file: for example `FX_DAMPING` in `DAMPING`, or
+    /// `FREE_LENGTH` in `SPRING_DATA`.
     pub(crate) fn number(&self, block: &str, name: &str) -> Option<f64> {
         self.blocks
             .iter()
@@ -168,7 +171,7 @@ impl PropertyFile {
             .find_map(|one| one.parameter(name)?.number())
     }
 
-    /// Returns all tables of two columns of numbers as curves, in the order of the file.
+    /// Returns all tables with two columns of numbers as curves, in the order of the file.
     pub fn curves(&self) -> Vec<PropertyCurve> {
         self.blocks
             .iter()
@@ -181,20 +184,23 @@ impl PropertyFile {
             .collect()
     }
 
-    /// Returns the curve of a block, such as `FX_CURVE` or `CURVE`; case is ignored.
+    /// Returns the curve in the block with this name, such as `FX_CURVE` or `CURVE`; case is ignored.
     pub fn curve(&self, block: &str) -> Option<PropertyCurve> {
         let block = block.to_ascii_uppercase();
         self.curves().into_iter().find(|curve| curve.block == block)
     }
 
-    /// Returns the six curves of a bushing in the units of a model, in the order x, y, z, about x, about y, about z; angles are in radians.
+    /// Returns the six curves of a bushing in the units of a model, with angles in radians: forces along x, y, z, then torques about x, y,
+    /// z.
     ///
-    /// The elastic force of the bushing on its I side is the negative of the curve at the deformation of I relative to J.
+    /// A curve is a function of the deformation of I relative to J. The elastic force on the I side of the bushing is the negative of the
+    /// curve.
     pub fn bushing_curves(&self, units: &Units) -> [Option<(Vec<f64>, Vec<f64>)>; 6] {
         BUSHING_CURVES.map(|name| Some(self.curve(name)?.in_units(self.units.as_ref(), units)))
     }
 
-    /// Returns the six damping coefficients of a bushing in the units of a model; zero where the file gives none.
+    /// Returns the six damping coefficients of a bushing in the units of a model: along x, y, z, then about x, y, z. Coefficients that the
+    /// file does not give are zero.
     pub fn bushing_damping(&self, units: &Units) -> [f64; 6] {
         std::array::from_fn(|k| {
             let name = BUSHING_CURVES[k].replace("CURVE", "DAMPING");
@@ -211,7 +217,7 @@ impl PropertyFile {
         })
     }
 
-    /// Returns the free length of a spring in the units of a model.
+    /// Returns the free length of a spring in the units of a model, if the file gives it.
     pub fn free_length(&self, units: &Units) -> Option<f64> {
         let length = self.number("SPRING_DATA", "FREE_LENGTH")?;
         Some(match &self.units {

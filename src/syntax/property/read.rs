@@ -5,10 +5,10 @@ use crate::lines::physical_line;
 use crate::number::parse_number;
 use crate::text::{Source, Span};
 
-/// Maximum number of diagnostics of a file.
+/// Maximum number of diagnostics for one file.
 const MOST_COMPLAINTS: usize = 50;
 
-/// Reads all blocks of a TeimOrbit file line by line, independent of their names.
+/// Reads all blocks of a TeimOrbit file line by line, whatever their names are.
 pub(super) fn blocks(source: &Source) -> Checked<Vec<Block>> {
     let mut reader = Reader {
         source,
@@ -36,7 +36,7 @@ pub(super) fn blocks(source: &Source) -> Checked<Vec<Block>> {
 struct Reader<'a> {
     source: &'a Source,
     blocks: Vec<Block>,
-    /// True while further rows belong to the last table.
+    /// True while the next row belongs to the last table.
     open_table: bool,
     diagnostics: Vec<Diagnostic>,
 }
@@ -87,7 +87,7 @@ impl Reader<'_> {
         });
     }
 
-    /// Returns the open block; without one, an error is reported.
+    /// Returns the block that contains the current line. If no block was opened, reports an error.
     fn block(&mut self, span: Span) -> Option<&mut Block> {
         if self.blocks.is_empty() {
             self.complain(
@@ -128,7 +128,7 @@ impl Reader<'_> {
             return;
         };
         table.span = table.span.join(span);
-        // A heading of one word may head a table of text rows.
+        // A heading of one word may stand above rows of several texts; the first row then gives the width.
         let width = match (table.columns.len(), table.rows.first()) {
             (_, Some(first)) => first.len(),
             (0 | 1, None) => row.len(),
@@ -160,7 +160,7 @@ impl Reader<'_> {
     }
 }
 
-/// Returns the span of a line without surrounding blanks and without a comment, which starts at `$` or `!` outside of quotes.
+/// Returns the span of a line without surrounding blanks and without its comment. A comment starts at `$` or `!` outside of quotes.
 fn without_comment(bytes: &[u8], line: Span) -> Span {
     let text = &bytes[line.range()];
     let mut quoted = false;
@@ -197,7 +197,7 @@ fn equals(line: &[u8]) -> Option<usize> {
     })
 }
 
-/// Splits a line at blanks, commas or tabs into cells; texts in single quotes may contain blanks.
+/// Splits a line into cells, which are separated by blanks, commas or tabs. A text in single quotes may contain blanks.
 fn cells(source: &Source, span: Span) -> Vec<Cell> {
     let bytes = &source.bytes()[..span.end()];
     let mut found = Vec::new();

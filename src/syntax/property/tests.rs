@@ -45,7 +45,7 @@ fn a_bushing_file_is_six_curves_in_units_of_the_model() {
         (&PropertyKind::Bushing, Some(4.0))
     );
     assert_eq!(file.source().bytes(), BUSHING.as_bytes());
-    // Newton, millimetre, radian: 2 kN over 1 mm, 0.1 kN mm over a degree.
+    // In newtons, millimetres and radians: 2 kN at 1 mm, and 0.1 kN mm at one degree.
     let units = Units::default();
     let curves = file.bushing_curves(&units);
     let (x, y) = curves[0].clone().expect("FX_CURVE");
@@ -59,7 +59,7 @@ fn a_bushing_file_is_six_curves_in_units_of_the_model() {
     let damping = file.bushing_damping(&units);
     assert!((damping[0] - 2.0).abs() < 1e-12);
     assert!((damping[3] - 500.0 / 1f64.to_radians()).abs() < 1e-6);
-    // The comment is a text, not a parameter.
+    // The row of the part COMMENTS contains an equals sign, but it is a text in quotes and not a parameter.
     let comment = &file.blocks[1];
     assert_eq!(
         (comment.part.as_deref(), comment.tables.len()),

@@ -3,22 +3,23 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::Source;
 use crate::units::{Dimension, FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
 
-/// The units of a property file, as their sizes in SI units and radians.
+/// Units of a property file, given by their sizes in SI units and in radians.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PropertyUnits {
-    /// Size of the unit of force in newton.
+    /// Size of the force unit in newtons.
     pub force: f64,
-    /// Size of the unit of mass in kilograms.
+    /// Size of the mass unit in kilograms.
     pub mass: f64,
-    /// Size of the unit of length in metres.
+    /// Size of the length unit in metres.
     pub length: f64,
-    /// Size of the unit of time in seconds.
+    /// Size of the time unit in seconds.
     pub time: f64,
-    /// Size of the unit of angle in radians.
+    /// Size of the angle unit in radians.
     pub angle: f64,
 }
 
-/// Further unit names of Adams/Car that are neither abbreviations of keywords of UNITS nor the spellings of results files.
+/// Further spellings of units in Adams/Car, with the keywords of UNITS to which they correspond. They are no abbreviations of these
+/// keywords and do not occur in results files.
 const MORE: &[(&str, &str)] = &[
     ("m", "METER"),
     ("in", "INCH"),
@@ -33,9 +34,9 @@ const MORE: &[(&str, &str)] = &[
 ];
 
 impl PropertyUnits {
-    /// Reads the block `UNITS`. Unknown words are reported.
+    /// Reads the block `UNITS` of a file and reports unknown units.
     ///
-    /// Missing or unknown units default to newtons, kilograms, millimetres, seconds and degrees, the usual ones of Adams/Car.
+    /// A missing or unknown unit defaults to the usual unit of Adams/Car: newton, kilogram, millimetre, second or degree.
     pub(super) fn read(block: &Block, source: &Source, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let mut size = |name: &str, all: &[Unit], usual: f64| {
             let Some(parameter) = block.parameter(name) else {
@@ -71,7 +72,8 @@ impl PropertyUnits {
         units
     }
 
-    /// Returns the factor that converts a number of this dimension to the units of a model, with angles in radians.
+    /// Returns the factor that converts a value of this dimension from the units of the file to the units of a model, with angles in
+    /// radians.
     pub(crate) fn factor(&self, dimension: Dimension, units: &Units) -> f64 {
         [
             (self.force / units.force.si, dimension.force),
@@ -86,7 +88,8 @@ impl PropertyUnits {
     }
 }
 
-/// Returns the size of a unit, given its keyword, an abbreviation of it, its spelling in results, or a spelling of Adams/Car.
+/// Returns the size of a unit in SI units. `word` may be its keyword, an abbreviation, its spelling in results files, or a spelling of
+/// Adams/Car.
 fn find(word: &str, all: &[Unit]) -> Option<f64> {
     let keyword = MORE
         .iter()

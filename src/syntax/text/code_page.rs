@@ -4,13 +4,13 @@ use std::io::{Result, Write};
 use encoding_rs::Encoding;
 use oem_cp::code_table::ENCODING_TABLE_CP_MAP;
 
-/// Environment variable that names the code page of the program that reads the output from a pipe.
+/// Environment variable with the code page that is expected by a program that reads the output of `admire` from a pipe.
 const VARIABLE: &str = "ADMIRE_CODE_PAGE";
 
-/// Encoding of printed text, for output that does not go to a console.
+/// Encoding of output that does not go to a console.
 #[derive(Clone, Copy, Debug)]
 pub enum CodePage {
-    /// UTF-8; the text stays unchanged.
+    /// UTF-8: texts are written unchanged.
     Utf8,
     /// A console (OEM) code page of Windows: 437, 850, 852 and so on.
     Oem(u16),
@@ -45,7 +45,7 @@ impl CodePage {
         Encoding::for_label(format!("windows-{number}").as_bytes()).map(Self::Ansi)
     }
 
-    /// Encodes a text in this code page; a missing character becomes similar ASCII characters, or `?`.
+    /// Encodes a text in this code page. A character that the code page lacks is replaced by similar ASCII characters, or by `?`.
     pub fn encode(self, text: &str) -> Cow<'_, [u8]> {
         if text.is_ascii() || matches!(self, Self::Utf8) {
             return Cow::Borrowed(text.as_bytes());
@@ -59,7 +59,7 @@ impl CodePage {
         Cow::Owned(out)
     }
 
-    /// Appends a character and returns true if the code page contains it.
+    /// Appends a character if the code page contains it; returns true if it does.
     fn push(self, c: char, out: &mut Vec<u8>) -> bool {
         if c.is_ascii() {
             out.push(c as u8);
@@ -87,7 +87,7 @@ impl CodePage {
     }
 }
 
-/// Returns ASCII characters that resemble a character used in the texts of `admire`.
+/// Returns ASCII characters that resemble a character in the output of `admire`, or `?`.
 const fn like(c: char) -> &'static str {
     match c {
         '\u{2502}' | '\u{2506}' | '\u{250a}' => "|",
@@ -106,7 +106,7 @@ const fn like(c: char) -> &'static str {
     }
 }
 
-/// A writer of UTF-8 text that encodes it in a code page.
+/// A writer that accepts UTF-8 text and passes it on in a code page.
 #[derive(Debug)]
 pub struct Encoded<W> {
     inner: W,
@@ -114,7 +114,7 @@ pub struct Encoded<W> {
 }
 
 impl<W: Write> Encoded<W> {
-    /// Creates a writer that passes encoded text to `inner`.
+    /// Creates a writer that passes the encoded text on to `inner`.
     pub const fn new(inner: W, page: CodePage) -> Self {
         Self { inner, page }
     }
@@ -142,10 +142,10 @@ mod tests {
         for (name, wanted) in [
             ("", text.as_bytes()),
             ("UTF-8", text.as_bytes()),
-            // CP850: ä 0x84, ± 0xF1, µ 0xE6, ─ 0xC4.
+            // CP850 encodes ä as 0x84, ± as 0xF1, µ as 0xE6, ─ as 0xC4.
             ("850", b"L\x84ngslenker \xf1 2 \xe6m +\xc4 ?"),
             ("cp437", b"L\x84ngslenker \xf1 2 \xe6m +\xc4 ?"),
-            // 1252: ä 0xE4, ± 0xB1, µ 0xB5.
+            // Windows-1252 encodes ä as 0xE4, ± as 0xB1, µ as 0xB5.
             ("1252", b"L\xe4ngslenker \xb1 2 \xb5m +- ?"),
             ("windows-1252", b"L\xe4ngslenker \xb1 2 \xb5m +- ?"),
         ] {

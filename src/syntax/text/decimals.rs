@@ -1,11 +1,11 @@
-/// Number of decimals with which a quantity is printed.
+/// Number of decimal places with which a quantity is printed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Decimals(usize);
 
 impl Decimals {
-    /// Returns the decimals that show two significant digits of an error.
+    /// Returns the number of decimal places that shows two significant digits of the given error.
     ///
-    /// The minimum is three decimals, which is enough for millimetres and degrees of axles.
+    /// The result is at least three, which suffices for millimetres and degrees in suspension measurements, and at most twelve.
     pub fn of_error(error: f64) -> Self {
         let digits = 1.0 - libm::log10(error.abs()).floor();
         Self(if digits.is_finite() {
@@ -15,13 +15,13 @@ impl Decimals {
         })
     }
 
-    /// Returns one more decimal.
+    /// Returns a format with one more decimal place.
     #[must_use]
     pub fn finer(self) -> Self {
         Self(self.0 + 1)
     }
 
-    /// Formats a number with these decimals.
+    /// Formats a value with this number of decimal places.
     pub fn format(self, value: f64) -> String {
         format!("{value:.*}", self.0)
     }

@@ -1,6 +1,6 @@
 use super::Span;
 
-/// An edit that replaces the bytes of `span` by `replacement`. An empty span inserts; an empty replacement deletes.
+/// An edit that replaces the bytes of a span. If the span is empty, the edit inserts bytes; if the replacement is empty, it deletes bytes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Edit {
     /// Span to be replaced, in the unedited bytes.
@@ -19,18 +19,19 @@ impl Edit {
     }
 }
 
-/// Reason why a set of edits could not be applied.
+/// Reason why a list of edits cannot be applied.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum EditConflict {
     /// Two edits replace the same bytes.
     #[error("two edits overlap at bytes {}..{} and {}..{}", .0.start(), .0.end(), .1.start(), .1.end())]
     Overlap(Span, Span),
-    /// An edit extends past the end of the bytes.
+    /// An edit (span) extends past the end of the bytes (length).
     #[error("an edit reaches to byte {} of {}", .0.end(), .1)]
     OutOfBounds(Span, usize),
 }
 
-/// Applies edits in any order; all spans are offsets in the unedited `bytes`. Insertions at the same offset keep their order.
+/// Applies edits to `bytes`, in any order; all spans are offsets in the unedited bytes. Insertions at the same offset keep their order in
+/// the list.
 ///
 /// # Errors
 /// Returns an error if two edits overlap or an edit lies outside of `bytes`; nothing is applied then.

@@ -6,13 +6,13 @@
 use std::io::{Error, Result};
 use std::time::Duration;
 
-/// Pauses between attempts, in milliseconds; two seconds in total.
+/// Pauses between the attempts, in milliseconds; their sum is two seconds.
 const PAUSES: [u64; 9] = [5, 10, 25, 60, 100, 200, 400, 600, 600];
 
-/// Runs a file operation, and repeats it for two seconds while another program holds the file.
+/// Runs a file operation. While another program holds the file open, the operation is repeated for up to two seconds.
 ///
 /// # Errors
-/// Returns the error of the last attempt, or the first error that has another cause.
+/// Returns the error of the last attempt. An error with another cause is returned at once.
 pub fn patiently<T>(attempt: impl FnMut() -> Result<T>) -> Result<T> {
     let wait = |pause| std::thread::sleep(Duration::from_millis(pause));
     repeated(attempt, is_held, wait).map_err(|error| {
@@ -24,7 +24,7 @@ pub fn patiently<T>(attempt: impl FnMut() -> Result<T>) -> Result<T> {
     })
 }
 
-/// Returns true for the errors of Windows about files in use: access denied, sharing violation, lock violation, folder not empty.
+/// Returns true for the errors by which Windows reports a file in use: access denied, sharing violation, lock violation, folder not empty.
 fn is_held(error: &Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33 | 145))
 }
@@ -57,7 +57,7 @@ mod tests {
         };
         let done = repeated(attempt, |_| true, |pause| waited += pause).unwrap();
         assert_eq!((done, waited), ("done", 40));
-        // Waiting ends after two seconds, and other errors are not repeated.
+        // The attempts end after two seconds, and an error with another cause ends them at once.
         let (mut count, mut waited) = (0, 0);
         let attempt = || {
             count += 1;

@@ -1,6 +1,6 @@
 use std::io::{Result, Write};
 
-/// A writer of text that uses the line ends of the system: CR LF on Windows, LF elsewhere.
+/// A writer of text that writes the line ends of the operating system: CR LF on Windows, LF elsewhere.
 #[derive(Debug)]
 pub struct LineEnds<W> {
     inner: W,
@@ -8,7 +8,7 @@ pub struct LineEnds<W> {
 }
 
 impl<W: Write> LineEnds<W> {
-    /// Creates a writer that passes text to `inner`.
+    /// Creates a writer that passes the text on to `inner`.
     pub const fn of_system(inner: W) -> Self {
         Self {
             inner,

@@ -1,6 +1,6 @@
-//! Bytes of files, spans in them, edits of them, and functions for reading and writing files.
+//! Bytes of files, spans and edits of these bytes, and functions that read and write files.
 //!
-//! The module is independent of ADAMS. Bytes are edited without decoding them, because real decks contain Latin-1.
+//! The module is independent of ADAMS. Bytes are edited without decoding, because real decks contain Latin-1 characters.
 
 mod code_page;
 mod decimals;

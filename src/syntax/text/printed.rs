@@ -1,10 +1,11 @@
-//! Text from files or paths in a form that is safe for a terminal: without control sequences and marks that change the text direction.
+//! Text from files or paths in a form that is safe to print on a terminal: without control sequences and marks that change the text
+//! direction.
 
 use std::borrow::Cow;
 
-/// Returns true for a character that a terminal obeys instead of showing.
+/// Returns true for a character that controls the terminal instead of being shown.
 ///
-/// These are the C0 and C1 controls, except line ends and tabs, and the marks that change the direction of text (UAX 9).
+/// Such characters are the C0 and C1 controls, except line ends and tabs, and the marks that change the direction of text (UAX 9).
 fn is_command(c: char, next: Option<char>) -> bool {
     match c {
         '\n' | '\t' => false,
@@ -25,13 +26,14 @@ fn each(text: &str) -> impl Iterator<Item = (char, bool)> {
 }
 
 fn is_harmless(text: &str) -> bool {
-    // Most text is ASCII without controls, which a check of its bytes shows.
+    // Most texts are ASCII without control characters; a check of the bytes suffices for them.
     text.bytes()
         .all(|byte| matches!(byte, b' '..=b'~' | b'\n' | b'\t'))
         || each(text).all(|(_, command)| !command)
 }
 
-/// Returns a text that is safe for a terminal. Controls are spelled `\u001b` as in JSON, so that JSON text keeps its meaning.
+/// Returns a text that is safe to print on a terminal. Control characters are written as in JSON (`\u001b`), so that JSON text keeps its
+/// meaning.
 pub fn printable(text: &str) -> Cow<'_, str> {
     if is_harmless(text) {
         return Cow::Borrowed(text);
@@ -47,7 +49,8 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// Returns a text that is safe for a terminal and keeps the byte offset of every character; controls become `?` or another placeholder.
+/// Returns a text that is safe to print and in which every character keeps its byte offset. Control characters become `?` or another
+/// character of the same length.
 pub fn masked(text: &str) -> Cow<'_, str> {
     if is_harmless(text) {
         return Cow::Borrowed(text);
@@ -81,7 +84,7 @@ mod tests {
             assert_eq!(masked(text).len(), text.len());
             assert!(each(&masked(text)).all(|(_, command)| !command));
         }
-        // JSON with an escape means the same.
+        // In JSON, the escaped character has the same meaning as the character itself.
         let value = serde_json::json!({ "a\u{202e}": "\u{9b}\u{1b}" });
         let text = printable(&value.to_string()).into_owned();
         assert_eq!(

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Returns an error if the path does not exist.
 pub fn real_path(path: &Path) -> Result<PathBuf> {
     path.canonicalize().or_else(|error| {
-        // Wine 8 fails for long paths with ERROR_MORE_DATA, which Windows never returns here.
+        // Wine 8 fails with ERROR_MORE_DATA for long paths; Windows never returns this error here.
         if !cfg!(windows) || error.raw_os_error() != Some(234) {
             return Err(error);
         }

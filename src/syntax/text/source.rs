@@ -5,30 +5,30 @@ use std::sync::{Arc, OnceLock};
 
 use super::Span;
 
-/// The bytes of one file, and a name to show in messages. It is cheap to clone.
+/// The bytes of one file, with a name for messages. Cloning is cheap.
 #[derive(Clone, Debug)]
 pub struct Source {
     name: Arc<str>,
-    // The vector is kept as it was read; converting it would need twice the memory for a large file.
+    // The vector is kept as read; a conversion to another type would take twice the memory for a large file.
     bytes: Arc<Vec<u8>>,
-    /// Offsets at which lines begin, computed on first use because thousands of diagnostics of one file need them.
+    /// Offsets at which the lines begin. They are computed on first use, because a file may have thousands of diagnostics that need them.
     line_starts: Arc<OnceLock<Vec<usize>>>,
 }
 
-/// A 1-based line and a 1-based column counted in bytes.
+/// A position in a text: line and column, both counted from 1. The column is counted in bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LineColumn {
     /// Line, from 1.
     pub line: usize,
-    /// Column in bytes, from 1.
+    /// Column, from 1, counted in bytes.
     pub column: usize,
 }
 
 impl Source {
-    /// Largest size, in bytes, of a file that is read as a whole; offsets in a larger file would not fit into a [`Span`].
+    /// Largest size of a file that is read as a whole, in bytes. Offsets in a larger file would not fit into a [`Span`].
     pub const LARGEST: u64 = u32::MAX as u64;
 
-    /// Creates a source from a name to show and its bytes.
+    /// Creates a source from a name for messages and its bytes.
     pub fn new(name: impl Into<Arc<str>>, bytes: impl Into<Vec<u8>>) -> Self {
         Self {
             name: name.into(),
@@ -40,13 +40,13 @@ impl Source {
     /// Reads a file as a whole.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read, or is larger than [`LARGEST`](Self::LARGEST).
+    /// Returns an error if the file cannot be read or is larger than [`LARGEST`](Self::LARGEST).
     pub fn read(path: &Path) -> std::io::Result<Self> {
         let bytes = read_at_most(path, Self::LARGEST)?;
         Ok(Self::new(path.display().to_string(), bytes))
     }
 
-    /// Returns the name to show, usually a path.
+    /// Returns the name for messages, which is usually a path.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -61,7 +61,7 @@ impl Source {
         &self.bytes[span.range()]
     }
 
-    /// Returns the text of a span for display; bytes that are not UTF-8 are read as Latin-1.
+    /// Returns the text of a span for display. If the bytes are not valid UTF-8, they are decoded as Latin-1.
     pub fn text(&self, span: Span) -> Cow<'_, str> {
         let bytes = self.slice(span);
         match std::str::from_utf8(bytes) {
@@ -70,7 +70,7 @@ impl Source {
         }
     }
 
-    /// Returns the whole file as text, for a format that is UTF-8.
+    /// Returns the whole file as text, for file formats that require UTF-8.
     ///
     /// # Errors
     /// Returns the span of the first byte that is not UTF-8.
@@ -81,8 +81,9 @@ impl Source {
         })
     }
 
-    /// Converts a UTF-16 file to UTF-8; others stay unchanged. UTF-16 is recognised by its byte order mark or by zeros beside its first
-    /// letters.
+    /// Converts a UTF-16 file to UTF-8; any other file stays unchanged.
+    ///
+    /// UTF-16 is recognised by its byte order mark, or by zero bytes beside its first two letters.
     #[must_use]
     pub fn in_utf8(self) -> Self {
         let encoding = match self.bytes[..] {
@@ -96,7 +97,7 @@ impl Source {
         Self::new(self.name, text.into_owned())
     }
 
-    /// Returns the line and column of an offset. Lines end at LF; a CR before it belongs to the line.
+    /// Returns the line and column of an offset. Lines end at LF; a CR before the LF belongs to the line.
     pub fn line_column(&self, offset: usize) -> LineColumn {
         let offset = offset.min(self.bytes.len());
         let starts = self.line_starts.get_or_init(|| {
@@ -114,8 +115,8 @@ impl Source {
 /// Opens a file for reading.
 ///
 /// # Errors
-/// Returns an error if the file cannot be opened, or is a named pipe or a device. A named pipe may wait for its writer for ever, and a
-/// device may never end. Pipes of a shell are accepted; they have a writer and no path in the file system.
+/// Returns an error if the file cannot be opened, or if it is a named pipe or a device: reading from these might never end. Pipes of a
+/// shell are accepted; they have no path in the file system.
 pub fn open_to_read(path: &Path) -> std::io::Result<std::fs::File> {
     let there = std::fs::metadata(path)?;
     if !there.is_file() && !there.is_dir() && path.canonicalize().is_ok() {
@@ -130,19 +131,19 @@ pub fn open_to_read(path: &Path) -> std::io::Result<std::fs::File> {
 /// Reads a file of at most `most` bytes.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read or is larger.
+/// Returns an error if the file cannot be read or is larger than `most`.
 pub fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     let size = std::fs::metadata(path)?.len();
     check_size(size, most)?;
     let mut bytes = Vec::new();
-    // The extra bytes let the read detect the end of the file without doubling the buffer.
+    // With a few spare bytes, the read detects the end of the file without doubling the buffer.
     let room = usize::try_from(size)
         .unwrap_or(usize::MAX)
         .saturating_add(64);
     bytes
         .try_reserve_exact(room)
         .map_err(|_| std::io::Error::from(std::io::ErrorKind::OutOfMemory))?;
-    // Input without a known size is cut off here and rejected below.
+    // A file of unknown size is read up to one byte beyond the limit, and rejected below if it is too large.
     open_to_read(path)?
         .take(most.saturating_add(1))
         .read_to_end(&mut bytes)?;

@@ -2,9 +2,9 @@ use std::ops::Range;
 
 /// A half-open range of byte offsets in one [`Source`](super::Source).
 ///
-/// Offsets have 32 bits, because a deck has a span for each of its words and numbers. A file that is read as a whole is therefore smaller
-/// than 4 GiB ([`Source::LARGEST`](super::Source::LARGEST)). Larger offsets, as in a streamed results file, are clamped to the largest
-/// value.
+/// Offsets have 32 bits to save memory, because a deck has a span for each of its words and numbers. A file that is read as a whole is
+/// therefore smaller than 4 GiB ([`Source::LARGEST`](super::Source::LARGEST)). Larger offsets, as in a streamed results file, are clamped
+/// to the largest 32-bit value.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
 pub struct Span {
     start: u32,
@@ -20,7 +20,7 @@ const fn cut(offset: usize) -> u32 {
 }
 
 impl Span {
-    /// Creates the span from `start` up to but not including `end`.
+    /// Creates the span that begins at `start` and ends before `end`.
     pub const fn new(start: usize, end: usize) -> Self {
         Self {
             start: cut(start),
@@ -38,7 +38,7 @@ impl Span {
         self.start as usize
     }
 
-    /// Returns the offset one past the last byte.
+    /// Returns the offset after the last byte.
     pub const fn end(self) -> usize {
         self.end as usize
     }
@@ -63,7 +63,7 @@ impl Span {
     }
 
     #[must_use]
-    /// Returns the span with the same start and another end.
+    /// Returns a span with the same start that ends before `end`.
     pub const fn to(self, end: usize) -> Self {
         Self {
             start: self.start,

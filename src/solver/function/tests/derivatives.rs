@@ -77,7 +77,7 @@ fn check_derivatives(text: &str) {
     }
 }
 
-/// Every numeric function, evaluated inside its domain.
+/// Expressions that together contain every numeric function, evaluated inside its domain.
 const SMOOTH: [&str; 25] = [
     "VARVAL(1)*VARVAL(2)/VARVAL(3)-VARVAL(1)**VARVAL(2)",
     "VARVAL(1)**2+VARVAL(2)**3-2**VARVAL(3)+(-VARVAL(1))**INT(2.5)",
@@ -113,7 +113,7 @@ fn derivatives_are_those_of_central_differences() {
     }
 }
 
-/// The list above covers all numeric functions. Functions that measure the state are checked in whole decks (tests/solver/functions.rs).
+/// `SMOOTH` covers all numeric functions. Functions that measure the state are checked in whole decks (tests/solver/functions.rs).
 #[test]
 fn every_function_of_numbers_is_among_them() {
     use admire_syntax::grammar::{FUNCTIONS, Solved};
@@ -128,7 +128,8 @@ fn every_function_of_numbers_is_among_them() {
     }
 }
 
-/// Expressions whose second time derivatives always exist if only VARVAL(1) moves. IMPACT and BISTOP have none.
+/// Expressions whose second time derivatives always exist if only VARVAL(1) varies. They exclude IMPACT and BISTOP, which have no second
+/// derivatives.
 const BENT: [&str; 10] = [
     "SWEEP(VARVAL(1),2,0.4,0.5,1.3,1.1,0.5)*VARVAL(1)",
     "SWEEP(VARVAL(1),2,0.4,0.5,1.3,1.1,0)+SWEEP(VARVAL(1),2,0.9,5,1.3,1.1,0.6)",
@@ -203,8 +204,8 @@ fn second_rates_are_those_of_differences() {
     assert!(found > 500, "{found}");
 }
 
-/// At the edges of domains and pieces the derivative equals a one-sided derivative, lies between both, or is zero where a side is
-/// infinitely steep.
+/// At the edges of domains and pieces the derivative equals a one-sided derivative or lies between the two one-sided derivatives. It is
+/// zero where a side is infinitely steep.
 #[test]
 fn derivatives_at_edges_are_those_of_a_side() {
     for (text, edge) in [

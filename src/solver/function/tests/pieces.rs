@@ -2,7 +2,7 @@
 
 use super::{EvaluationMemory, Fault, compile};
 
-/// Returns the value, the derivatives with respect to VARIABLE/1 and /2, the piece of the arguments and the excess.
+/// Returns the value, the derivatives with respect to VARIABLE/1 and VARIABLE/2, the piece to which the arguments belong, and the excess.
 fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) {
     let case = compile(text);
     assert_eq!(case.program.switches().len(), 1, "{text}");
@@ -14,7 +14,8 @@ fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) 
         &case.literals,
         &[held],
         &mut scratch,
-        (&mut by, &mut by_literal),
+        &mut by,
+        &mut by_literal,
     );
     let seen = scratch.seen()[0];
     by.resize(2, 0.0);
@@ -173,7 +174,7 @@ fn what_the_time_alone_chooses_is_known() {
     }
 }
 
-/// NaN has no integer part, on whatever piece the function is held.
+/// NaN has no integer part, regardless of the piece on which the function is held.
 #[test]
 fn no_number_has_no_whole_part() {
     for function in ["AINT", "ANINT", "INT", "NINT"] {
@@ -186,7 +187,8 @@ fn no_number_has_no_whole_part() {
                 &case.literals,
                 &[held],
                 &mut scratch,
-                (&mut by, &mut vec![0.0; case.literals.len()]),
+                &mut by,
+                &mut vec![0.0; case.literals.len()],
             );
             let error = value.expect_err("no value");
             assert_eq!(error.fault, Fault::NotDefined, "{function}");
@@ -204,13 +206,13 @@ fn numbers_too_large_for_a_whole_number_keep_their_value() {
     }
 }
 
-/// Held between its sides, a function is linear from one side to the other over the half width. The excess is zero at that half width.
+/// A function held between its sides is linear from one side to the other over the half width. The excess is zero at this half width.
 #[test]
 fn held_between_its_sides_a_function_is_a_line() {
     use crate::function::{between, half_width};
     let piece = between(0.3);
     assert_eq!(half_width(Some(piece)), Some(0.25));
-    // x in -0.25..0.25 on -3 y .. 5 y.
+    // The line runs from -3 y at x = -0.25 to 5 y at x = 0.25.
     let line = |x: f64, y: f64| (y * (1.0 + 16.0 * x), [16.0 * y, 1.0 + 16.0 * x]);
     let text = "IF(VARVAL(1):-3*VARVAL(2),9,5*VARVAL(2))";
     for x in [-0.25, -0.1, 0.0, 0.2, 0.3] {
@@ -234,7 +236,8 @@ fn held_between_its_sides_a_function_is_a_line() {
         &case.literals,
         &[Some(piece), None],
         &mut EvaluationMemory::default(),
-        (&mut by, &mut by_literal),
+        &mut by,
+        &mut by_literal,
     );
     // A quarter of 1 plus three quarters of 7, minus 1.
     assert_eq!(value, Ok(4.5));

@@ -6,10 +6,10 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 /// Angle in degrees beyond which the projected angles are no longer the components of a rotation vector.
 const LARGEST: f64 = 10.0;
 
-/// Reports bushings, beams and fields that are rotated too far about x or y at the design position.
+/// Reports bushings, beams and fields whose I marker is rotated too far about x or y of J in the design position.
 ///
-/// The rotation is measured from the load-free orientation: the axes of J, or for a field its LENGTH. A large rotation about z alone is
-/// harmless (guide/formats.md 2.7).
+/// The rotation is measured from the load-free orientation: the axes of J or, for a FIELD, the angles in its LENGTH. A large rotation about
+/// z alone is harmless (guide/formats.md 2.7).
 pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     let model = design.model;
     for bushing in &model.bushings {

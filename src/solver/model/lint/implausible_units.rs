@@ -5,13 +5,13 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Maximum plausible length of a mechanism, m.
 const LONGEST: f64 = 1e3;
-/// Length in m above which [`LIGHTEST`] is applied.
+/// Length of a mechanism in m above which [`LIGHTEST`] is checked.
 const LONG: f64 = 50.0;
-/// Minimum plausible mass per length, kg/m; a rope of 10 mm diameter has 0.5 kg/m.
+/// Minimum plausible mass per length of a mechanism, kg/m; a rope of 10 mm diameter has 0.5 kg/m.
 const LIGHTEST: f64 = 0.3;
 /// Maximum plausible mass per cube of the mechanism's size, kg/m^3; iron has 8e3, osmium 2e4.
 const DENSEST: f64 = 1e8;
-/// Plausible range of gravity relative to Earth's; the Moon has 0.17, Jupiter 2.5.
+/// Plausible range of gravity relative to standard gravity on Earth; the Moon has 0.17, Jupiter 2.5.
 const GRAVITY: std::ops::Range<f64> = 0.1..10.0;
 /// Maximum plausible stiffness of a bushing, N/m; a cube of steel of 1 m^3 has 2e11.
 const STIFFEST: f64 = 1e14;
@@ -118,7 +118,7 @@ fn extent(design: &Design<'_>) -> f64 {
     if diagonal.is_finite() { diagonal } else { 0.0 }
 }
 
-/// Returns the largest radius of gyration of a part.
+/// Returns the largest radius of gyration of all parts, in the deck's units.
 fn widest(model: &Model) -> f64 {
     let radius = |part: &crate::model::Part| {
         let most = part.ip[..3].iter().copied().fold(0.0, f64::max);
@@ -131,7 +131,7 @@ fn widest(model: &Model) -> f64 {
     model.parts.iter().map(radius).fold(0.0, f64::max)
 }
 
-/// Returns the largest translational stiffness of a bushing.
+/// Returns the largest translational stiffness of all bushings, in the deck's units.
 fn stiffest(model: &Model) -> f64 {
     let bushings = model.bushings.iter().flat_map(|bushing| bushing.k);
     bushings.fold(0.0, f64::max)

@@ -3,7 +3,8 @@ use crate::mechanics::{Pose, Vec3};
 use crate::model::{Header, JointKind, MarkerIx, Model, PrimitiveKind};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Allowed distance of the origins, relative to the size of the model: the rounding of coordinates printed with ten digits.
+/// Allowed distance between marker origins, relative to the size of the model. It covers the rounding of coordinates printed with ten
+/// digits.
 const GAP: f64 = 1e-5;
 /// Allowed angle between axes, in degrees. ADAMS does not report joints tilted by nearly this angle (grammar/NOTES.md).
 const TILT: f64 = 1.0;
@@ -11,17 +12,17 @@ const TILT: f64 = 1.0;
 /// Alignment that a constraint requires of its markers at the design position.
 #[derive(Clone, Copy, Default)]
 struct Alignment {
-    /// Components of the distance from J to I, in J axes, that must be zero.
+    /// Components of the vector from J to I, in J axes, that must be zero.
     distance: [bool; 3],
-    /// The x axes must be parallel and point the same way.
+    /// Whether the x axes must be parallel and point the same way.
     x_along_x: bool,
-    /// The z axes must be parallel and point the same way.
+    /// Whether the z axes must be parallel and point the same way.
     z_along_z: bool,
-    /// The z axes must be parallel, in either direction.
+    /// Whether the z axes must be parallel, in either direction.
     z_parallel: bool,
-    /// The z axes must be perpendicular.
+    /// Whether the z axes must be perpendicular.
     z_normal: bool,
-    /// The x axis of I must be perpendicular to the y axis of J.
+    /// Whether the x axis of I must be perpendicular to the y axis of J.
     x_normal_y: bool,
 }
 
@@ -33,17 +34,18 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Constraint whose marker origins do not coincide as required.
+/// Constraint whose marker origins do not coincide as the constraint requires.
 pub struct MarkerGap {
     /// Name of the constraint.
     pub name: String,
-    /// Distance from J to I in the axes of J; zero along unconstrained axes.
+    /// Vector from J to I in the axes of J; zero along unconstrained axes.
     pub distance: Vec3,
-    /// Whether each axis of J is constrained.
+    /// Whether the constraint acts along each axis of J.
     pub counts: [bool; 3],
 }
 
-/// Returns the active constraints whose marker origins are apart at the design position, in the order of the model.
+/// Returns the active constraints whose marker origins lie apart along a constrained axis in the design position, in the order of the
+/// model.
 pub fn apart(model: &Model) -> Vec<MarkerGap> {
     let size = size(model);
     let mut found = Vec::new();
@@ -63,7 +65,7 @@ pub fn apart(model: &Model) -> Vec<MarkerGap> {
     found
 }
 
-/// Returns every joint and primitive with the alignment that it requires.
+/// Returns every joint and joint primitive with the alignment that it requires.
 fn pairs(
     model: &Model,
 ) -> impl Iterator<Item = (&'static str, &Header, (MarkerIx, MarkerIx), Alignment)> {
@@ -118,7 +120,7 @@ fn of_joint(kind: JointKind) -> Alignment {
             z_normal: true,
             ..point
         },
-        // These constrain only the relation of travel and rotation, which any position can start from.
+        // These joints only couple translation and rotation, so every initial position is allowed.
         JointKind::Screw { .. } | JointKind::RackPin { .. } => Alignment::default(),
     }
 }
@@ -196,7 +198,7 @@ fn pair(
     );
 }
 
-/// Returns the distance from J to I in J axes; zero along unconstrained axes.
+/// Returns the vector from J to I in J axes; zero along unconstrained axes.
 fn distance(i: &Pose, j: &Pose, wanted: Alignment) -> Vec3 {
     let p_ij_j = j.R.transpose() * (i.p - j.p);
     Vec3::from_fn(|axis, _| {

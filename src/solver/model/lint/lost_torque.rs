@@ -2,8 +2,8 @@ use super::Design;
 use crate::model::{Function, Header, MarkerIx, PartKind, SforceKind, SpringKind, VectorForceKind};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Reports elements that exert a torque on a POINT_MASS, where it has no effect. `state_point_mass` allows only ACCGRAV, VFORCE and the
-/// translational forms of SFORCE and SPRINGDAMPER there.
+/// Reports elements that exert a torque on a POINT_MASS, where a torque has no effect. On a POINT_MASS, `state_point_mass` allows only
+/// ACCGRAV, VFORCE and the translational forms of SFORCE and SPRINGDAMPER.
 pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     let model = design.model;
     let acts = |values: &[f64]| values.iter().any(|value| *value != 0.0);
@@ -55,7 +55,7 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns false for a function that is written as the number zero.
+/// Returns whether a function is anything other than the literal number zero.
 fn is_not_zero(function: &Function) -> bool {
     match function {
         Function::Expression(expression) => expression.text.trim().parse::<f64>().ok() != Some(0.0),

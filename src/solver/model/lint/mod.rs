@@ -1,7 +1,7 @@
-//! Lint rules that need positions and directions: faults of the model at its design position.
+//! Lint rules that need positions and directions: faults of the model in its design position.
 //!
-//! Uses the model before any motion, independent of its solution. Faults that are visible in the statements alone are reported by
-//! `syntax::lint`.
+//! The rules use the model in its design position only; no solution is needed. Faults that are visible in the statements alone are reported
+//! by `syntax::lint`.
 
 mod bushing_angle;
 mod implausible_units;
@@ -52,7 +52,7 @@ struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Returns the pose of a marker in ground. `None` for floating markers and for bodies that only real ADAMS places.
+    /// Returns the pose of a marker in ground. `None` for floating markers and for markers on bodies that only real ADAMS places.
     fn pose(&self, marker: MarkerIx) -> Option<Pose> {
         self.model.marker_pose(marker)
     }
@@ -62,7 +62,7 @@ impl Design<'_> {
         Some((self.pose(i)?, self.pose(j)?))
     }
 
-    /// Returns the name of an object with its kind for messages: `JOINT/3 (knuckle_ball)`.
+    /// Returns the kind, id and View name of an object for messages, for example `JOINT/3 (knuckle_ball)`.
     fn title(&self, kind: &str, header: &Header) -> String {
         let statement = &self.dataset.statements()[header.origin];
         match statement.view_name {

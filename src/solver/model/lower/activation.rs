@@ -1,4 +1,4 @@
-//! ACTIVATE and DEACTIVATE.
+//! Lowering of the commands ACTIVATE and DEACTIVATE.
 
 use crate::model::Model;
 use crate::model::object::{EachList, Object};
@@ -6,7 +6,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 use admire_syntax::{Argument, Number, Statement};
 
-/// Operation that activates or deactivates objects of one kind.
+/// Visitor of the model's lists that activates or deactivates the chosen objects of one statement kind.
 struct Turn<'a> {
     kind: &'static str,
     chosen: &'a dyn Fn(u32) -> bool,
@@ -25,7 +25,7 @@ impl EachList for Turn<'_> {
     }
 }
 
-/// Activates or deactivates the objects that a command names.
+/// Activates or deactivates the objects that a command names. Warns about each kind of which no such object exists.
 pub(super) fn activate(
     model: &mut Model,
     command: &Statement,

@@ -51,8 +51,8 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
         } else {
             continue;
         };
-        let place = reader.place(argument);
-        reader.complain(complaint, place);
+        let (source, span) = reader.place(argument);
+        reader.complain(complaint, source, span);
     }
     let initial = |name: &str| {
         let numbers = reader.numbers(name);
@@ -95,12 +95,12 @@ pub(super) fn primitive(reader: &mut Reader) -> Option<Primitive> {
 pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
     let joints = joints(reader, "JOINTS")?;
     let mut scales = reader.reals("SCALES").unwrap_or_default();
-    // If there is one factor fewer than joints, the first factor is one (guide/formats.md 2.6).
+    // If there is one scale fewer than joints, the first scale is one (guide/formats.md 2.6).
     if scales.len() + 1 == joints.len() {
         scales.insert(0, 1.0);
     }
     if scales.len() != joints.len() {
-        let place = reader.place("SCALES");
+        let (source, span) = reader.place("SCALES");
         let diagnostic = Diagnostic::error(
             Code::WrongCount,
             format!(
@@ -110,7 +110,7 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
                 scales.len()
             ),
         );
-        reader.complain(diagnostic, place);
+        reader.complain(diagnostic, source, span);
         return None;
     }
     let words: Vec<CouplerKind> = reader
@@ -139,7 +139,8 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
     })
 }
 
-/// Returns the joints that an argument names, with the displacement that their type leaves free.
+/// Returns the joints that an argument names, each with a displacement that its type leaves free. For a CYLINDRICAL joint, which leaves two
+/// free, this is the rotation.
 fn joints(reader: &mut Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> {
     let mut joints = Vec::new();
     for id in reader.written_ids(name)? {
@@ -157,7 +158,7 @@ fn joints(reader: &mut Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> 
     Some(joints)
 }
 
-/// Returns whether a joint leaves the displacement along or about z of J free for a MOTION, COUPLER or GEAR.
+/// Returns whether a joint leaves the given displacement along or about z of J free, so that a MOTION, COUPLER or GEAR can use it.
 fn leaves_free(kind: JointKind, displacement: CouplerKind) -> bool {
     match kind {
         JointKind::Cylindrical => true,
@@ -167,7 +168,7 @@ fn leaves_free(kind: JointKind, displacement: CouplerKind) -> bool {
     }
 }
 
-/// Reports a joint that does not have the required displacement, or no free displacement at all.
+/// Reports a joint in which the required displacement is not free, or which has no free displacement at all.
 fn refuse<T>(
     reader: &mut Reader,
     argument: &str,
@@ -188,8 +189,8 @@ fn refuse<T>(
     let diagnostic = Diagnostic::error(Code::WrongType, message).help(
         "it can take the rotation of a REVOLUTE or CYLINDRICAL joint, the translation of a TRANSLATIONAL or CYLINDRICAL one",
     );
-    let place = reader.place(argument);
-    reader.complain(diagnostic, place);
+    let (source, span) = reader.place(argument);
+    reader.complain(diagnostic, source, span);
     None
 }
 

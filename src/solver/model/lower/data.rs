@@ -42,8 +42,8 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
             let diagnostic = Diagnostic::error(Code::OutOfRange, why).help(
                 "NUMERATOR and DENOMINATOR list coefficients, the constant one first; they are no ids of ARRAYs",
             );
-            let place = reader.place("DENOMINATOR");
-            reader.complain(diagnostic, place);
+            let (source, span) = reader.place("DENOMINATOR");
+            reader.complain(diagnostic, source, span);
             return None;
         };
         form
@@ -73,7 +73,7 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
 
 type DenseRows = Vec<Vec<f64>>;
 
-/// Returns whether the state dimensions of the matrices of an LSE agree. Mismatches are reported by `dimensions`, and such an LSE is
+/// Returns whether the numbers of states in the matrices A, B and C of an LSE agree. A mismatch is reported by `dimensions`, and the LSE is
 /// dropped.
 fn fit((a, b, c, _): &(DenseRows, DenseRows, DenseRows, DenseRows)) -> bool {
     let states = a.len();
@@ -81,8 +81,10 @@ fn fit((a, b, c, _): &(DenseRows, DenseRows, DenseRows, DenseRows)) -> bool {
     wide(a) && wide(c) && (b.is_empty() || b.len() == states)
 }
 
-/// Returns the matrices of x' = A x + b u, y = c x + d u in controllable canonical form. The transfer function is (n0 + n1 s + ...)/(d0 +
-/// d1 s + ...).
+/// Returns the matrices of x' = A x + b u, y = c x + d u in controllable canonical form.
+///
+/// The transfer function is (n0 + n1 s + ...)/(d0 + d1 s + ...). Returns `None` if the numerator has the higher degree or there are no
+/// states.
 fn controllable_form(
     numerator: &[f64],
     denominator: &[f64],
@@ -113,7 +115,7 @@ fn controllable_form(
 }
 
 /// Lowers an ARRAY.
-#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
+#[allow(clippy::unnecessary_wraps)] // All lowering functions share one signature.
 pub(super) fn array(reader: &mut Reader) -> Option<ArrayData> {
     let size = reader.real("SIZE") as usize;
     let kind = if reader.has("U") {
@@ -135,7 +137,7 @@ pub(super) fn array(reader: &mut Reader) -> Option<ArrayData> {
     })
 }
 
-/// Maximum number of zeros created for an array that gives only its size.
+/// Maximum number of zeros created for an ARRAY that gives only its SIZE.
 const MOST_IMPLIED: usize = 1_000_000;
 
 /// Lowers a SPLINE given by points.
@@ -171,7 +173,7 @@ pub(super) fn spline(reader: &mut Reader) -> Option<Spline> {
     })
 }
 
-/// Lowers a SPLINE given by a property file: the curve of its BLOCK, or the first curve if BLOCK is absent, in the units of the model.
+/// Lowers a SPLINE given by a property file, in the units of the model. BLOCK selects the curve; without BLOCK, the first curve is used.
 pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) -> Option<Spline> {
     let name = reader.text("FILE")?;
     let source = files.get(&name)?;
@@ -180,8 +182,12 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
             "{} is not solved: `{name}` is no property file in the TeimOrbit form; DAC and RPC files are not read",
             reader.called()
         );
-        let place = reader.place("FILE");
-        reader.complain(Diagnostic::error(Code::NotSolvedNatively, why), place);
+        let (source, span) = reader.place("FILE");
+        reader.complain(
+            Diagnostic::error(Code::NotSolvedNatively, why),
+            source,
+            span,
+        );
         return None;
     }
     let read = PropertyFile::parse(source.clone());
@@ -198,8 +204,8 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
             format!("`{name}` has no curve of that name"),
         )
         .help(format!("BLOCK may be one of {}", blocks.join(", ")));
-        let place = reader.place("BLOCK");
-        reader.complain(diagnostic, place);
+        let (source, span) = reader.place("BLOCK");
+        reader.complain(diagnostic, source, span);
         return None;
     };
     let (x, y) = curve.in_units(file.units.as_ref(), units);
@@ -249,7 +255,7 @@ pub(super) fn sensor(reader: &mut Reader) -> Option<Sensor> {
 }
 
 /// Lowers a PINPUT, POUTPUT or PSTATE.
-#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
+#[allow(clippy::unnecessary_wraps)] // All lowering functions share one signature.
 pub(super) fn plant_port(reader: &mut Reader) -> Option<PlantPort> {
     Some(PlantPort {
         header: reader.header(),

@@ -12,14 +12,14 @@ use admire_syntax::grammar::StatementDef;
 use admire_syntax::text::Source;
 use admire_syntax::{Dataset, Overlay, Statement, as_id, floating_faults};
 
-/// Statements that define a model: those of its dataset and the commands overlaid on them.
+/// Statements that define a model: the statements of its dataset, with the commands overlaid on them.
 #[derive(Clone, Debug)]
 pub struct Definitions {
     dataset: Dataset,
     files: Files,
     ids: std::sync::Arc<Ids>,
     over: Overlays,
-    /// Commands overlaid on the dataset, one per line, as written.
+    /// Commands that have changed the model, one per line, as written.
     commands: Vec<u8>,
 }
 
@@ -53,8 +53,8 @@ impl Definitions {
     /// Applies a command to the model.
     ///
     /// The command redefines an object (`SFORCE/3, FUNCTION=100`), changes settings (`EQUILIBRIUM/ERROR=1E-6`), or activates and
-    /// deactivates objects (`DEACTIVATE/MOTION, ID=4`). Its arguments are overlaid on those of the statement, which is then lowered again.
-    /// `source` is the command file. If the returned diagnostics contain an error, nothing is changed.
+    /// deactivates objects (`DEACTIVATE/MOTION, ID=4`). The arguments of the command replace the same arguments of the statement, which is
+    /// then lowered again. `source` is the command file. If the returned diagnostics contain an error, nothing is changed.
     pub fn redefine(
         &mut self,
         model: &mut Model,
@@ -135,7 +135,7 @@ impl Definitions {
         diagnostics
     }
 
-    /// Returns the current form of a statement. `None` if the dataset does not define it.
+    /// Returns the current form of a statement, with all commands overlaid. `None` if the dataset does not define the statement.
     pub fn statement(&self, def: &'static StatementDef, id: Option<u32>) -> Option<Overlay> {
         if let Some(overlay) = self.over.get(&(def.name, id)) {
             return Some(overlay.clone());
@@ -153,7 +153,7 @@ impl Definitions {
         }
     }
 
-    /// Lowers the current form of a statement and replaces the old object.
+    /// Lowers the current form of a statement and replaces the object that the statement defined before.
     fn lower_again(
         &self,
         model: &mut Model,
@@ -217,8 +217,8 @@ impl Definitions {
         }
         if let Some((code, why)) = why {
             let message = format!("{} is not solved: {why}", reader.called());
-            let place = reader.latest_keyword();
-            reader.complain(Diagnostic::warning(code, message), place);
+            let (source, span) = reader.latest_keyword();
+            reader.complain(Diagnostic::warning(code, message), source, span);
             fresh.unsolved.push(Unsolved {
                 header: reader.header(),
                 kind: def.name,
@@ -235,13 +235,13 @@ impl Definitions {
                 "{} is the ground or is not; a command cannot change that",
                 reader.called()
             );
-            let place = reader.latest_keyword();
-            reader.complain(Diagnostic::error(Code::NoGround, message), place);
+            let (source, span) = reader.latest_keyword();
+            reader.complain(Diagnostic::error(Code::NoGround, message), source, span);
         }
         Some(fresh)
     }
 
-    /// Completes the dependencies between a redefined body or marker and others: frames given by RM, inertia about IM.
+    /// Completes what a redefined body or marker shares with other objects: frames given relative to RM, and inertia given about IM.
     fn finish_frame(&self, model: &mut Model, def: &'static StatementDef, id: u32) {
         let Some(stated) = self.context(&[]).stated(def.name, id) else {
             return;
@@ -261,7 +261,7 @@ impl Definitions {
     }
 }
 
-/// Operation that finds the header of an object.
+/// Visitor of the model's lists that finds the header of an object.
 struct Find {
     kind: &'static str,
     id: u32,
@@ -277,8 +277,8 @@ impl EachList for Find {
     }
 }
 
-/// Operation that replaces the object with the given header by a new one. If one statement defines objects in several lists, each is
-/// replaced in its list.
+/// Visitor of the model's lists that replaces the object with the given header by a new object. If one statement defines objects in several
+/// lists, each object is replaced in its list.
 struct Replace {
     kind: &'static str,
     header: Header,

@@ -1,11 +1,11 @@
-//! Check that matrices and arrays have the sizes that their users need (state_array, fstate_lse).
+//! Check that matrices and arrays have the sizes that the statements using them need (state_array, fstate_lse).
 
 use super::reader::Context;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::StatementDef;
 use admire_syntax::{Stated, as_id};
 
-/// Checks the sizes in one statement of a dataset.
+/// Checks the sizes of matrices and arrays in one statement of a dataset.
 pub(super) fn check(
     statement: Stated,
     def: &'static StatementDef,
@@ -120,7 +120,7 @@ impl<'a> Sizes<'a> {
         }
     }
 
-    /// Returns the numbers of rows and columns of the MATRIX that an argument names, if stated.
+    /// Returns the numbers of rows and columns of the MATRIX that an argument names, if the MATRIX states both.
     fn of_matrix(&self, argument: &str) -> Option<(usize, usize)> {
         let matrix = self.named("MATRIX", argument)?;
         Some((
@@ -134,7 +134,7 @@ impl<'a> Sizes<'a> {
         self.context.stated(kind, id)
     }
 
-    /// Returns the number of elements of the ARRAY that an argument names. `None` if the array leaves its size to its users.
+    /// Returns the number of elements of the ARRAY that an argument names. `None` if the ARRAY does not give its size.
     fn of_array(&self, argument: &str) -> Option<usize> {
         let array = self.named("ARRAY", argument)?;
         let given = |name: &str| Some(array.numbers(name).len()).filter(|count| *count > 0);
@@ -204,7 +204,7 @@ impl<'a> Sizes<'a> {
     fn transfer_function(&mut self) {
         let count = |name: &str| self.statement.numbers(name).len();
         let order = count("DENOMINATOR").saturating_sub(1);
-        // Leading zero coefficients of the denominator add no states.
+        // Zero coefficients of the highest powers in the denominator add no states.
         let least = self
             .statement
             .numbers("DENOMINATOR")

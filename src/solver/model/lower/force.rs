@@ -21,13 +21,14 @@ pub(super) fn bushing(reader: &mut Reader) -> Option<Bushing> {
     })
 }
 
-/// Returns whether a statement has a two-marker law but no type of its own in the model.
+/// Returns whether a statement defines a force between two markers by a law of the grammar, without a type of its own in the model (FIELD,
+/// BEAM).
 pub(super) fn is_pair_force(kind: &str) -> bool {
     !matches!(kind, "BUSHING" | "SPRINGDAMPER")
         && grammar::statement(kind).is_some_and(|def| !def.laws.is_empty())
 }
 
-/// Lowers a force whose law is defined by the grammar, which also locates its parameters.
+/// Lowers a force whose law and arguments are defined by the grammar.
 pub(super) fn pair_force(reader: &mut Reader) -> Option<PairForce> {
     let def = reader.def;
     let chosen = |law: &&LawDef| law.flag.is_none_or(|flag| reader.has(flag));
@@ -87,7 +88,7 @@ pub(super) fn sforce(reader: &mut Reader) -> Option<Sforce> {
     })
 }
 
-/// Lowers a GFORCE, VFORCE or VTORQUE with component functions. The caller treats those with USER subroutines or vector expressions as
+/// Lowers a GFORCE, VFORCE or VTORQUE with component functions. The caller treats forces with USER subroutines or vector expressions as
 /// unsolved.
 pub(super) fn vector_force(reader: &mut Reader) -> Option<VectorForce> {
     const NAMES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
@@ -106,7 +107,7 @@ pub(super) fn vector_force(reader: &mut Reader) -> Option<VectorForce> {
     })
 }
 
-/// Lowers an NFORCE. Its matrix and arrays are read from their own statements.
+/// Lowers an NFORCE. Its matrices and vectors are read from the MATRIX statements that it names.
 pub(super) fn nforce(reader: &mut Reader) -> Option<Nforce> {
     let i = reader.markers("IMARKERS")?;
     let n = 6 * i.len();
@@ -117,7 +118,7 @@ pub(super) fn nforce(reader: &mut Reader) -> Option<Nforce> {
     if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
         return reader.missing(&format!("a KMATRIX of {n} by {n} values"));
     }
-    // The model stores it column by column, as for FIELD.
+    // The model stores a matrix column by column, as for FIELD.
     let by_columns =
         |matrix: &[Vec<f64>]| -> Vec<f64> { (0..n * n).map(|at| matrix[at % n][at / n]).collect() };
     let k = by_columns(&matrix);

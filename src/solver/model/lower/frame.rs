@@ -7,7 +7,7 @@ use admire_syntax::Stated;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Lowers a PART, a POINT_MASS or a body that only real ADAMS solves.
-#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
+#[allow(clippy::unnecessary_wraps)] // All lowering functions share one signature.
 pub(super) fn part(reader: &mut Reader) -> Option<Part> {
     let kind = match reader.def.name {
         "POINT_MASS" => PartKind::PointMass,
@@ -46,10 +46,10 @@ fn start(reader: &Reader) -> InitialVelocity {
 
 /// Lowers a MARKER.
 ///
-/// A marker that names no body is on `before`, the PART, POINT_MASS or FLEX_BODY defined before it (`state_marker`). A marker that moves
-/// along a curve or on a surface has no body, and the model is then not solved. A frame relative to RM is completed by [`place_relative`]
-/// when all markers are known.
-#[allow(clippy::unnecessary_wraps)] // All readers have one signature.
+/// A marker that names no body is on `before`, the PART, POINT_MASS or FLEX_BODY defined before the marker (`state_marker`). A marker that
+/// moves along a curve or on a surface has no body, and the model is then not solved. The frame of a marker with RM is completed by
+/// [`place_relative`] when all markers are known.
+#[allow(clippy::unnecessary_wraps)] // All lowering functions share one signature.
 pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Marker> {
     let part = match (named_body(reader), before) {
         (Some(part), _) => part,
@@ -84,8 +84,8 @@ pub(super) fn moves(marker: &Stated) -> bool {
     marker.has("CURVE") || marker.has("SURFACE")
 }
 
-/// Returns the body that a marker names. An undefined body was already reported; it yields the first part, so that every marker keeps its
-/// index.
+/// Returns the body that a marker names. If that body is undefined, which was already reported, returns the first part, so that every
+/// marker keeps its index.
 fn named_body(reader: &Reader) -> Option<PartIx> {
     let (name, space) = [
         ("PART", "part"),
@@ -98,8 +98,8 @@ fn named_body(reader: &Reader) -> Option<PartIx> {
     Some(reader.part(name, space).unwrap_or(PartIx(0)))
 }
 
-/// Returns the rotation from Euler angles, or from points on the z axis and in the x-z plane (guide/formats.md 2.1, 2.2), and the form in
-/// which it was given.
+/// Returns the rotation given by Euler angles, or by points on the z axis and in the x-z plane (guide/formats.md 2.1, 2.2). The second
+/// value is the form in which the rotation was given.
 fn orientation(
     reader: &mut Reader,
     euler: &str,
@@ -120,26 +120,26 @@ fn orientation(
     let usexp = reader.has("USEXP");
     let R = axes(z_axis, x_axis, usexp);
     if R.is_none() {
-        let place = reader.place(if z_point.is_some() { z } else { x });
+        let (source, span) = reader.place(if z_point.is_some() { z } else { x });
         let diagnostic = Diagnostic::error(
             Code::OutOfRange,
             format!("{z} and {x} do not give {} two directions", reader.called()),
         )
         .help("each point must lie apart from the origin, and not both on one line with it");
-        reader.complain(diagnostic, place);
+        reader.complain(diagnostic, source, span);
     }
     (R.unwrap_or_else(Mat3::identity), Some(Orientation::Points))
 }
 
-/// Returns the axes from directions of z and x. One direction is exact; the other determines a half plane. A missing direction is taken
-/// from the base axes.
+/// Returns the axes given by directions of z and x. One direction is exact; the other determines a half plane. A missing direction is
+/// replaced by an axis of the base frame. Returns `None` if the directions are parallel or zero.
 fn axes(z: Option<Vec3>, x: Option<Vec3>, usexp: bool) -> Option<Mat3> {
     let exact_x = (usexp && x.is_some()) || z.is_none();
     let unit = |v: Vec3| v.try_normalize(1e-12);
     if exact_x {
         let x = unit(x?)?;
         let z = z.unwrap_or_else(Vec3::z);
-        // If x lies along the base's z axis, the base's negative x axis replaces it.
+        // If x lies along the base's z axis, the base's negative x axis determines z.
         let z = unit(z - x * x.dot(&z)).or_else(|| unit(-Vec3::x() + x * x.x))?;
         return Some(Mat3::from_columns(&[x, z.cross(&x), z]));
     }
@@ -150,14 +150,14 @@ fn axes(z: Option<Vec3>, x: Option<Vec3>, usexp: bool) -> Option<Mat3> {
     let x = match across {
         Some(x) => x,
         None if given => return None,
-        // If z lies along the base's x axis, the base's y axis replaces it.
+        // If z lies along the base's x axis, the base's y axis determines x.
         None => unit(Vec3::y() - z * z.y)?,
     };
     Some(Mat3::from_columns(&[x, z.cross(&x), z]))
 }
 
-/// Computes the part frames of the markers given relative to another marker (RM), each after its reference marker. Returns the markers
-/// whose references form a cycle.
+/// Computes the part frames of the markers that are given relative to another marker (RM). Each marker is placed after its reference
+/// marker. Returns the markers whose references form a cycle.
 pub(super) fn place_relative(model: &mut Model) -> Vec<MarkerIx> {
     let parent = |model: &Model, marker: MarkerIx| {
         let relative = model.markers[marker.0].relative.as_ref();
@@ -166,7 +166,7 @@ pub(super) fn place_relative(model: &mut Model) -> Vec<MarkerIx> {
     let mut done = std::collections::HashSet::new();
     let mut cyclic = Vec::new();
     for start in (0..model.markers.len()).map(MarkerIx) {
-        // Chain of markers that depend on each other, the innermost last.
+        // Chain of markers, each given relative to the next.
         let mut chain = Vec::new();
         let mut waiting = std::collections::HashSet::new();
         let mut marker = start;
@@ -188,7 +188,7 @@ pub(super) fn place_relative(model: &mut Model) -> Vec<MarkerIx> {
     cyclic
 }
 
-/// Computes the frame of a marker on its own part from the frame it states relative to RM.
+/// Computes the frame of a marker on its own part from the frame given relative to RM.
 fn place_in(model: &mut Model, marker: MarkerIx) {
     let own = &model.markers[marker.0];
     let Some(relative) = &own.relative else {

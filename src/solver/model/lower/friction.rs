@@ -8,7 +8,7 @@ const TRANSITION: f64 = 1.5;
 /// Lowers a FRICTION.
 pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
     let id = reader.written_id("JOINT")?;
-    // An undefined joint is reported as an undefined reference.
+    // An undefined joint is reported elsewhere, as an undefined reference.
     let (joint, of) = reader.joint(id)?;
     let kind = of.kind;
     if !has_friction(kind) {
@@ -17,8 +17,8 @@ pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
             reader.called(),
             kind.word()
         );
-        let place = reader.place("JOINT");
-        reader.complain(Diagnostic::error(Code::WrongType, message), place);
+        let (source, span) = reader.place("JOINT");
+        reader.complain(Diagnostic::error(Code::WrongType, message), source, span);
         return None;
     }
     let yoke = reader.choice("YOKE");
@@ -79,7 +79,7 @@ pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
     })
 }
 
-/// Returns whether FRICTION may act in a joint of this type (`state_friction`).
+/// Returns whether FRICTION is allowed in a joint of this type (`state_friction`).
 fn has_friction(kind: JointKind) -> bool {
     matches!(
         kind,

@@ -5,16 +5,17 @@ use admire_syntax::Dataset;
 use admire_syntax::grammar::StatementDef;
 use admire_syntax::hash::QuickMap;
 
-/// Index of the objects of a dataset that others refer to, with lookup in constant time.
+/// Lookup tables from ids to indices for the objects of a dataset.
 #[derive(Clone, Debug)]
 pub(super) struct Ids {
-    /// Index into the model's list by id, for each id space.
+    /// Index of each object by id, for each id space. Bodies have their index in the model's list, other objects the index of their
+    /// statement.
     index: QuickMap<&'static str, QuickMap<u32, usize>>,
-    /// Index of the markers by id, kept separately because most references are to markers.
+    /// Index of each marker in the model's list by id. Kept separately, because most references are to markers.
     markers: QuickMap<u32, usize>,
     /// Whether two statements of one space have the same id.
     repeats: bool,
-    /// Index of each joint in the model's list by id, available once the joints are lowered.
+    /// Index of each joint in the model's list by id. Empty until the joints are lowered.
     joints: QuickMap<u32, usize>,
 }
 
@@ -27,7 +28,7 @@ pub(super) fn is_body(def: &StatementDef) -> bool {
 }
 
 impl Ids {
-    /// Collects the ids of a dataset. Bodies and markers get their future index in the model, all other objects the index of their
+    /// Collects the ids of a dataset. Bodies and markers get their future index in the model's list, all other objects the index of their
     /// statement.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let mut index: QuickMap<&'static str, QuickMap<u32, usize>> = QuickMap::default();
@@ -69,7 +70,7 @@ impl Ids {
         }
     }
 
-    /// Returns the index of a body or a marker in the model's list, and for other objects the index of their statement.
+    /// Returns the index of a body or marker in the model's list. For other objects, returns the index of their statement.
     pub(crate) fn index(&self, space: &str, id: u32) -> Option<usize> {
         match space {
             "marker" => self.markers.get(&id).copied(),
@@ -81,17 +82,17 @@ impl Ids {
         self.index("marker", id).map(MarkerIx)
     }
 
-    /// Returns whether an object of this id space has the id.
+    /// Returns whether the dataset defines an object with this id in this id space.
     pub(crate) fn defines(&self, space: &str, id: u32) -> bool {
         self.index(space, id).is_some()
     }
 
-    /// Returns whether two statements of the dataset have the same id in one space.
+    /// Returns whether two statements of the dataset have the same id in one id space.
     pub(crate) fn repeats(&self) -> bool {
         self.repeats
     }
 
-    /// Returns the ids of a space in ascending order, for suggestions.
+    /// Returns all ids of an id space in ascending order, for suggestions.
     pub(crate) fn all(&self, space: &str) -> Vec<u32> {
         let ids = match space {
             "marker" => Some(&self.markers),

@@ -98,7 +98,7 @@ struct Lowering<'a> {
     dataset: &'a Dataset,
     files: &'a Files,
     ids: Ids,
-    /// Overlays of the statements without an id: a later statement is overlaid on the earlier ones.
+    /// Current form of the statements without an id: each later statement is overlaid on the earlier ones.
     settings: Overlays,
     model: Model,
     diagnostics: Vec<Diagnostic>,
@@ -164,8 +164,8 @@ impl Lowering<'_> {
         lower_statement(&mut reader, body.map(PartIx), &mut self.model);
     }
 
-    /// Completes what depends on all bodies and markers: checks for exactly one ground, places markers given relative to others, and
-    /// converts inertia given about other markers.
+    /// Completes what depends on all bodies and markers. Checks that there is exactly one ground, places markers given relative to other
+    /// markers, and converts inertia given about other markers.
     fn finish_frames(&mut self, im_parts: &[(PartIx, MarkerIx)]) {
         let source = self.dataset.source();
         let grounds: Vec<usize> = self
@@ -191,7 +191,7 @@ impl Lowering<'_> {
                     .label(source.name(), self.dataset.title_span(), "in this dataset")
                     .help("add a part at rest: PART/1, GROUND"),
             );
-            // Keeps every body index valid.
+            // A ground part keeps every body index valid.
             self.model.parts.push(ground());
         }
         for marker in frame::place_relative(&mut self.model) {
@@ -210,7 +210,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Reads splines from other files and converts them to the units of the model, which may be stated later in the dataset.
+    /// Reads splines from property files and converts them to the units of the model, which may be stated after the spline in the dataset.
     fn splines_of_files(&mut self) {
         for (at, statement) in self.dataset.statements().iter().enumerate() {
             let stated = Stated::plain(statement, self.dataset.source());
@@ -300,7 +300,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Returns whether the file of a SPLINE was read, and its points were not given later.
+/// Returns whether a SPLINE takes its points from a file that was read. False if points (X, Y) were given after FILE.
 fn is_supplied(spline: &Stated, files: &Files) -> bool {
     spline.latest(&["FILE", "X", "Y"]).next() == Some("FILE")
         && spline
@@ -308,7 +308,7 @@ fn is_supplied(spline: &Stated, files: &Files) -> bool {
             .is_some_and(|name| files.get(&name).is_some())
 }
 
-/// Removes diagnostics of the reader that repeat those of the grammar rules for the same statement.
+/// Removes diagnostics of the reader that repeat diagnostics of the grammar rules for the same statement.
 fn forget_repeated(diagnostics: &mut Vec<Diagnostic>, known: usize) {
     let place = |diagnostic: &Diagnostic| {
         (
@@ -358,7 +358,7 @@ impl Model {
         lower(dataset)
     }
 
-    /// Resolves a dataset whose splines may be in other files; see `lower_with`.
+    /// Resolves a dataset whose splines may be in the given files; see `lower_with`.
     pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Self> {
         lower_with(dataset, files)
     }

@@ -11,10 +11,10 @@ use admire_syntax::grammar::StatementDef;
 use admire_syntax::text::{Source, Span};
 use admire_syntax::{Dataset, Number, Overlay, Stated, Value, as_id};
 
-/// Statements with commands overlaid on them, by keyword and id.
+/// Current forms of redefined statements, with the commands overlaid on them, by keyword and id.
 pub(super) type Overlays = BTreeMap<(&'static str, Option<u32>), Overlay>;
 
-/// Current statements of a dataset, and the model indices of the objects they define.
+/// Access to the current statements of a dataset and to the model indices of the objects they define.
 #[derive(Clone, Copy)]
 pub(super) struct Context<'a> {
     pub dataset: &'a Dataset,
@@ -25,7 +25,7 @@ pub(super) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// Returns the current form of a statement.
+    /// Returns the current form of a statement, with all commands overlaid.
     pub(crate) fn stated(&self, kind: &'static str, id: u32) -> Option<Stated<'a>> {
         match self.over.get(&(kind, Some(id))) {
             Some(overlay) => Some(overlay.stated()),
@@ -37,7 +37,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Reader of one statement as typed values: stated values, with the defaults of the grammar for the others.
+/// Reader that returns the arguments of one statement as typed values. For absent arguments it returns the defaults of the grammar.
 pub(super) struct Reader<'a> {
     context: Context<'a>,
     stated: Stated<'a>,
@@ -73,7 +73,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns the header of the object.
+    /// Returns the header of the object that the statement defines.
     pub(crate) fn header(&self) -> Header {
         let statement = &self.context.dataset.statements()[self.origin];
         Header {
@@ -99,12 +99,12 @@ impl<'a> Reader<'a> {
             .unwrap_or(0.0)
     }
 
-    /// Returns the first `N` numbers of an argument.
+    /// Returns the first `N` numbers of an argument. Absent numbers are replaced by their defaults.
     pub(crate) fn array<const N: usize>(&self, name: &str) -> [f64; N] {
         std::array::from_fn(self.row(name))
     }
 
-    /// Returns a function that gives the number of an argument at an index, or else its default.
+    /// Returns a function that maps an index to the number of an argument, or to its default if the number is absent.
     pub(crate) fn row(&self, name: &str) -> impl Fn(usize) -> f64 + use<'a> {
         let (stated, default) = (self.numbers(name), self.default(name));
         move |k| {
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
         Vec3::from(self.array(name))
     }
 
-    /// Returns a point that has no default.
+    /// Returns the point that an argument gives, or `None` if the argument is absent. Such points have no default.
     pub(crate) fn point(&self, name: &str) -> Option<Vec3> {
         self.has(name).then(|| self.vector(name))
     }
@@ -127,7 +127,7 @@ impl<'a> Reader<'a> {
         Some(numbers.iter().map(|number| number.value).collect())
     }
 
-    /// Returns the ids as written. Numbers that are not ids are omitted; the grammar rules report them.
+    /// Returns the ids that an argument lists. Numbers that are not ids are omitted; the grammar rules report them.
     pub(crate) fn written_ids(&self, name: &str) -> Option<Vec<u32>> {
         let numbers = self.argument(name)?.numbers();
         Some(numbers.iter().filter_map(Number::as_id).collect())
@@ -150,7 +150,7 @@ impl<'a> Reader<'a> {
             .collect()
     }
 
-    /// Returns the body that an argument names; `space` is the id space of the argument.
+    /// Returns the body that an argument names. `space` is the id space of that body.
     pub(crate) fn part(&self, name: &str, space: &'static str) -> Option<PartIx> {
         let id = self.written_id(name)?;
         self.context.ids.index(space, id).map(PartIx)
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
         Some((at, self.context.joints.get(at)?))
     }
 
-    /// Returns the values of a MATRIX, row by row. Reports values that are not in the dataset.
+    /// Returns the entries of a MATRIX, row by row. Reports a MATRIX whose values are not in the dataset.
     pub(crate) fn matrix(&mut self, name: &str, id: u32) -> Option<Vec<Vec<f64>>> {
         let statement = self.context.stated("MATRIX", id)?;
         let rows = statement.first("ROWS").unwrap_or(0.0) as usize;
@@ -184,7 +184,7 @@ impl<'a> Reader<'a> {
             return Some(matrix);
         }
         if !values.is_empty() && rows.checked_mul(columns) != Some(values.len()) {
-            // The fault is reported for the matrix itself.
+            // This fault is reported at the MATRIX itself.
             return None;
         }
         if values.is_empty() {
@@ -228,7 +228,7 @@ impl<'a> Reader<'a> {
         self.choices(name)?.first().copied()
     }
 
-    /// Returns the value of the first flag in the list that the statement contains.
+    /// Returns the value paired with the first flag of the list that the statement contains.
     pub(crate) fn first_flag<T: Copy>(&self, flags: &[(&str, T)]) -> Option<T> {
         flags
             .iter()
@@ -244,21 +244,22 @@ impl<'a> Reader<'a> {
         }
     }
 
-    pub(crate) fn complain(&mut self, diagnostic: Diagnostic, (source, span): (&Source, Span)) {
+    pub(crate) fn complain(&mut self, diagnostic: Diagnostic, source: &Source, span: Span) {
         self.diagnostics
             .push(diagnostic.label(source.name(), span, ""));
     }
 
-    /// Reports that an argument is needed and returns `None`.
+    /// Reports that the statement lacks a required argument, and returns `None`.
     pub(crate) fn missing<T>(&mut self, needed: &str) -> Option<T> {
         let diagnostic = Diagnostic::error(
             Code::MissingArgument,
             format!("{} needs {needed}", self.called()),
         );
-        self.complain(diagnostic, self.keyword());
+        let (source, span) = self.keyword();
+        self.complain(diagnostic, source, span);
         None
     }
 }
 
-/// Maximum number of entries of a sparse matrix, to protect the memory.
+/// Maximum number of entries of a sparse matrix, which limits the memory used.
 const MOST_VALUES: usize = 1_000_000;

@@ -37,7 +37,8 @@ fn check_bounds(source: &Source, statement: &Statement, diagnostics: &mut Vec<Di
     }
 }
 
-/// Reports arguments that only real ADAMS evaluates. The word OFF among them switches them off, so nothing is reported.
+/// Reports arguments that only real ADAMS evaluates. Reports nothing if one of them has the value OFF, because the feature is then switched
+/// off.
 fn check_left_out(source: &Source, statement: &Statement, diagnostics: &mut Vec<Diagnostic>) {
     for left in statement.def.map_or(&[][..], |def| def.left_out) {
         let names = left.arguments.iter();
@@ -61,7 +62,8 @@ fn check_left_out(source: &Source, statement: &Statement, diagnostics: &mut Vec<
     }
 }
 
-/// Reports the faults of one statement of a file. For a command, `dataset` is the dataset it modifies; absent arguments are then allowed.
+/// Reports the faults of one statement. For a command, `dataset` is the dataset that the command modifies; absent arguments are then
+/// allowed.
 pub(super) fn check(
     source: &Source,
     statement: &Statement,
@@ -84,7 +86,7 @@ pub(super) fn check(
                 if !matches!(solved, Some(Solved::Native(_))) {
                     complaint.severity = Severity::Warning;
                 }
-                // Only the first diagnostics search for a suggestion: a deck that lost its parts has a fault in every line.
+                // Similar ids are suggested only for the first 50 diagnostics: in a deck that lost its parts, every line has a fault.
                 if diagnostics.len() < 50
                     && let Some(near) = near(ids, space, id)
                 {
@@ -96,8 +98,8 @@ pub(super) fn check(
     );
 }
 
-/// Reports arguments that an object lacks after a command was overlaid on it. `whole` is the resulting object under the name of the
-/// command.
+/// Reports arguments that an object still lacks after a command was overlaid on it. `whole` is the resulting statement, with the keyword
+/// and id of the command.
 pub(super) fn check_redefined(
     source: &Source,
     whole: &Statement,
@@ -119,8 +121,8 @@ fn is_absence(fault: &Fault<'_>) -> bool {
     )
 }
 
-/// Returns whether a fault leaves the model unaffected. This holds for a wrong number of texts. In statements without effect it also holds
-/// for non-integer numbers and wrong combinations of arguments.
+/// Returns whether a fault leaves the model unaffected. This holds for a wrong number of text values. In statements that have no effect it
+/// also holds for non-integer numbers and wrong combinations of arguments.
 fn is_harmless(fault: &Fault<'_>) -> bool {
     match fault.wrong {
         Wrong::NoneOf(_)

@@ -29,7 +29,8 @@ fn gravity(reader: &Reader) -> Vec3 {
     )
 }
 
-/// Lowers UNITS: four units, a system, or only a consistency factor (guide/formats.md 2.15).
+/// Lowers UNITS: four units, a unit system, or only a units consistency factor (guide/formats.md 2.15). A consistency factor can also be
+/// combined with the other forms.
 fn units(reader: &mut Reader) -> Units {
     let named = |table: &[Unit], word: &str| {
         table
@@ -143,7 +144,7 @@ fn kinematics(reader: &Reader) -> KinematicsSettings {
     }
 }
 
-/// Returns the arguments that are given, except `used` and those common to all commands.
+/// Returns the arguments that are given, except those in `used` and the arguments DEFAULT and LIST.
 fn given_but(reader: &Reader, used: &[&str]) -> Vec<&'static str> {
     let names = reader.def.arguments.iter().map(|argument| argument.name);
     let other = |name: &&str| !used.contains(name) && !["DEFAULT", "LIST"].contains(name);

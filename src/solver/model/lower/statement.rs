@@ -4,7 +4,7 @@ use super::settings::settings;
 use super::{constraint, data, force, frame, friction};
 use crate::model::{Model, PartIx};
 
-/// Lowers one statement into the model: it appends an object to the list of its kind, or changes settings. A marker that names no body is
+/// Lowers one statement into the model: appends an object to the list of its kind, or changes settings. A marker that names no body is
 /// placed on `body`.
 pub(super) fn statement(reader: &mut Reader, body: Option<PartIx>, model: &mut Model) {
     match reader.def.name {

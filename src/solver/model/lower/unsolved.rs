@@ -3,7 +3,8 @@ use admire_syntax::Stated;
 use admire_syntax::diagnostic::Code;
 use admire_syntax::grammar::{Solved, StatementDef};
 
-/// Returns the reason why only real ADAMS can solve a statement. `None` if the built-in solver solves it or statics does not need it.
+/// Returns the reason why only real ADAMS can solve a statement. `None` if the built-in solver solves the statement or the statement has no
+/// effect.
 pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option<(Code, String)> {
     match def.solved {
         Solved::External(why) => return Some((Code::NotSolvedNatively, why.to_string())),

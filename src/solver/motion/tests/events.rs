@@ -1,4 +1,4 @@
-//! Functions that are not smooth: their events are located, and the error stays within the tolerance.
+//! Motions under functions that are not smooth: the events are located, and the error stays within the tolerance.
 
 use std::f64::consts::PI;
 
@@ -6,14 +6,15 @@ use super::{Deck, begun, deck};
 use crate::motion::MotionError;
 use crate::system::State;
 
-/// A mass of 1 kg that moves along z from a given position and velocity, under a force.
+/// Returns a mass of 1 kg that moves along z under gravity and a force, from a given position and velocity.
 fn along_z(gravity: f64, (z, vz): (f64, f64), force: &str) -> Deck {
     deck(&format!(
         "ACCGRAV/KGRAV={gravity}\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,{z}, VZ={vz}\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={force}"
     ))
 }
 
-/// A motion along z with a known end: position and velocity there, each with the largest value on the way that errors are relative to.
+/// Motion along z with a known end. `place` and `velocity` contain the value at the end and the largest value on the way, to which errors are
+/// relative.
 struct Known {
     deck: Deck,
     end: f64,
@@ -30,7 +31,7 @@ impl Known {
     }
 }
 
-/// Dropped from 1 m onto k = 1e4: two periods of .934906080799 s.
+/// A mass dropped from 1 m onto a contact of 1e4 N/m. The motion lasts two periods of 0.934906080799 s.
 fn dropped(force: &str) -> Known {
     Known {
         deck: along_z(-9.81, (1.0, 0.0), force),
@@ -41,7 +42,7 @@ fn dropped(force: &str) -> Known {
     }
 }
 
-/// 100 N/m above zero, 400 N/m below: half periods of pi/10 and pi/20.
+/// A mass on springs of 100 N/m above zero and 400 N/m below zero. Its half periods are pi/10 s and pi/20 s.
 fn between_springs(force: &str) -> Known {
     Known {
         deck: along_z(0.0, (1.0, 0.0), force),
@@ -52,7 +53,8 @@ fn between_springs(force: &str) -> Known {
     }
 }
 
-/// 5 N against the velocity and 100 N/m: each half swing of pi/10 is 0.1 m shorter than the previous one. Ends after a third of the sixth.
+/// A mass on a spring of 100 N/m, with 5 N of friction. The amplitude falls by 0.1 m in each half swing of pi/10 s. The motion ends after a
+/// third of the sixth half swing.
 fn braked(force: &str) -> Known {
     Known {
         deck: along_z(0.0, (1.0, 0.0), force),
@@ -67,7 +69,8 @@ fn known() -> Vec<Known> {
     let fall = 19.62_f64.sqrt();
     vec![
         dropped("IMPACT(DZ(20),VZ(20),0,1E4,1,0,1E-4)"),
-        // The drop with an exponent of 1.5 on k = 1e5: contact of .0240555174853834 s by quadrature of the energy integral.
+        // The drop onto a contact with an exponent of 1.5 and k = 1e5. The contact lasts 0.0240555174853834 s by quadrature of the energy
+        // integral.
         Known {
             deck: along_z(-9.81, (1.0, 0.0), "IMPACT(DZ(20),VZ(20),0,1E5,1.5,0,1E-4)"),
             end: 1.854_205_598_913_690_4,
@@ -75,7 +78,7 @@ fn known() -> Vec<Known> {
             velocity: (0.0, fall),
             changes: 4,
         },
-        // Between stops of k = 1e4: half a period of the spring in each, 1 s from one to the other.
+        // Flight between two stops of k = 1e4: each contact lasts half a period of the contact spring, and each flight from stop to stop 1 s.
         Known {
             deck: along_z(
                 0.0,
@@ -89,7 +92,7 @@ fn known() -> Vec<Known> {
         },
         between_springs("IF(DZ(20):-400*DZ(20),0,-100*DZ(20))"),
         braked("-100*DZ(20)+IF(VZ(20):5,0,-5)"),
-        // The same motions with other functions.
+        // The same motions, with forces written by other functions.
         dropped("MAX(0,-1E4*DZ(20))"),
         dropped("-1E4*MIN(DZ(20),0)"),
         dropped("1E4*DIM(0,DZ(20))"),
@@ -98,7 +101,7 @@ fn known() -> Vec<Known> {
     ]
 }
 
-/// The error is below a tenth of ERROR, and the number of rejected steps is limited to repetitions at events.
+/// The error is below a tenth of ERROR. Steps are rejected only when they are repeated at events.
 #[test]
 fn the_error_of_motions_with_kinks_is_what_is_asked_for() {
     for (k, known) in known().iter().enumerate() {
@@ -157,7 +160,7 @@ fn no_step_goes_over_a_jump_of_whole_numbers() {
     }
 }
 
-/// At the end of a step that ends at an event, the function is zero to the last digits, both at contact and at release.
+/// A step ends exactly at each event: there the function is zero to the last digits, both at contact and at release.
 #[test]
 fn a_step_ends_where_the_contact_begins_and_where_it_ends() {
     let contacts = &known()[0];
@@ -175,7 +178,7 @@ fn a_step_ends_where_the_contact_begins_and_where_it_ends() {
     }
 }
 
-/// Discrete states are watched only where something can switch.
+/// A system has discrete states only if a function can switch at a time that is not known in advance.
 #[test]
 fn smooth_systems_have_no_regimes() {
     let smooth = [
@@ -196,7 +199,7 @@ fn failure(deck: &Deck, hmax: f64, end: f64) -> MotionError {
     integrator.advance_to(end).unwrap_err()
 }
 
-/// Dry friction of 5 N on a block of 1 kg, in the forms used in decks.
+/// Dry friction of 5 N on a block of 1 kg, in different forms found in decks.
 const BRAKES: [&str; 3] = [
     "-SIGN(5,VZ(20))",
     "IF(VZ(20):5,0,-5)",
@@ -217,7 +220,8 @@ fn is_at_rest(state: &State, from: f64, time: f64, error: f64) {
     assert!(a.abs() < 1e-9, "{a:e}");
 }
 
-/// A block pulled by 3 N comes to rest after 1 m/s over 2 m/s2, or starts at rest, and stays at rest.
+/// A block with 5 N of dry friction is pulled by 3 N. It stays at rest from the start, or comes to rest from 1 m/s at 2 m/s2 and then stays at
+/// rest.
 #[test]
 fn dry_friction_holds_a_block() {
     for brake in BRAKES {
@@ -233,7 +237,8 @@ fn dry_friction_holds_a_block() {
     }
 }
 
-/// A force of 10 t N on a block at rest: it slides from 0.5 s on, with `v = 5 (t - 0.5)^2`.
+/// A force that grows by 10 N per second pulls a block at rest that has 5 N of dry friction. The block slides from 0.5 s on, with
+/// `v = 5 (t - 0.5)^2`.
 #[test]
 fn a_block_breaks_loose_in_time() {
     for brake in BRAKES {
@@ -249,9 +254,9 @@ fn a_block_breaks_loose_in_time() {
     }
 }
 
-/// A block of 1 kg lies on a block of 2 kg, with friction of 6 N between them and 4 N on the ground. A force of 9 sin 2t pulls the upper
-/// block. It drags the lower block along from `sin 2t = 4/9` on, and slides on it from `6 - 4 = 2 (9 sin 2t - 6)` on. The reference values
-/// come from a piecewise solution by RK4 with steps of 2e-5 s.
+/// A block of 1 kg lies on a block of 2 kg, with friction of 6 N between them and 4 N on the ground. A force of 9 sin 2t N pulls the upper
+/// block. It drags the lower block along from the time when `sin 2t = 4/9`. The upper block slides on the lower one from the time when
+/// `6 - 4 = 2 (9 sin 2t - 6)`. The reference values come from a piecewise solution by RK4 with steps of 2e-5 s.
 #[test]
 fn of_two_blocks_each_sticks_by_itself() {
     let deck = deck(
@@ -276,8 +281,8 @@ fn of_two_blocks_each_sticks_by_itself() {
     }
 }
 
-/// A relay of 5 N that acts on `v + 2 z` brings 1 kg onto the line `v = -2 z` and keeps it there. From the root of `5 t^2 + 5 t = 2` on, z
-/// falls by `exp(-2 t)` under the mean force `4 z`.
+/// A relay force of 5 N against the sign of `v + 2 z` brings a mass of 1 kg onto the line `v = -2 z` and keeps it there. The line is reached at
+/// the root of `5 t^2 + 5 t = 2`. From then on, z falls like `exp(-2 t)` under the mean force `4 z`.
 #[test]
 fn a_relay_slides_along_its_line() {
     let deck = along_z(0.0, (1.0, 0.0), "-SIGN(5,VZ(20)+2*DZ(20))");
@@ -298,12 +303,12 @@ fn a_relay_slides_along_its_line() {
     }
 }
 
-/// A block held between two steps of AINT makes the function switch again and again.
+/// A block is held between two steps of AINT, so that the function switches again and again. The error message names the function.
 #[test]
 fn a_function_that_chatters_is_named() {
     let deck = along_z(0.0, (0.0, 1.0), "8-10*AINT(VZ(20)/2+1)");
     let error = failure(&deck, 0.1, 2.0);
-    // The block comes to rest after 1 m/s over 2 m/s2.
+    // The block comes to rest after 0.5 s: it starts at 1 m/s and is braked by 2 m/s2.
     assert!((error.time - 0.5).abs() < 1e-3, "{error}");
     let text = error.to_string();
     assert!(
@@ -312,7 +317,7 @@ fn a_function_that_chatters_is_named() {
     );
 }
 
-/// More than a thousand switches at stops between two outputs are an error.
+/// More than a thousand switches of one function between two outputs are an error. Here a mass rattles between two stops.
 #[test]
 fn a_thousand_changes_between_two_outputs_are_too_many() {
     let rattle = "BISTOP(DZ(20),VZ(20),-0.0001,0.0001,1E8,1,0,1E-4)";
@@ -320,15 +325,15 @@ fn a_thousand_changes_between_two_outputs_are_too_many() {
     let error = failure(&deck, 1.0, 1.0);
     let text = error.to_string();
     assert!(text.contains("SFORCE/1") && text.contains("1000"), "{text}");
-    // 0.2 mm of free travel at 1 m/s and pi/10 ms of contact: a thousand switches take 0.25 s.
+    // Each flight is 0.2 mm at 1 m/s, and each contact lasts pi/10 ms. A thousand switches take 0.25 s.
     let round = 2.0 * (2e-4 + PI * 1e-4);
     assert!((error.time / (250.0 * round) - 1.0).abs() < 0.02, "{error}");
-    // Closer outputs keep the number between two of them below the limit.
+    // If outputs are closer, the number of switches between two outputs stays below the limit.
     let mut integrator = begun(&deck, 1e-4, 0.1);
     integrator.advance_to(1.0).expect("a motion");
 }
 
-/// A sawtooth of time with 5,000 teeth between two outputs: time alone selects the pieces, which is no chatter. N teeth of length T with
+/// A sawtooth of time with 5,000 teeth between two outputs is no chatter, because time alone selects its pieces. N teeth of length T with
 /// `N T = 1` give the velocity T/2.
 #[test]
 fn jumps_of_the_time_may_be_many() {
@@ -344,7 +349,8 @@ fn jumps_of_the_time_may_be_many() {
     assert!(integrator.statistics().steps >= 5000);
 }
 
-/// A square root that is used only above the ground, from 1 m at -2 m/s. Below the ground the motion continues with `v^2 = 4 - 4/3`.
+/// A force equal to the square root of the height acts only above the ground. The mass starts at 1 m with -2 m/s. Below the ground the motion
+/// continues with `v^2 = 4 - 4/3`.
 #[test]
 fn a_piece_that_ends_where_its_function_ends_is_left() {
     let deck = along_z(0.0, (1.0, -2.0), "IF(DZ(20):0,0,SQRT(DZ(20)))");
@@ -356,7 +362,7 @@ fn a_piece_that_ends_where_its_function_ends_is_left() {
     assert_eq!(integrator.state().pieces, [Some(0)]);
 }
 
-/// An exponent of zero: 500 N while the stop is pressed, no force after that.
+/// A contact force with an exponent of zero: 500 N while the stop is pressed, and no force afterwards.
 #[test]
 fn a_stop_of_constant_force_is_left() {
     let fall = 19.62_f64.sqrt();

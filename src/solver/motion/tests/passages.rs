@@ -1,10 +1,12 @@
-//! Singular positions that a motion passes through.
+//! Motions that pass through singular positions.
 
 use super::{begun, deck};
 
-/// Two windows of rods of 1 m and 1 kg side by side: A02 of the IFToMM benchmark. All uprights stay parallel: `J q'' = m g sin q`.
+/// Mechanism A02 of the IFToMM benchmark: two windows side by side, made of rods of 1 m and 1 kg. All uprights stay parallel:
+/// `J q'' = m g sin q`.
 ///
-/// All rods lie in one line at about 0.7 s. There the derivatives of one stage are not sufficient, and the coupled iteration is not needed.
+/// All rods lie in one line at about 0.7 s. There the derivatives of one stage do not suffice, but the derivatives of every stage, solved one
+/// after the other, do. The coupled iteration is not needed.
 #[test]
 fn the_stages_one_after_the_other_lead_through_a_singular_position() {
     let (across, along) = (1.0 / 12.0 + 0.01 / 16.0, 0.01 / 8.0);

@@ -1,10 +1,10 @@
-//! Nonholonomic GCONs: rolling and sliding without slip, against closed forms and against constraints of positions.
+//! Nonholonomic GCONs, such as rolling and gliding without side slip, compared with closed-form solutions and with holonomic constraints.
 
 use super::*;
 
 /// Mass of the sleigh.
 const M: f64 = 2.0;
-/// Distance of the mass centre ahead of the edge, which is at the origin, along x.
+/// Distance of the mass centre ahead of the edge along x. The edge is at the origin.
 const A: f64 = 0.3;
 /// Moment of inertia of the sleigh about z through its mass centre.
 const I: f64 = 0.5;
@@ -19,8 +19,8 @@ JOINT/1, PLANAR, I=21, J=1
     ))
 }
 
-/// Chaplygin's sleigh. With u the speed along the edge, w the spin and k^2 = a^2 + I/m: `u' = a w^2`, `w' = -a u w/k^2`. Hence
-/// `u = c tanh(a c t/k^2 + s)` and `k w = c sech(...)`. The edge is pushed sideways by `m u w (1 - a^2/k^2)`.
+/// Chaplygin's sleigh. Let u be the speed along the edge, w the spin and k^2 = a^2 + I/m. Then `u' = a w^2` and `w' = -a u w/k^2`. Hence
+/// `u = c tanh(a c t/k^2 + s)` and `k w = c sech(...)`. The edge is pushed sideways by the force `m u w (1 - a^2/k^2)`.
 #[test]
 fn a_sleigh_turns_until_it_glides_straight() {
     let deck = sleigh("GCON/1, I=21, FUNCTION=VY(21,1,21)");
@@ -64,7 +64,8 @@ fn a_sleigh_turns_until_it_glides_straight() {
     }
 }
 
-/// A uniform ball of radius R on a plane that turns at O: its centre moves on a circle at the rate 2/7 O, wherever it starts.
+/// A uniform ball of radius R rolls on a plane that turns at the rate O. The centre of the ball moves on a circle at the rate 2/7 O, wherever
+/// it starts.
 #[test]
 fn a_ball_on_a_turntable_goes_round_a_circle() {
     let (R, O) = (0.2, 3.0);
@@ -83,7 +84,7 @@ GCON/2, I=20, FUNCTION=VY(20)+{R}*WX(20)-{O}*DX(20,1)"
     let (p, v) = (start.poses[1].p, start.velocities[1].linear);
     assert!((start.velocities[1].linear.z).abs() < 1e-12);
     let rate = 2.0 / 7.0 * O;
-    // v turns at the rate; the centre of the circle is p + z x v / rate.
+    // v turns at this rate; the centre of the circle is p + z x v / rate.
     let centre = p + Vec3::z().cross(&v) / rate;
     for step in 1..=40 {
         let time = 0.25 * f64::from(step);
@@ -100,7 +101,7 @@ GCON/2, I=20, FUNCTION=VY(20)+{R}*WX(20)-{O}*DX(20,1)"
     }
 }
 
-/// The same constraint, given as a function of positions and as its time derivative.
+/// A constraint on positions gives the same motion as the constraint whose function is its time derivative.
 #[test]
 fn the_rate_of_a_constraint_is_the_constraint() {
     let with = |statement: &str| {
@@ -166,11 +167,11 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=21, K=30, C=0.1, LENGTH=0.3
     }
 }
 
-/// Constraints of a disc that rolls on the plane z = 0 and touches it at the lowest point of its rim. The marker at its centre has the id 10
-/// `disc`, and the next id is a marker on its axis.
+/// Returns the constraints of a disc that rolls on the plane z = 0 and touches it at the lowest point of its rim. The marker at the centre of
+/// the disc has the id 10 times `disc`. The marker on the axis of the disc has the next id.
 fn rolling(disc: u32, radius: f64) -> String {
     let (cm, axis) = (disc * 10, disc * 10 + 1);
-    // With a the axis of the disc, the lowest point is the centre less R (z - a_z a)/s, s^2 = 1 - a_z^2.
+    // Let a be the axis of the disc. The lowest point is the centre minus R (z - a_z a)/s, with s^2 = 1 - a_z^2.
     let a = |k: char| format!("D{k}({axis},{cm})");
     let s = format!("SQRT(1-{z}**2)", z = a('Z'));
     let arm = |k: char| match k {
@@ -260,7 +261,7 @@ MARKER/21, PART=2, QP=0,0,1
     }
 }
 
-/// All kinds of derivatives lead the iteration to the same step.
+/// With every kind of derivatives, the iteration converges to the same step.
 #[test]
 fn every_iteration_finds_the_same_step() {
     use crate::motion::derivatives::Derivatives;
@@ -294,7 +295,8 @@ fn every_iteration_finds_the_same_step() {
     }
 }
 
-/// A nonholonomic constraint that others satisfy already is redundant, whatever the order; of two nonholonomic ones the later is redundant.
+/// A nonholonomic constraint that other constraints imply is redundant, whatever the order of the statements. Of two equivalent nonholonomic
+/// constraints, the later one is redundant.
 #[test]
 fn what_says_nothing_new_is_left_out() {
     let deck = sleigh(
@@ -326,8 +328,9 @@ MOTION/1, I=21, J=1, X, FUNCTION=0.1*TIME",
     assert!(told.unwrap_err().to_string().contains("GCON/1"));
 }
 
-/// An upright disc that rolls at the rate O has `s^2 = -(C (C + m R^2) O^2 - A m g R)/(A (A + m R^2))`, with the moments of inertia A across
-/// the axis and C about it. All other small motions drift (E. J. Routh, Dynamics of a System of Rigid Bodies, part II, 244).
+/// The wobble of an upright disc that rolls at the rate O has an eigenvalue s with `s^2 = -(C (C + m R^2) O^2 - A m g R)/(A (A + m R^2))`. A is
+/// the moment of inertia across the axis, and C about it. All other small motions drift (E. J. Routh, Dynamics of a System of Rigid Bodies,
+/// part II, 244).
 #[test]
 fn an_upright_disc_is_stable_at_speed() {
     let (m, R, across, along) = (2.0, 0.3, 0.05, 0.08);
@@ -363,8 +366,8 @@ MARKER/21, PART=2, QP=0,0,1
     }
 }
 
-/// The benchmark bicycle of Meijaard, Papadopoulos, Ruina and Schwab (Proc. R. Soc. A 463, 2007): the published eigenvalues at 5 m/s, and the
-/// speed at which the weave mode changes its stability.
+/// The benchmark bicycle of Meijaard, Papadopoulos, Ruina and Schwab (Proc. R. Soc. A 463, 2007). The test checks the published eigenvalues at
+/// 5 m/s, and the speed at which the weave mode changes its stability.
 #[test]
 fn a_bicycle_has_the_eigenvalues_of_the_benchmark() {
     let (wheelbase, trail, tilt) = (1.02, 0.08, std::f64::consts::PI / 10.0);
@@ -424,7 +427,8 @@ JOINT/3, REVOLUTE, I=52, J=42
     assert!(matches!(swings[..], [re] if re.abs() < 1e-6), "{weave:?}");
 }
 
-/// The model of [`the_rate_of_a_constraint_is_the_constraint`], without the point mass and with one constraint.
+/// Returns the model of [`the_rate_of_a_constraint_is_the_constraint`] without the point mass and its spring, with the given additional
+/// statements.
 fn pulled(statements: &str) -> Deck {
     deck(&format!(
         "ACCGRAV/KGRAV=-9.81
@@ -437,7 +441,8 @@ SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=20, C=0.3, LENGTH=0.4
     ))
 }
 
-/// A function that reads VARIABLEs constrains the same quantities, with the same reaction, as a function in which they are written out.
+/// A constraint whose function reads VARIABLEs gives the same motion and the same reaction as a constraint whose function contains the
+/// expressions of these VARIABLEs.
 #[test]
 fn variables_of_places_and_velocities_stand_for_what_they_read() {
     for (written, variables, function) in [
@@ -458,7 +463,7 @@ VARIABLE/3, FUNCTION=DY(20,2)",
             "ARYVAL(1,1)-ARYVAL(1,2)",
         ),
     ] {
-        // The value at the start, which makes the constraint zero there.
+        // This is the value at the start; subtracting it makes the constraint zero there.
         let probe = pulled(&format!("VARIABLE/9, FUNCTION={written}"));
         let mut scratch = Scratch::new(&probe.system);
         let here = probe
@@ -480,10 +485,10 @@ VARIABLE/3, FUNCTION=DY(20,2)",
     }
 }
 
-/// A constraint that reads states requires the rates of these states.
+/// A constraint may read dynamic states. Its rates then contain the rates of these states.
 #[test]
 fn states_that_are_known_drive_constraints() {
-    // Positions: two states that oscillate, with s1 = 0.3 sin(2 t).
+    // A position is prescribed by one of two oscillating states, s1 = 0.3 sin(2 t).
     let sine = "DIFF/1, IC=0, FUNCTION=2*DIF(2)\nDIFF/2, IC=0.3, FUNCTION=-2*DIF(1)";
     let held = pulled(
         &format!("{sine}\nGCON/1, FUNCTION=DX(20)-DX(20)@0-DIF(1)").replace("DX(20)@0", &place(0)),
@@ -497,7 +502,7 @@ fn states_that_are_known_drive_constraints() {
     assert!(apart < 1e-6 && force < 1e-5, "{apart} {force}");
     assert!((a.states[0] - 0.3 * 2.0_f64.sin()).abs() < 1e-6);
 
-    // Velocities: a speed that a state prescribes, and a state that reads the speed it prescribes.
+    // A state prescribes a speed. In the first case, the state is independent; in the second, it reads the speed that it prescribes.
     for (state, speed, factor) in [
         (
             "IC=0, FUNCTION=2*(1-DIF(1))",

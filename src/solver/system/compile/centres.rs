@@ -1,13 +1,16 @@
-//! Centres of the parts, about which statics moves them, and the length scales of a model.
+//! Centres of the parts, which are their reference points in statics, and the length scales of a model.
 
 use super::super::Parameters;
 use super::super::structure::{Body, ConstraintEquation, Element, NForce};
 use crate::mechanics::{Pose, Vec3};
 
-/// Sets the centre of every part, which must not depend on the position of the part's frame.
+/// Sets the centre of every part: its centre of mass or, without a CM marker, the mean of the markers at which joints and forces act. The
+/// centre does not depend on the position of the part's frame.
 pub(super) fn centres(
     bodies: &mut [Body],
-    (elements, joints, multis): (&[Element], &[ConstraintEquation], &[NForce]),
+    elements: &[Element],
+    joints: &[ConstraintEquation],
+    multis: &[NForce],
     owners: &[usize],
     parameters: &Parameters,
 ) {
@@ -36,18 +39,19 @@ pub(super) fn centres(
     }
 }
 
-/// Distance of a marker from the centre of its part, relative to the model's extent, below which it counts as zero.
+/// Distance of a marker from the centre of its part, relative to the model's extent, below which the distance counts as zero.
 const NEAREST: f64 = 1e-9;
 
 /// Returns the length scale of rotations and the size of the mechanism.
 ///
-/// The length scale is the mean distance of used markers from the centre of their part. The size is the largest distance of a marker from
-/// the one that is furthest from the first marker.
+/// The length scale is the mean distance of the used markers from the centres of their parts. The size is the distance between two remote
+/// markers: the marker furthest from the first marker, and the marker furthest from that marker.
 pub(super) fn sizes(
     used: &[usize],
     owners: &[usize],
     parameters: &Parameters,
-    (poses, bodies): (&[Pose], &[Body]),
+    poses: &[Pose],
+    bodies: &[Body],
 ) -> (f64, f64) {
     let place = |marker: usize| poses[owners[marker]].point(&parameters.markers()[marker].p);
     let furthest = |from: Vec3| {

@@ -4,8 +4,8 @@ use super::SystemCompiler;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 impl SystemCompiler<'_> {
-    /// Returns whether each constraint equation is nonholonomic. Requires [`Compiler::order`]. Warns about those, because statics ignores
-    /// them.
+    /// Returns whether each constraint equation is nonholonomic. Requires [`SystemCompiler::order`]. Warns about nonholonomic equations,
+    /// because statics ignores them.
     pub(super) fn of_velocities(&mut self) -> Vec<bool> {
         let mut out = vec![false; self.equations];
         for condition in &self.conditions {

@@ -110,7 +110,7 @@ impl SystemCompiler<'_> {
                     JointKind::Revolute => GearedJoint::Revolute,
                     JointKind::Translational => GearedJoint::Translational,
                     JointKind::Cylindrical => GearedJoint::Cylindrical,
-                    // Rejected when the statement is read.
+                    // Other joint types are rejected when the statement is read.
                     _ => continue,
                 };
                 let (i, j) = (joint.i.0, joint.j.0);
@@ -234,7 +234,7 @@ impl SystemCompiler<'_> {
     }
 }
 
-/// Returns the constraint of a statement and its type keyword.
+/// Returns the registered constraint of a statement and type keyword.
 fn entry(statement: &str, word: &str) -> &'static ConstraintEntry {
     constraint(statement, word).expect("a constraint for every type of the model")
 }

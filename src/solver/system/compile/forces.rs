@@ -65,7 +65,7 @@ impl SystemCompiler<'_> {
         }
     }
 
-    /// Compiles a force defined by a law of the grammar, given the values of the law's arguments.
+    /// Compiles a force that is defined by a law of the grammar. `values` holds the values of the law's arguments.
     fn law(
         &mut self,
         def: &'static StatementDef,
@@ -115,7 +115,7 @@ impl SystemCompiler<'_> {
         });
     }
 
-    /// Sets the damping of the last element.
+    /// Sets the damping of the element that was added last.
     fn damp(&mut self, damping: Option<Damping>) {
         if let Some(element) = self.elements.last_mut() {
             element.damping = damping;
@@ -218,7 +218,7 @@ impl SystemCompiler<'_> {
     }
 }
 
-/// Returns a symmetric matrix from its upper half, column by column: the 21 numbers of CMATRIX of BEAM.
+/// Returns the symmetric matrix given by its upper half, column by column: the 21 values of CMATRIX of a BEAM.
 fn symmetric(half: &[f64]) -> Mat6 {
     let mut C = Mat6::zeros();
     let places = (0..6).flat_map(|column| (0..=column).map(move |row| (row, column)));
@@ -229,7 +229,8 @@ fn symmetric(half: &[f64]) -> Mat6 {
     C
 }
 
-/// Splits a matrix of 6n by 6n numbers, column by column, into its 6 by 6 blocks, row by row. Empty if the matrix is empty.
+/// Splits a 6n by 6n matrix, given column by column, into its 6 by 6 blocks, which are returned row by row. Returns an empty list if the
+/// matrix is empty.
 fn blocks(numbers: &[f64], n: usize) -> Vec<Mat6> {
     if numbers.len() != 36 * n * n {
         return Vec::new();

@@ -7,7 +7,7 @@ use crate::system::surface::{JointFriction, Pressing, Slide};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 impl SystemCompiler<'_> {
-    /// Compiles all FRICTIONs. Must run after the joints, which come first among the constraints.
+    /// Compiles all FRICTIONs. Must run after the joints are compiled, because the joints come first among the constraints.
     pub(super) fn joint_frictions(&mut self) {
         for f in &self.model.frictions {
             let owner = name("FRICTION", &f.header);
@@ -73,7 +73,7 @@ impl SystemCompiler<'_> {
                 }
                 JointKind::Revolute => vec![(vec![Slide::AboutJ(2)], f.pin_radius, pin)],
                 JointKind::Hooke | JointKind::Universal => {
-                    // The pins of the cross lie along xi and yj, or along zi and zj.
+                    // The pins of the cross lie along xi and yj (HOOKE), or along zi and zj (UNIVERSAL).
                     let pins = match joint.kind {
                         JointKind::Hooke => [about(0).0, about(1).1],
                         _ => [about(2).0, about(2).1],
@@ -90,8 +90,8 @@ impl SystemCompiler<'_> {
                 }
                 _ => Vec::new(),
             };
-            // EFFECT: without stiction, the sliding coefficient applies down to rest. Without sliding, the coefficient is zero beyond the
-            // transition.
+            // EFFECT: without stiction, the sliding coefficient applies down to zero velocity. Without sliding, the coefficient is zero
+            // beyond the transition.
             let law = FrictionLaw {
                 mu_static: if f.stiction {
                     f.mu_static

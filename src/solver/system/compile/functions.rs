@@ -10,7 +10,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
 impl SystemCompiler<'_> {
-    /// Compiles a function and returns its index. Its inputs are resolved at the end, when all indices are known.
+    /// Compiles a function and returns its index. The inputs of all functions are resolved at the end, when all indices are known.
     pub(super) fn function(
         &mut self,
         function: &Function,
@@ -122,7 +122,7 @@ impl SystemCompiler<'_> {
         }
     }
 
-    /// Resolves the inputs of all functions.
+    /// Resolves the inputs of all functions to indices in the system.
     pub(super) fn sources(&mut self) {
         let linear = self.linear_arrays();
         for number in 0..self.functions.len() {
@@ -219,15 +219,16 @@ impl SystemCompiler<'_> {
         }
     }
 
-    /// Marks a measured marker as used and returns it. A floating marker is replaced by the I marker of its force, with which it coincides.
+    /// Marks a measured marker as used and returns the marker. A floating marker is replaced by the I marker of its force, with which it
+    /// coincides.
     fn placed(&mut self, marker: MarkerIx) -> MarkerIx {
         let marker = self.floating.get(&marker.0).copied().unwrap_or(marker.0);
         self.used[marker] = true;
         MarkerIx(marker)
     }
 
-    /// Returns the elements and constraints that act directly between two markers, and whether `i` is their J. Without J, returns those
-    /// that act on `i` alone, as for FORCE of REQUEST and INFO.
+    /// Returns the elements and constraints that act directly between two markers. The flag of each is true if marker `i` is its J marker.
+    /// Without `j`, returns only the action-only elements at `i`, as for FORCE of REQUEST and INFO.
     fn between(&self, i: MarkerIx, j: Option<MarkerIx>) -> Vec<(Exerted, bool)> {
         let Some(j) = j else {
             let alone = |e: &Element| e.i == i.0 && e.reaction.is_none();
@@ -251,7 +252,8 @@ impl SystemCompiler<'_> {
         .collect()
     }
 
-    /// Returns all sources of a force at a marker, and whether the marker is their J, as for FX(i) of the C++ solver (`cfunc_fx`).
+    /// Returns all sources of a force at a marker, as for FX(i) of the C++ solver (`cfunc_fx`). The flag of each source is true if the
+    /// marker is its J marker.
     fn acting_at(&self, i: MarkerIx) -> Vec<(Exerted, bool)> {
         self.ends()
             .filter_map(|(who, ends)| match ends {
@@ -262,7 +264,8 @@ impl SystemCompiler<'_> {
             .collect()
     }
 
-    /// Returns all sources of forces at markers, with the marker of the action and, unless action-only, of the reaction.
+    /// Returns all sources of forces at markers. Each has the marker on which the action acts and, unless it is action-only, the marker on
+    /// which the reaction acts.
     fn ends(&self) -> impl Iterator<Item = (Exerted, (usize, Option<usize>))> {
         let elements = self.elements.iter().enumerate();
         let elements = elements.map(|(k, e)| (Exerted::Element(k), (e.i, e.reaction.map(|_| e.j))));
@@ -316,7 +319,7 @@ impl SystemCompiler<'_> {
             // The outputs of an inactive statement are zero.
             if let Some(y) = l.y.filter(|_| l.header.active) {
                 let inputs = self.array_variables(l.u);
-                // Either matrix may be absent.
+                // C or D may be absent.
                 for row in 0..l.c.len().max(l.d.len()) {
                     let c = l.c.get(row).map_or(&[][..], Vec::as_slice);
                     let d = l.d.get(row).map_or(&[][..], Vec::as_slice);
@@ -334,7 +337,7 @@ impl SystemCompiler<'_> {
         out
     }
 
-    /// Returns the variables of a U array.
+    /// Returns the indices of the variables in a U array; `None` for an undefined VARIABLE.
     pub(super) fn array_variables(&self, id: u32) -> Vec<Option<usize>> {
         let mut arrays = self.model.arrays.iter();
         match arrays.find(|a| a.header.id == id).map(|a| &a.kind) {
@@ -350,10 +353,10 @@ impl SystemCompiler<'_> {
     }
 }
 
-/// Indices of the states and outputs of LSE, GSE and TFSISO.
+/// Indices of the states and outputs of LSE and TFSISO statements.
 #[derive(Default)]
 pub(super) struct LinearArrays {
-    /// Array id, first state, number of states.
+    /// Array id, index of the first state, number of states.
     states: Vec<(u32, usize, usize)>,
     outputs: Vec<((u32, usize), LinearRow)>,
 }

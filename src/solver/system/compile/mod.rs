@@ -1,4 +1,4 @@
-//! Compilation of the model to the fixed structure.
+//! Compilation of the model to the fixed structure [`System`].
 //!
 //! Contains no solution method. Every statement that cannot be solved is reported together with the effect of leaving it out; nothing is
 //! dropped silently.
@@ -37,7 +37,7 @@ use admire_syntax::grammar;
 use admire_syntax::grammar::ArgumentDef;
 use admire_syntax::units::Dimension;
 
-/// Returns the help text for an unsolved statement.
+/// Returns the help text of the diagnostic for an unsolved statement.
 fn way_out(kind: &str, real: &str) -> String {
     let property = match kind {
         "GFORCE" | "SFORCE" | "VFORCE" | "VTORQUE" => {
@@ -56,7 +56,7 @@ fn way_out(kind: &str, real: &str) -> String {
 }
 
 impl System {
-    /// Compiles a model. The diagnostics report unsolved statements. With an error among them, the solution would not represent the model.
+    /// Compiles a model. The diagnostics report unsolved statements. If any of them is an error, a solution would not represent the model.
     pub fn compile(model: &Model) -> Checked<Self> {
         let mut compiler = SystemCompiler::new(model);
         compiler.markers();
@@ -78,7 +78,7 @@ struct SystemCompiler<'a> {
     theta: Vec<f64>,
     bodies: Vec<Body>,
     used: Vec<bool>,
-    /// I marker of the force of each floating marker.
+    /// I marker of the force that each floating marker belongs to.
     floating: BTreeMap<usize, usize>,
     elements: Vec<Element>,
     multis: Vec<NForce>,
@@ -93,7 +93,7 @@ struct SystemCompiler<'a> {
     equations: usize,
     programs: crate::function::ExpressionCompiler<'a>,
     measured_angles: usize,
-    /// Function of each DIFF that statics holds constant.
+    /// For each DIFF that statics holds constant, the index of its function.
     held_rates: BTreeMap<usize, usize>,
     state_values: Vec<f64>,
     requests: Vec<[Option<usize>; 8]>,
@@ -157,7 +157,7 @@ impl<'a> SystemCompiler<'a> {
         }
     }
 
-    /// Appends numbers to theta and returns their range.
+    /// Appends parameters to theta and returns their range.
     fn numbers(
         &mut self,
         (kind, id): (&'static str, Option<u32>),
@@ -195,7 +195,7 @@ impl<'a> SystemCompiler<'a> {
 
     fn markers(&mut self) {
         let (position, angle) = (stated("MARKER", "QP"), stated("MARKER", "REULER"));
-        // The six numbers of each marker come first, so that a slot identifies its marker.
+        // The six parameters of each marker come first in theta, so that a slot identifies its marker.
         for (k, marker) in self.model.markers.iter().enumerate() {
             let of = ("MARKER", Some(marker.header.id));
             let (qp, orientation) = match &marker.relative {
@@ -228,7 +228,7 @@ impl<'a> SystemCompiler<'a> {
                 PartKind::External => ("FLEX_BODY", 0),
             };
             let mass = if part.kind == PartKind::External {
-                // Reported with the unsolved statements.
+                // External bodies are reported with the unsolved statements.
                 self.theta.len()
             } else {
                 let mass = mass[usize::from(part.kind == PartKind::PointMass)];
@@ -272,7 +272,7 @@ impl<'a> SystemCompiler<'a> {
         }
     }
 
-    /// Allocates reference angles for a pair of markers and returns their index.
+    /// Reserves reference angles for a pair of markers and returns their index.
     fn pair(&mut self, i: usize, j: usize) -> usize {
         self.used[i] = true;
         self.used[j] = true;
@@ -371,7 +371,7 @@ impl<'a> SystemCompiler<'a> {
         }
     }
 
-    /// Reports statements that are not solved. Inactive statements, and those that only write or draw, are omitted.
+    /// Reports statements that are not solved. Omits inactive statements and statements that only write or draw.
     fn left_out(&mut self) {
         for u in self.model.unsolved.iter().filter(|u| u.header.active) {
             let Some(effect) = effect_of(u.kind) else {
@@ -456,9 +456,15 @@ impl<'a> SystemCompiler<'a> {
         }
         let owners: Vec<usize> = model.markers.iter().map(|m| m.part.0).collect();
         let used: Vec<usize> = (0..owners.len()).filter(|&m| self.used[m]).collect();
-        let acting = (&self.elements[..], &self.joints[..], &self.multis[..]);
-        centres(&mut self.bodies, acting, &owners, &parameters);
-        let (length, extent) = sizes(&used, &owners, &parameters, (&poses, &self.bodies));
+        centres(
+            &mut self.bodies,
+            &self.elements,
+            &self.joints,
+            &self.multis,
+            &owners,
+            &parameters,
+        );
+        let (length, extent) = sizes(&used, &owners, &parameters, &poses, &self.bodies);
         let initial = State {
             time: 0.0,
             mode: 5,
@@ -528,7 +534,8 @@ impl<'a> SystemCompiler<'a> {
         };
         let mut system = system;
         system.not_in_motion = not_in_motion(&system);
-        // An angle near 180 degrees may pass it on the way to the first equilibrium.
+        // This sets the references for counting full turns: an angle near 180 degrees may pass 180 degrees on the way to the first
+        // equilibrium.
         let mut initial = system.initial.clone();
         system.accept(&system.parameters, &mut initial, &mut Scratch::new(&system));
         system.initial = initial;

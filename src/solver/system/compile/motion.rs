@@ -1,4 +1,4 @@
-//! Data that the equations of motion need in addition to statics, and statements that they do not include.
+//! Additional data for the equations of motion, and the statements that the equations of motion do not include.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use crate::system::structure::{ParameterSource, StateRhs};
 use crate::system::{Name, System};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Returns the median mass of the bodies with nonzero mass; one if there is none.
+/// Returns the median mass of the bodies with nonzero mass, or one if there is no such body.
 pub(super) fn reference_mass(model: &Model) -> f64 {
     let bodies = model.parts.iter();
     let mut masses: Vec<f64> = bodies
@@ -21,7 +21,7 @@ pub(super) fn reference_mass(model: &Model) -> f64 {
     masses.get(masses.len() / 2).copied().unwrap_or(1.0)
 }
 
-/// Returns diagnostics for statements that act in motion and that the equations of motion do not include.
+/// Returns diagnostics for statements that would act in motion but are not included in the equations of motion.
 pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut refuse = |owner: &Name, message: String| {
@@ -73,7 +73,7 @@ fn reading(owner: &Name, what: &str) -> String {
     )
 }
 
-/// Returns the degree of a function in the velocities that it reads. VM and WM are not linear.
+/// Returns the polynomial degree of a function in the velocities that it reads. VM and WM are not linear.
 fn degree_in_velocities(system: &System, function: usize) -> Degree {
     let mut degrees = BTreeMap::new();
     for read in system.in_turn(function) {
@@ -97,13 +97,13 @@ fn degree_in_velocities(system: &System, function: usize) -> Degree {
     degrees.remove(&function).unwrap_or(Degree::Nothing)
 }
 
-/// Returns a description of an input of a constrained function whose rate does not follow from the part velocities, if it reads one, itself
-/// or through variables.
+/// Describes an input of a constrained function if the rate of that input does not follow from the part velocities. Returns `None` if the
+/// function reads no such input, neither itself nor through variables.
 ///
-/// With `of_velocities`, the function constrains velocities, and reading velocities is allowed.
+/// If `of_velocities` is set, the function constrains velocities, and reading velocities is allowed.
 fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'static str> {
     let mut seen = BTreeSet::new();
-    // Description to report if positions or velocities are read inside a variable that reads itself.
+    // Description to report if positions or velocities are read within a variable that reads itself.
     let mut open = vec![(function, None)];
     let read = |k: usize, inside: Option<&'static str>| {
         let variable = &system.variables[k];
@@ -158,8 +158,8 @@ fn functions_of(system: &System, by_variable: &[(usize, f64)]) -> impl Iterator<
     variables.map(|(k, _)| system.variables[*k].function)
 }
 
-/// Returns a description of an input of a state's rate that does not follow from positions and time, or with `of_velocities` also
-/// velocities.
+/// Describes an input of a state's rate that does not follow from positions and time. Returns `None` if there is no such input. With
+/// `of_velocities`, the input may also follow from velocities.
 fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<&'static str> {
     let mut seen = BTreeSet::new();
     let (mut states, mut functions) = (vec![state], Vec::new());

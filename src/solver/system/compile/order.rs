@@ -1,4 +1,4 @@
-//! Evaluation order of the functions: those the equations need, and the VARIABLEs that are unknowns.
+//! Evaluation order of the functions: which functions the equations need, and which VARIABLEs are unknowns.
 
 use std::collections::BTreeSet;
 
@@ -10,15 +10,15 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Evaluation order of the functions.
 pub(super) struct Order {
-    /// Functions of the equations.
+    /// Functions that the equations need, in evaluation order.
     pub equations: Vec<usize>,
-    /// Functions of the equations that constraints need.
+    /// Functions that the constraint equations need, in evaluation order.
     pub constraints: Vec<usize>,
-    /// Whether constraints read states or unknown VARIABLEs.
+    /// Whether constraint equations read states or unknown VARIABLEs.
     pub data_constrain: bool,
-    /// Rank of every function among all functions.
+    /// Rank of every function in an evaluation order of all functions.
     pub ranks: Vec<usize>,
-    /// VARIABLEs that are unknowns.
+    /// VARIABLEs that are unknowns, in the order of their unknowns.
     pub implicit: Vec<usize>,
 }
 
@@ -32,8 +32,8 @@ impl SystemCompiler<'_> {
         }
     }
 
-    /// Orders the functions. Requires [`Compiler::sources`]. VARIABLEs in loops become unknowns from `first_variable` on; loops without a
-    /// VARIABLE are reported.
+    /// Determines the evaluation order of the functions. Requires [`SystemCompiler::sources`]. VARIABLEs in loops become unknowns, with
+    /// indices from `first_variable` on. Loops without a VARIABLE are reported.
     pub(super) fn order(&mut self, first_variable: usize) -> Order {
         let all = 0..self.functions.len();
         let reads = self.reads();
@@ -76,7 +76,7 @@ impl SystemCompiler<'_> {
             Source::Variable(k) => self.variables[*k].unknown.is_some(),
             _ => false,
         };
-        // If constraints read more than positions and time, their rates need all functions of the equations.
+        // If constraints read anything besides positions and time, their rates need all functions of the equations.
         let data_constrain = constrained.iter().any(|&f| reads.any(f, beyond));
         let constraints = if data_constrain {
             equations.clone()
@@ -93,7 +93,7 @@ impl SystemCompiler<'_> {
         }
     }
 
-    /// Returns the functions of MOTIONs and GCONs.
+    /// Returns the functions of GCONs, and of MOTIONs that prescribe a displacement.
     fn constrained(&self) -> Vec<usize> {
         let driven = self.joints.iter().filter_map(|joint| match joint.drive {
             ParameterSource::Function(function) => Some(function),
@@ -103,7 +103,7 @@ impl SystemCompiler<'_> {
         driven.chain(conditions).collect()
     }
 
-    /// Returns the functions that forces, constraints, rates of states, SENSORs and unknown VARIABLEs read.
+    /// Returns the functions that forces, constraints, rates of states, SENSORs and unknown VARIABLEs need.
     fn roots(&self, implicit: &[usize]) -> Vec<usize> {
         let reads = self.reads();
         let mut roots = self.constrained();
@@ -128,7 +128,8 @@ impl SystemCompiler<'_> {
         roots
     }
 
-    /// Returns what an integration monitors in the functions of the equations: their switches, and the times at which they are not smooth.
+    /// Returns the switches of the functions that the equations need, and the times at which functions are not smooth. A time integration
+    /// monitors both.
     pub(super) fn watched(&mut self, order: &Order) -> (Vec<Switch>, Vec<f64>) {
         let (mut switches, mut breaks) = (Vec::new(), Vec::new());
         for &number in &order.equations {

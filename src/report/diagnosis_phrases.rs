@@ -1,0 +1,114 @@
+//! Phrases that the sentences of a diagnosis are made of.
+
+use admire_diagnosis::{CandidateEffect, ChannelMiss, SolverDifference};
+use admire_syntax::text::Decimals;
+
+/// Formats a gain with its standard error. For a single case, there is no standard error.
+pub(super) fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
+    let gain = decimals.format(gain);
+    if std_error.is_finite() {
+        format!("by {gain} +- {}", decimals.format(std_error))
+    } else {
+        format!("by {gain}, in one case")
+    }
+}
+
+/// Lists the main causes, each with its site.
+pub(super) fn chosen(causes: &[CandidateEffect]) -> String {
+    let names: Vec<String> = CandidateEffect::causes(causes)
+        .map(ToString::to_string)
+        .collect();
+    match names.as_slice() {
+        [] => "no cause".to_string(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// Formats a list of case labels: `case 7`, `8 cases from 1 to 8`, `cases 1, 4, 9`.
+pub(super) fn labels(cases: &[String]) -> String {
+    match cases {
+        [one] => format!("case {one}"),
+        [first, .., last] if cases.len() > 6 => {
+            format!("{} cases from {first} to {last}", cases.len())
+        }
+        _ => format!("cases {}", cases.join(", ")),
+    }
+}
+
+/// Returns a text that lists all loads other than zero.
+pub(super) fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
+    let listed: Vec<String> = loads
+        .filter(|(_, value)| *value != 0.0)
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    if listed.is_empty() {
+        "no load".to_string()
+    } else {
+        listed.join(", ")
+    }
+}
+
+/// Formats a probability as a rounded percentage, with open ends below 1 and above 99 percent.
+pub(super) fn percent(probability: f64) -> String {
+    match 100.0 * probability {
+        p if p > 99.0 => "above 99 percent".to_string(),
+        p if p < 1.0 => "below 1 percent".to_string(),
+        p => format!("{p:.0} percent"),
+    }
+}
+
+/// Returns the sentence about the rms errors of one channel.
+pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
+    let decimals = Decimals::of_error(miss.noise);
+    let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.format(x));
+    format!(
+        "Channel {} is missed by {before}{unit} rms as the model was and by {after}{unit} as it is extended, where its noise is {noise}{unit}.",
+        miss.name,
+        unit = miss.behind
+    )
+}
+
+/// Returns the sentence about the difference between the study's solver and the built-in solver. `sigma` is the noise of a mark coordinate
+/// in the length unit `unit`.
+pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str) -> String {
+    let mut text = format!(
+        "With the fitted stiffnesses the solver of the study ({}) and the built-in one differ by {:.2e} {unit} rms per coordinate",
+        solver.solver, solver.rms
+    );
+    if let Some(case) = &solver.case {
+        text += &format!(", at most by {:.2e} in case {case}", solver.most);
+    }
+    text += if solver.is_negligible(sigma) {
+        ", which is small against the noise."
+    } else {
+        ": what is found below may be a difference of the solvers."
+    };
+    let told = |rms: f64| Decimals::of_error(sigma).finer().format(rms);
+    if let Some(both) = solver.residual_rms {
+        let [own, other] = both.map(told);
+        text += &format!(
+            " Tolerances left out, the marks are missed by {own} by the built-in solver and by {other} by the other"
+        );
+        text += &match solver.held_out_rms {
+            Some(both) => {
+                let [own, other] = both.map(told);
+                format!(", by {own} and {other} in the cases held out.")
+            }
+            None => ".".to_string(),
+        };
+    }
+    if let Some(rms) = solver.refitted_rms {
+        text += &format!(
+            " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {}.",
+            told(rms)
+        );
+    }
+    if !solver.unsolved.is_empty() {
+        text += &format!(
+            " Only one of them solved case {}.",
+            solver.unsolved.join(", ")
+        );
+    }
+    text
+}
