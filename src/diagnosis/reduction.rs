@@ -43,8 +43,6 @@ pub(super) struct EffectModel {
 
 /// An [`EffectModel`] at fixed variance components.
 pub(super) struct Reduction {
-    /// Variance components.
-    pub sizes: VarianceComponents,
     /// Log evidence without any effect.
     pub ln_z: f64,
     /// `M`.
@@ -162,7 +160,6 @@ impl EffectModel {
         let cross = transposed(&A, &E);
         let absorbed = transposed(&posterior.covariance, &cross);
         Some(Reduction {
-            sizes: sizes.clone(),
             ln_z: posterior.ln_z,
             information: transposed(&E, &E) - transposed(&cross, &absorbed),
             gradient: E.tr_mul(&z),
@@ -326,4 +323,116 @@ fn first_member(fitted: &FittedModel) -> usize {
         .clone()
         .position(|prior| prior.group.is_some())
         .unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closure::Sets;
+    use crate::diagnosis_problem::Data;
+    use crate::fit::fit;
+    use crate::settings::OCCAM_WINDOW_NATS;
+    use crate::sought::tests::{of_the_axle, shipped_axle};
+
+    /// Fits sets of effects and compares their evidence with the score of the same sets in the linear model reduced there.
+    #[test]
+    fn the_score_of_a_fitted_set_is_the_evidence_of_its_fit() {
+        let loaded = shipped_axle();
+        let problem = loaded.problem();
+        let (subject, none) = of_the_axle(&problem);
+        let none = Arc::new(none);
+        let model = EffectModel::new(&subject, &none, Vec::new());
+        // Effects whose prior in a fit is the one of the scan: neither compliances nor slip lengths.
+        let is_same = |k: &usize| {
+            let numbers = &model.effects[*k].numbers;
+            numbers.iter().all(|number| {
+                !matches!(
+                    number.unknown,
+                    Parametrisation::Compliance(_)
+                        | Parametrisation::Rate { .. }
+                        | Parametrisation::SlipLength { .. }
+                )
+            })
+        };
+        let usable: Vec<usize> = (0..model.effects.len()).filter(is_same).collect();
+        let picked: Vec<usize> = usable.iter().copied().step_by(usable.len() / 6).collect();
+        let mut compared = 0;
+        for set in picked.chunks(2) {
+            let chosen: Vec<(CandidateEffect, Vec<f64>)> = set
+                .iter()
+                .map(|k| {
+                    let effect = model.effects[*k].clone();
+                    let guesses = vec![0.1; effect.numbers.len()];
+                    (effect, guesses)
+                })
+                .collect();
+            let from = Some((&*none, none.x.as_slice()));
+            let Some(fitted) = fit(&subject, &chosen, from, Data::All) else {
+                continue;
+            };
+            let fitted = Arc::new(fitted);
+            let there = EffectModel::new(&subject, &fitted, Vec::new());
+            let reduction = there.reduced(&fitted.sizes).expect("a finite model");
+            let own: Vec<usize> = (0..there.own).collect();
+            let sets = Sets::new(&there, &reduction);
+            let score = sets.conditioned(&own).expect("positive").ln_bayes_factor;
+            let reached = fitted.posterior.ln_z;
+            assert!(
+                (reduction.ln_z + score - reached).abs() < 1e-7,
+                "{}: {} and {reached}",
+                chosen
+                    .iter()
+                    .map(|(h, _)| h.to_string())
+                    .collect::<Vec<_>>()
+                    .join(", "),
+                reduction.ln_z + score
+            );
+            compared += 1;
+        }
+        assert!(compared >= 2, "{compared}");
+    }
+
+    /// Scores all sets of up to two effects of a part of the catalogue; the closure holds every one of them that is within the window.
+    #[test]
+    fn the_closure_holds_all_pairs_within_the_window() {
+        let loaded = shipped_axle();
+        let problem = loaded.problem();
+        let (subject, none) = of_the_axle(&problem);
+        let none = Arc::new(none);
+        let mut model = EffectModel::new(&subject, &none, Vec::new());
+        let keep: Vec<usize> = (0..model.effects.len())
+            .filter(|k| !model.effects[*k].is_poorly_linearised())
+            .step_by(5)
+            .collect();
+        model.effects = keep.iter().map(|k| model.effects[*k].clone()).collect();
+        model.ranges = keep.iter().map(|k| model.ranges[*k].clone()).collect();
+        let reduction = model.reduced(&none.sizes).expect("a finite model");
+        let sets = Sets::new(&model, &reduction);
+        let pool = sets.closure(&Vec::new(), true);
+        let best = pool.values().copied().fold(f64::NEG_INFINITY, f64::max);
+        let count = model.effects.len();
+        let mut held = 0;
+        for a in 0..count {
+            for b in a + 1..count {
+                if model.effects[a].same_site(&model.effects[b]) {
+                    continue;
+                }
+                let set = vec![a, b];
+                let Some(score) = sets.score(&set) else {
+                    continue;
+                };
+                if score > best - OCCAM_WINDOW_NATS + 1e-9 {
+                    let known = pool.get(&set);
+                    assert!(
+                        known.is_some_and(|known| (known - score).abs() < 1e-9),
+                        "{} and {}: {score}, {known:?}",
+                        model.effects[a],
+                        model.effects[b]
+                    );
+                    held += 1;
+                }
+            }
+        }
+        println!("{held} pairs of {count} effects, {} sets", pool.len());
+    }
 }

@@ -5,8 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::candidate_effect::{CandidateEffect, EffectParameter, Sensitivity, Term};
-use super::cause::Cause;
+use super::candidate_effect::{CandidateEffect, EffectParameter, Sensitivity};
 use super::causes;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;

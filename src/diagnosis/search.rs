@@ -10,10 +10,12 @@ use super::fit::{
 };
 use super::rig_errors::{GaveWay, Promises, RigErrors};
 use super::scan::{Catalogue, FORMS, Weighed, by_promise};
+use super::select::select;
 use super::stand_in::{StandIns, left_by_friction, loosened};
 use super::tried::{BETTER, Tried};
 use super::visited::{Found, LINEAR, Visited, distinct, probabilities};
 use admire_identify::tolerance::VarianceComponents;
+use admire_study::settings::Selection;
 
 /// What was promised is weighed with sizes of its own if that is no less than what would be refitted by so many nats,
 const ASIDE: f64 = 300.0;
@@ -47,7 +49,7 @@ pub(super) fn resume(
     [none, best]: [&Arc<FittedModel>; 2],
     data: Data,
 ) -> Option<Found> {
-    if closure_is_on() {
+    if subject.problem.selection == Selection::Closure {
         return None;
     }
     let better = |other: &Arc<FittedModel>, known: &Arc<FittedModel>| {
@@ -150,8 +152,8 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Searches to the end, from no cause.
     pub(super) fn ended(mut self) -> Found {
-        if closure_is_on() {
-            return super::select::select(self.tried.subject, &self.none, self.tried.data);
+        if self.tried.subject.problem.selection == Selection::Closure {
+            return select(self.tried.subject, &self.none, self.tried.data);
         }
         let best = self.climbed(Arc::clone(&self.none));
         let best = self.held_against_none(best);
@@ -190,8 +192,8 @@ impl<'a, 'b> Search<'a, 'b> {
     /// Searches to the end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
     /// among the causes this one comes to. `fits` are all that search fitted.
     pub(super) fn ended_from(mut self, chosen: &FittedModel, fits: &[Arc<FittedModel>]) -> Found {
-        if closure_is_on() {
-            return super::select::select(self.tried.subject, &self.none, self.tried.data);
+        if self.tried.subject.problem.selection == Selection::Closure {
+            return select(self.tried.subject, &self.none, self.tried.data);
         }
         let none = Arc::clone(&self.none);
         let mut ends = Vec::new();
@@ -598,10 +600,6 @@ impl<'a, 'b> Search<'a, 'b> {
         }
         Some(found)
     }
-}
-
-fn closure_is_on() -> bool {
-    std::env::var_os("ADMIRE_CLOSURE").is_some()
 }
 
 #[cfg(test)]

@@ -249,23 +249,6 @@ impl Selector<'_, '_> {
         let chosen: Vec<(CandidateEffect, Vec<f64>)> = set.iter().map(guesses).collect();
         let parent = Arc::clone(&point.model.fitted);
         let found = self.fit(&chosen, &parent, &x);
-        if std::env::var_os("ADMIRE_TRACE").is_some() {
-            let names: Vec<String> = chosen
-                .iter()
-                .map(|(h, _)| format!("{h}/{}", h.form))
-                .collect();
-            eprintln!(
-                "fit {} [{}] estimate {:.1} d {:.1} -> {:?} best {:.1}",
-                self.count,
-                names.join(", "),
-                estimate.ln_posterior,
-                estimate.distance,
-                found
-                    .as_ref()
-                    .map(|f| ((f.ln_posterior() * 10.0).round() / 10.0, f.is_converged())),
-                self.best()
-            );
-        }
         let best = self.best();
         match found {
             Some(found) => self.note(ids, &found, best),

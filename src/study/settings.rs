@@ -184,6 +184,24 @@ pub enum Loss {
     Huber,
 }
 
+/// Method by which a diagnosis selects the causes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Selection {
+    /// Stepwise: causes are added, dropped and exchanged one at a time.
+    #[default]
+    Stepwise,
+    /// Closure: all sets of causes near the best one in the linear model are confirmed by fits. Experimental.
+    Closure,
+}
+
+impl Selection {
+    /// Reads `[diagnosis]`.
+    pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
+        let words = [("stepwise", Self::Stepwise), ("closure", Self::Closure)];
+        section.choice("selection", Self::default(), &words, out)
+    }
+}
+
 /// Settings of `[identify]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IdentifySettings {

@@ -6,7 +6,7 @@ use super::kc_curves::KcSettings;
 use super::priors::CausePriors;
 use super::section::{Key, SchemaRecorder, Section, SpannedText};
 use super::settings::{
-    ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
+    ChannelSettings, IdentifySettings, RegressionSettings, Selection, SolverSettings, WheelSettings,
 };
 use super::stated::ToleranceSettings;
 use super::table::Table;
@@ -63,6 +63,8 @@ pub struct Study {
     pub tolerances: ToleranceSettings,
     /// `[priors]`.
     pub priors: CausePriors,
+    /// Method of selection of `[diagnosis]`.
+    pub selection: Selection,
     /// List `[validate] hold_out`, if given.
     pub hold_out: Option<Vec<SpannedText>>,
     /// Deck of `[reference]`, for reports only.
@@ -336,6 +338,10 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let tolerances = ToleranceSettings::read(&mut section, out);
     section.finish(out);
 
+    let mut section = root.section("diagnosis", out);
+    let selection = Selection::read(&mut section, out);
+    section.finish(out);
+
     let mut section = root.section("priors", out);
     let priors = CausePriors::read(&mut section, out);
     section.finish(out);
@@ -367,6 +373,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         regression,
         tolerances,
         priors,
+        selection,
         hold_out,
         reference: reference.map(|(source, _)| source),
     })
