@@ -1,4 +1,4 @@
-//! Sensitivities of a study's scalar sensors (channels) with respect to the unknowns of a fit.
+//! Sensitivities of the channels (scalar sensors) of a study with respect to the unknowns of a fit.
 
 use nalgebra::DMatrix;
 
@@ -8,11 +8,11 @@ use admire_study::Channels;
 use super::unknown::Direction;
 use crate::settings::CHANNEL_DIFFERENCE_STEP;
 
-/// Computes the changes of all channels along each direction, one column per direction. `responses` holds the changes of the system's
-/// unknowns along each direction.
+/// Computes the derivatives of all channels along each direction, one column per direction. `responses` holds the derivatives of the solver's
+/// unknowns (poses and multipliers) along the same directions.
 ///
 /// # Errors
-/// [`NoValue`] if a function is undefined at the state.
+/// Returns [`NoValue`] if the function of a channel is undefined at the state.
 pub fn channel_changes(
     channels: Channels,
     system: &System,
@@ -37,7 +37,8 @@ pub fn channel_changes(
                 .sum();
         }
     }
-    // Explicit dependence with all parts fixed: a spring force depends on the stiffness, a point of a part on its marker.
+    // Direct effect of the parameters while all parts are fixed: a spring force depends on the stiffness, the position of a point on its
+    // marker.
     let mut near = theta.clone();
     for (mut changes, direction) in out.column_iter_mut().zip(directions) {
         if !reads(channels, system, direction, case) {
@@ -61,7 +62,7 @@ pub fn channel_changes(
     Ok(out)
 }
 
-/// Returns true if a channel may change along a direction while all parts are fixed.
+/// Returns true if any channel may change along a direction while all parts are fixed.
 fn reads(channels: Channels, system: &System, direction: &Direction, case: usize) -> bool {
     let mut numbers = direction.in_case(case).filter(|(_, weight)| *weight != 0.0);
     let mut functions = (0..channels.count).map(|k| (channels.first + k, 1));
