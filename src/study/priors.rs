@@ -1,13 +1,13 @@
-//! `[priors]` of `study.toml`: how probable and how large the causes of a diagnosis are before any reading is seen.
+//! Section `[priors]` of `study.toml`: how probable and how large the causes of a diagnosis are before any reading is taken into account.
 
 use super::constant::Constant;
 use super::section::Section;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Declares the priors. Each is a field of [`CausePriors`], a key of `[priors]` and a line of `admire explain priors`.
+/// Declares the priors. Each prior is a field of [`CausePriors`], a key of `[priors]`, and an entry in the output of `admire explain priors`.
 macro_rules! priors {
     ($($(#[doc = $doc:literal])+ $name:ident = $value:literal, $unit:literal, $least:literal to $most:literal;)+) => {
-        /// `[priors]`: probabilities and standard deviations of the causes.
+        /// Settings of `[priors]`: prior probabilities and prior standard deviations of the causes of a diagnosis.
         #[derive(Clone, Copy, PartialEq, Debug)]
         pub struct CausePriors {
             $($(#[doc = $doc])+ pub $name: f64,)+
@@ -20,7 +20,7 @@ macro_rules! priors {
         }
 
         impl CausePriors {
-            /// Every prior with its default.
+            /// All priors with their default values.
             pub const TABLE: &'static [Constant] = &[
                 $(Constant {
                     name: stringify!($name),
