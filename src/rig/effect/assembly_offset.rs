@@ -9,7 +9,7 @@ use admire_syntax::diagnostic::Diagnostic;
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let (p, R) = spec.motion()?;
-    // The offset moves J away from its deck position, so the real deflection of I from J is smaller by the offset.
+    // The offset moves J from its position in the deck. The real deflection of I relative to J is therefore smaller by the offset.
     reality
         .rehang(spec, &bushing, "J", None, &Pose { p, R })
         .map(drop)
