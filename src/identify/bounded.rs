@@ -5,10 +5,11 @@ use nalgebra::{DMatrix, DVector};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Minimises `x^T A x / 2 - b^T x` subject to `lower <= x <= upper`. Returns the minimiser and true for each unknown at a bound.
+/// Minimises `x^T A x / 2 - b^T x` subject to `lower <= x <= upper`. Returns the minimiser, and for each unknown whether it is at a bound.
 ///
-/// `a` must be symmetric and positive semidefinite. Bounds are exchanged in blocks (Portugal, Judice and Vicente 1994); if this does not
-/// terminate, an active-set method follows. Undetermined directions get the solution of least norm, scaled by the diagonal of `a`.
+/// `a` must be symmetric and positive semidefinite. The set of active bounds is found by block exchanges (Portugal, Judice and Vicente 1994).
+/// If the exchanges do not terminate, an active-set method follows. If the unknowns away from their bounds are not determined uniquely, they
+/// get the solution of least norm, scaled by the diagonal of `a`.
 pub(super) fn solve(
     a: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -43,7 +44,9 @@ struct BoundedProblem<'a> {
 }
 
 impl BoundedProblem<'_> {
-    /// Exchanges all wrong bounds at once until none is left, usually within a few rounds. Returns `None` if the exchange cycles.
+    /// Finds the minimum by block exchanges. Each round fixes all unknowns that are outside their bounds and releases all fixed unknowns whose
+    /// multiplier has the wrong sign. A few rounds are usually enough. Returns `None` if the set of fixed unknowns still changes after
+    /// [`MAX_BLOCK_EXCHANGES`] rounds.
     fn exchanged(&self) -> Option<(DVector<f64>, Vec<Option<f64>>)> {
         let (lower, upper) = self.bounds;
         let mut fixed: Vec<Option<f64>> = vec![None; self.b.len()];
@@ -70,7 +73,7 @@ impl BoundedProblem<'_> {
         None
     }
 
-    /// Returns true if the gradient pulls the unknown away from its bound, so that the bound must be released.
+    /// Returns true if descent moves unknown `k` from its bound into the interior, so that the bound must be released.
     fn pulls_inside(&self, k: usize, at: f64, gradient: f64) -> bool {
         let outward = if at <= self.bounds.0[k] {
             gradient
@@ -80,8 +83,9 @@ impl BoundedProblem<'_> {
         outward / self.scale[k] < -self.tolerance
     }
 
-    /// Descends by Newton steps on the face of the active bounds. Each step is projected onto the bounds where that lowers the objective,
-    /// else shortened at the first bound. When a face allows no further step, the bound with the largest wrong multiplier is released.
+    /// Finds the minimum by an active-set method with Newton steps in the free unknowns. Each Newton step gives two trial points: the full step
+    /// projected onto the bounds, and the step cut off at the first bound. The better trial point is taken. If neither lowers the objective,
+    /// only the bound whose multiplier is most wrong is released.
     fn descended(&self) -> (DVector<f64>, Vec<Option<f64>>) {
         let (lower, upper) = self.bounds;
         let count = self.b.len();
@@ -112,7 +116,7 @@ impl BoundedProblem<'_> {
                 };
                 *fixed = (at_bound && !released).then_some(x[k]);
             }
-            // A free unknown at its bound that the step would move outside is fixed again.
+            // If the step would move a free unknown from its bound outwards, the unknown is fixed again and the step is recomputed.
             let step = loop {
                 let step = free_solution(self.a, self.b, &fixed, &self.scale) - &x;
                 let leaves = |k: usize| {
@@ -129,7 +133,7 @@ impl BoundedProblem<'_> {
                     break step;
                 }
             };
-            // Length of the step up to each bound, and the first bound it reaches.
+            // Fraction of the step that reaches the bound of each unknown, and the smallest of these fractions, at most 1.
             let room = |k: usize| {
                 let bound = if step[k] < 0.0 { lower[k] } else { upper[k] };
                 if step[k] == 0.0 {
@@ -211,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_bound_that_binds_and_one_that_does_not() {
-        // (x - 1)^2 + (y + 1)^2 + x y with x, y >= 0: y is at its bound, then x = 1.
+        // Minimises (x - 1)^2 + (y + 1)^2 + x y with x, y >= 0. The minimum has y at its bound, hence x = 1.
         let a = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 2.0]);
         let b = DVector::from_vec(vec![2.0, -2.0]);
         let (x, fixed) = solve(&a, &b, &[0.0, 0.0], &[10.0, 10.0]);
@@ -222,8 +226,8 @@ mod tests {
         assert_eq!(fixed, [false, false]);
     }
 
-    /// Includes ill-conditioned problems on which the block exchange cycles. The result must satisfy the Karush-Kuhn-Tucker conditions,
-    /// which characterise the minimum.
+    /// Includes ill-conditioned problems on which the block exchanges cycle. The result must satisfy the Karush-Kuhn-Tucker conditions of a
+    /// minimum.
     #[test]
     fn ill_conditioned_problems_end_at_their_minimum() {
         let mut noise = Noise::new(7, "bounded");

@@ -5,22 +5,22 @@ use admire_solver::mechanics::Pose;
 use admire_solver::model::{MarkerIx, Model};
 use admire_study::Measurement;
 
-/// Differences between a sweep and the readings, over a set of cases.
+/// Rms differences between the solutions of a sweep and the readings, over a set of load cases.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ReadingMisfit {
-    /// Rms of one mark coordinate; `None` without marks.
+    /// Rms difference of a mark coordinate; `None` without marks.
     pub marks_rms: Option<f64>,
-    /// Number of mark coordinates.
+    /// Number of mark coordinates that were compared.
     pub coordinates: usize,
-    /// Rms of camber and steer, in degrees; `None` without wheel readings.
+    /// Rms differences of camber and steer, in degrees; `None` without wheel readings.
     pub wheel_deg_rms: Option<[f64; 2]>,
-    /// Rms of one coordinate of the wheel centre; `None` without wheel readings.
+    /// Rms difference of a wheel-centre coordinate; `None` without wheel readings.
     pub wheel_position_rms: Option<f64>,
     /// Number of cases with wheel readings.
     pub wheels: usize,
 }
 
-/// Returns a marker's frame in ground.
+/// Returns the pose of a marker in ground, given the poses of all parts.
 pub fn marker_pose(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
     let frame = &model.markers[marker.0];
     let local = Pose {
@@ -30,7 +30,7 @@ pub fn marker_pose(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
     poses[frame.part.0].compose(&local)
 }
 
-/// Compares a sweep with the readings of the given cases; cases without an equilibrium are skipped.
+/// Compares the solutions of a sweep with the readings of the given cases. Cases without an equilibrium are skipped.
 pub fn compare(
     model: &Model,
     measurement: &Measurement,
@@ -71,8 +71,8 @@ pub fn compare(
     }
 }
 
-/// Computes the chi-square test of a sweep from marks and wheel. `parameters` is the number of unknowns that were estimated from these
-/// readings.
+/// Computes the chi-square test of the mark and wheel residuals in `found`. `parameters` is the number of unknowns that were estimated from
+/// these readings; it reduces the degrees of freedom.
 fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Option<FitTest> {
     let measurement = problem.measurement;
     let mut tally = Tally::default();
@@ -81,7 +81,7 @@ fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Op
             tally.add(kind, rms * rms * count as f64 / variance, count);
         }
     };
-    // Position errors of the marks on their parts, from the first session, add to the noise of a mark.
+    // The variance of a mark coordinate also includes the position error of the mark on its part, from the first measuring session.
     let variance = measurement.sigma.powi(2) + measurement.sigma_on_parts.powi(2);
     add(
         ReadingKind::Marks,
@@ -115,10 +115,10 @@ fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Op
     )
 }
 
-/// Fills in the marks, wheel and held-out results of a fit from the sweeps of the decks with the initial and the final values. Other fitted
-/// unknowns are not applied.
+/// Fills in the results of `fit` for marks, wheel and held-out readings. `before` and `after` are sweeps with the initial and with the final
+/// values of the identified parameters; no other fitted unknowns are applied to the deck.
 ///
-/// `parameters` is the number of unknowns estimated from the marks; it is subtracted from the degrees of freedom.
+/// `parameters` is the number of unknowns that were estimated from the marks; it reduces the degrees of freedom.
 pub(crate) fn fill(
     fit: &mut Fit,
     problem: &Problem<'_>,
@@ -131,7 +131,7 @@ pub(crate) fn fill(
     fit.fit_test = tested(problem, &fitted, parameters);
     fit.marks = fitted.marks_rms.map(|rms| {
         let dof = fitted.coordinates.saturating_sub(parameters).max(1) as f64;
-        // Position errors of the marks on their parts, from the first session, add to the noise of a mark.
+        // The variance of a mark coordinate also includes the position error of the mark on its part, from the first measuring session.
         let variance = measurement.sigma.powi(2) + measurement.sigma_on_parts.powi(2);
         let squares = rms * rms * fitted.coordinates as f64;
         Marks {
@@ -143,14 +143,15 @@ pub(crate) fn fill(
     written(fit, problem, before, after);
 }
 
-/// Compares a sweep with the readings of the held-out cases, or of the others.
+/// Compares a sweep with the readings of the held-out cases if `held_out` is true, otherwise with the readings of the fitted cases.
 fn over(problem: &Problem<'_>, sweep: &Sweep, held_out: bool) -> ReadingMisfit {
     let cases = &problem.measurement.cases;
     let chosen = (0..cases.len()).filter(|&case| cases[case].held_out == held_out);
     compare(problem.model, problem.measurement, sweep, chosen)
 }
 
-/// Fills in the results of the plain decks with the initial and with the final values.
+/// Fills in the results of `fit` that compare two plain decks with the readings: the deck with the initial and the deck with the identified
+/// parameters, without other fitted unknowns.
 pub fn written(fit: &mut Fit, problem: &Problem<'_>, before: &Sweep, after: &Sweep) {
     let measurement = problem.measurement;
     let of_fitted = [before, after].map(|sweep| over(problem, sweep, false).marks_rms);

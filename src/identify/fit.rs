@@ -7,155 +7,159 @@ use super::lack_of_fit::LackOfFitTest;
 use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
 use admire_solver::statics::Balance;
 
-/// Remark on a fit that ended before its minimum.
+/// Remark on a fit that ended before it reached its minimum.
 pub const NOT_CONVERGED: &str = "The fit did not converge; these are the values it had reached.";
 
-/// Outcome for one number.
+/// Outcome of the identification of one parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
-    /// The data determine the number.
+    /// The readings determine the parameter.
     Identified,
-    /// Regression: the previous value was kept. Other methods: the standard deviation of ln K exceeds 0.5.
+    /// The readings do not determine the parameter. In the regression, the parameter kept its previous value. In the other methods, the
+    /// standard deviation of its logarithm exceeds 0.5.
     Unidentifiable,
-    /// The number is at a bound.
+    /// The parameter is at a bound of its allowed range.
     Bound,
 }
 
-/// One identified number, as `identification.json` shows it.
+/// One identified parameter, as `identification.json` shows it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ParameterFit {
-    /// Address, such as `BUSHING/1.K.1`.
+    /// Address of the parameter, such as `BUSHING/1.K.1`.
     pub address: String,
-    /// Addresses of numbers that are equal by symmetry.
+    /// Addresses of further parameters that symmetry makes equal to this one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tied: Vec<String>,
-    /// Unit; rotational stiffnesses are per radian.
+    /// Unit of the parameter; rotational stiffnesses are per radian.
     pub unit: String,
-    /// Starting value.
+    /// Value at which the identification started.
     pub initial: f64,
-    /// Estimate.
+    /// Identified value.
     pub value: f64,
-    /// Standard error, in the unit of the value.
+    /// Standard error of the value, in the unit of the value; `None` if it is not determined.
     pub std_error: Option<f64>,
-    /// 95 percent interval; an unbounded side is `null`.
+    /// 95 percent interval of the value. A side without a bound is `None`, written as `null`.
     pub interval95: [Option<f64>; 2],
-    /// Regression: r of equation 15. Other methods: the correlation of largest magnitude with another number.
+    /// Correlation coefficient. In the regression, it is the correlation r of force and deflection (equation 15 of the paper). In the other
+    /// methods, it is the largest correlation, by magnitude, of the estimates of this and another parameter.
     pub correlation: Option<f64>,
-    /// Share of the variance behind `std_error` that is due to tolerances; `None` for methods without tolerances.
+    /// Share of the variance `std_error^2` that is due to tolerances; `None` for methods without tolerances.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_share: Option<f64>,
-    /// 95 percent profile-likelihood interval with tolerances marginalised; only where the fit was repeated.
+    /// 95 percent profile-likelihood interval with tolerances marginalised; `None` unless the fit was repeated by bootstrap or posterior
+    /// sampling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile95: Option<[Option<f64>; 2]>,
-    /// Result of repeated fits of simulated readings.
+    /// Distribution of the parameter over repeated fits of simulated readings (bootstrap).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap: Option<Repeated>,
-    /// Result of draws from the posterior.
+    /// Distribution of the parameter over draws from the posterior.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<Repeated>,
-    /// Outcome.
+    /// Outcome of the identification of this parameter.
     pub status: Status,
 }
 
-/// Estimated standard deviation of a group of tolerances.
+/// Estimated size (standard deviation) of a group of tolerances.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ToleranceFound {
-    /// Standard deviation of one member of the group.
+    /// Estimated standard deviation of each error in the group.
     pub sd: f64,
-    /// Usual standard deviation of such a group.
+    /// Usual standard deviation of such errors: the median of its prior.
     pub usual: f64,
     /// Unit of `sd` and `usual`.
     pub unit: &'static str,
-    /// True if the size exceeds what its prior allows, or if pose noise exceeds the noise of a mark. The group may then have absorbed a
-    /// model error.
+    /// True if the estimate is implausibly large: it exceeds the range of its prior or, for pose noise, the noise of a mark. The group may then
+    /// have absorbed a model error.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub strained: bool,
 }
 
-/// Noise of mark coordinates.
+/// Noise of the measured mark coordinates.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NoiseFound {
-    /// Standard deviation as stated by the study.
+    /// Standard deviation of a mark coordinate that the study states, if it states one.
     pub declared: Option<f64>,
-    /// Standard deviation as estimated from the marks of rigid parts.
+    /// Standard deviation of a mark coordinate, estimated from the scatter of the marks of rigid parts.
     pub estimated: Option<f64>,
-    /// Degrees of freedom of Student's t, if the tails are heavy.
+    /// Degrees of freedom of the Student t distribution of the noise, if its tails are heavy.
     pub dof: Option<f64>,
 }
 
-/// Assembly offset of a bushing (equation 9).
+/// Estimated assembly offset of a bushing (equation 9 of the paper).
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct OffsetFit {
-    /// Address, such as `BUSHING/1`.
+    /// Address of the bushing, such as `BUSHING/1`.
     pub address: String,
-    /// Measured minus true deflection: three lengths, three angles in radians, J axes.
+    /// Measured minus true deflection in J axes: three lengths, then three angles in radians.
     pub delta: [f64; 6],
-    /// Standard errors of `delta`.
+    /// Standard error of each component of `delta`; `None` if it is not determined.
     pub std_error: [Option<f64>; 6],
 }
 
-/// A linear combination of logarithms of numbers that the data hardly determine.
+/// A linear combination of the logarithms of the parameters that the readings hardly determine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct UnidentifiableDirection {
-    /// Unit vector over ln K by address, without small components.
+    /// Coefficient of each logarithm by the address of the parameter: a unit vector without its small components.
     pub combination: BTreeMap<String, f64>,
-    /// Standard deviation along the combination.
+    /// Standard deviation of the combination.
     pub sd_log: f64,
 }
 
-/// Fit statistics of the marks.
+/// Statistics of the mark residuals in a fit.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Marks {
-    /// Rms residual of one coordinate.
+    /// Rms residual of a mark coordinate.
     pub rms: Option<f64>,
-    /// Chi-square per degree of freedom.
+    /// Chi-square of the mark residuals per degree of freedom.
     pub chi2_per_dof: Option<f64>,
-    /// Standard deviation of one coordinate.
+    /// Standard deviation of the noise of a mark coordinate.
     pub sigma: f64,
 }
 
-/// Rms errors of one mark coordinate over the fitted cases, with the numbers of the deck applied and nothing else.
+/// Rms errors of a mark coordinate over the fitted cases, predicted by the plain deck. Other fitted unknowns, such as offsets and frame errors,
+/// are not applied.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Written {
-    /// Rms error with the initial numbers.
+    /// Rms error with the initial parameters.
     pub marks_rms_before: f64,
-    /// Rms error with the identified numbers, without any other fitted unknown.
+    /// Rms error with the identified parameters.
     pub marks_rms_after: f64,
 }
 
-/// Results for held-out data, which no fit used.
+/// Prediction errors of the readings that were held out of the fit.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct HeldOut {
     /// Labels of the held-out cases.
     pub cases: Vec<String>,
-    /// Rms mark error with the initial numbers.
+    /// Rms error of a mark coordinate in these cases with the initial parameters.
     pub marks_rms_before: Option<f64>,
-    /// Rms mark error with the identified numbers.
+    /// Rms error of a mark coordinate in these cases with the identified parameters.
     pub marks_rms_after: Option<f64>,
-    /// Held-out curves.
+    /// Prediction errors of the held-out channels.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveHeldOut>,
 }
 
-/// Results for a held-out channel, which no fit used.
+/// Prediction error of a channel that was held out of the fit.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CurveHeldOut {
     /// Name of the channel.
     pub name: String,
     /// Unit of the channel.
     pub unit: Option<String>,
-    /// Number of readings.
+    /// Number of readings of the channel.
     pub count: usize,
-    /// Rms error with the initial numbers.
+    /// Rms error of the channel with the initial parameters.
     pub rms_before: f64,
-    /// Rms error with the identified numbers.
+    /// Rms error of the channel with the identified parameters.
     pub rms_after: f64,
 }
 
-/// Rms errors of the wheel angles, before and after the identification.
+/// Rms errors of the wheel angles camber and steer, before and after the identification.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-#[allow(missing_docs)] // The names are those of identification.json.
+#[allow(missing_docs)] // The fields have the names of the keys in identification.json.
 pub struct WheelFit {
     pub camber_deg_rms_before: f64,
     pub camber_deg_rms_after: f64,
@@ -163,69 +167,69 @@ pub struct WheelFit {
     pub steer_deg_rms_after: f64,
 }
 
-/// Result of an identification: the contents of `identification.json`, and further data for the report.
+/// Result of an identification: the contents of `identification.json` and further data for the report.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Fit {
-    /// Method: `gauss-newton`, `regression` or `direct`.
+    /// Identification method: `gauss-newton`, `regression` or `direct`.
     pub method: String,
-    /// Backend: `native`, `command` or `replay`.
+    /// Solver backend: `native`, `command` or `replay`.
     pub backend: String,
-    /// Whether the convergence test of the method was met.
+    /// True if the convergence test of the method was met.
     pub converged: bool,
-    /// Whether the run was stopped before it was complete.
+    /// True if the run was stopped before it was complete.
     pub interrupted: bool,
-    /// Addresses of the numbers whose value or interval the rest of the run would still have changed.
+    /// Addresses of the parameters whose value or interval a complete run would still have changed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub affected: Vec<String>,
-    /// Number of iterations.
+    /// Number of iterations of the method.
     pub iterations: usize,
-    /// Number of equilibria solved: sweeps times cases.
+    /// Number of equilibria that were solved.
     pub solver_runs: usize,
-    /// Largest force imbalance of a part, recomputed from the solutions; `None` if another solver ran.
+    /// Largest force imbalance of a part over all solutions; `None` if the backend does not report it.
     pub balance: Option<Balance>,
-    /// SHA-256 over all input files.
+    /// SHA-256 over all input files, in hexadecimal.
     pub inputs_sha256: String,
-    /// Results, one per unknown.
+    /// Identified parameters, in the order of the unknowns.
     pub parameters: Vec<ParameterFit>,
-    /// Assembly offsets, one entry per bushing, if they were estimated.
+    /// Assembly offsets, one entry per bushing; empty if offsets were not estimated.
     pub assembly_offsets: Vec<OffsetFit>,
-    /// Combinations of numbers that the data do not determine.
+    /// Combinations of parameters that the readings do not determine.
     pub unidentifiable_directions: Vec<UnidentifiableDirection>,
-    /// Sizes of the tolerances that the intervals include, by group; empty for methods without tolerances.
+    /// Estimated sizes of the tolerances that the intervals include, by name of the group; empty for methods without tolerances.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub tolerances: BTreeMap<String, ToleranceFound>,
-    /// Noise of the marks, stated and estimated.
+    /// Noise of the mark coordinates: as stated by the study and as estimated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseFound>,
-    /// Chi-square test of the residuals against the noise; `None` for readings without noise.
+    /// Chi-square test of the residuals against the stated noise; `None` for readings without noise.
     pub fit_test: Option<FitTest>,
-    /// Tests for structure in the residuals.
+    /// Tests for structure in the residuals that noise alone would not show.
     pub structure: Vec<LackOfFitTest>,
-    /// Fit statistics of the marks with all fitted unknowns, including offsets, frame errors and mark errors.
+    /// Statistics of the mark residuals with all fitted unknowns applied, including offsets, frame errors and mark errors.
     pub marks: Option<Marks>,
-    /// Fit statistics of the marks with the identified numbers alone.
+    /// Errors of the marks with only the identified parameters applied.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub written: Option<Written>,
-    /// Results for data that no fit used.
+    /// Prediction errors of readings that were held out of the fit.
     pub held_out: HeldOut,
-    /// Fit statistics of the wheel.
+    /// Errors of the wheel angles before and after the identification.
     pub wheel: Option<WheelFit>,
-    /// Settings and summary of the bootstrap.
+    /// Settings and summary of the bootstrap, if one was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap: Option<BootstrapMade>,
-    /// Settings and summary of the posterior sampling.
+    /// Settings and summary of the posterior sampling, if it was made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<PosteriorMade>,
-    /// Values of the unknowns at the start and after every iteration; for the report only.
+    /// Values of the identified parameters at the start and after every iteration, used only for the report.
     #[serde(skip)]
     pub history: Vec<Vec<f64>>,
-    /// Remarks on the result for the reader, one sentence each; for report and console.
+    /// Remarks on the result for report and console, one sentence each.
     #[serde(skip)]
     pub remarks: Vec<String>,
 }
 
 impl Fit {
-    /// Returns the values of the unknowns.
+    /// Returns the identified values in the order of the unknowns.
     pub fn values(&self) -> Vec<f64> {
         self.parameters
             .iter()
@@ -233,13 +237,13 @@ impl Fit {
             .collect()
     }
 
-    /// Marks the fit as interrupted before its values had converged.
+    /// Records that the fit was interrupted before its values had converged. All parameters then count as affected.
     pub(super) fn cut_short(&mut self) {
         self.interrupted = true;
         self.affected = self.parameters.iter().map(|p| p.address.clone()).collect();
     }
 
-    /// Returns the contents of `identification.json`.
+    /// Returns the text of `identification.json`.
     pub fn to_json(&self) -> String {
         let text = serde_json::to_string_pretty(self);
         text.expect("a fit holds only names and numbers") + "\n"

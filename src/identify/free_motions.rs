@@ -1,4 +1,4 @@
-//! Placement of the solutions of any solver along free (zero-stiffness) motions, at the best fit of the readings.
+//! Placement of equilibria along free (zero-stiffness) motions at the best fit of the measured marks, for solutions of any solver.
 
 use super::global::{CaseChanges, Observed, SeenMark, step};
 use crate::settings::FREE_MAX_STEPS;
@@ -6,7 +6,7 @@ use admire_session::backend::{FreeMotions, Sweep, Twist};
 use admire_solver::mechanics::Pose;
 use admire_study::Measurement;
 
-/// Moves the parts along the free motions to the best fit of these marks of the observed parts.
+/// Moves the parts along the free motions until their marks fit the measured positions in `marks` best.
 pub fn meet_marks(free: &FreeMotions, poses: &mut [Pose], observed: &Observed, marks: &[SeenMark]) {
     if free.is_empty() {
         return;
@@ -32,7 +32,8 @@ pub fn meet_marks(free: &FreeMotions, poses: &mut [Pose], observed: &Observed, m
     }
 }
 
-/// Returns the twists of the observed parts at these poses as changes along each free motion; channels are taken as constant.
+/// Returns the derivatives of the observed part poses with respect to each free motion. All channels are assumed constant; `channels` is their
+/// number.
 pub(crate) fn changes_along(
     free: &FreeMotions,
     poses: &[Pose],
@@ -50,7 +51,7 @@ pub(crate) fn changes_along(
     out
 }
 
-/// Moves the solutions of all cases along the free motions to the best fit of the measured marks.
+/// Moves the parts in the solutions of all cases along the free motions to the best fit of the measured marks.
 pub fn meet_marks_of_all(free: &FreeMotions, sweep: &mut Sweep, measurement: &Measurement) {
     if free.is_empty() {
         return;

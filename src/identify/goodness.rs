@@ -1,4 +1,4 @@
-//! Chi-square test of the residuals of a fit: whether they exceed the noise.
+//! Chi-square test of whether the residuals of a fit exceed the noise.
 
 use crate::settings::LACK_OF_FIT_LEVEL;
 use serde::Serialize;
@@ -21,35 +21,36 @@ pub enum FitVerdict {
 /// Residuals of one kind of reading.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ReadingsLeft {
-    /// Kind: `marks`, `wheel position`, `wheel angles` or a channel's name.
+    /// Kind of reading: `marks`, `wheel position`, `wheel angles` or the name of a channel.
     pub kind: String,
     /// Number of scalar readings.
     pub count: usize,
-    /// Rms of the residuals over their noise.
+    /// Rms of the residuals, each divided by the standard deviation of its noise.
     pub rms_over_sigma: f64,
 }
 
 /// Chi-square test of all readings that a fit used.
 ///
-/// The statistic is the sum of squared residuals over their variances, plus the prior terms of the measurement's own errors. It follows the
-/// chi-square distribution. The degrees of freedom are the number of readings minus the effective number of stiffnesses; a stiffness that
-/// the readings determine in part counts as a fraction.
+/// The statistic is the sum of squared residuals over their variances, plus the prior terms of the other fitted errors, such as offsets and
+/// frame errors. It follows the chi-square distribution. The degrees of freedom are the number of readings minus the effective number of
+/// stiffnesses. A stiffness that the readings determine only in part counts as a fraction.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FitTest {
-    /// Test statistic.
+    /// Chi-square statistic.
     pub chi2: f64,
-    /// Degrees of freedom of the statistic.
+    /// Degrees of freedom of the chi-square statistic.
     pub dof: f64,
-    /// Probability of a larger statistic under the stated noise alone.
+    /// Probability of a larger statistic if the residuals contain only the stated noise.
     pub p_value: f64,
     /// Verdict of the test.
     pub verdict: FitVerdict,
-    /// Residuals of each kind of reading.
+    /// Residuals, one entry for each kind of reading.
     pub readings: Vec<ReadingsLeft>,
 }
 
 impl FitTest {
-    /// Computes the test of a statistic; returns `None` without degrees of freedom.
+    /// Evaluates the test for the statistic `chi2` with `dof` degrees of freedom. Returns `None` without degrees of freedom or for a statistic
+    /// that is not finite.
     pub fn new(chi2: f64, dof: f64, readings: Vec<ReadingsLeft>) -> Option<Self> {
         let distribution = ChiSquared::new(dof).ok().filter(|_| chi2.is_finite())?;
         let (above, below) = (distribution.sf(chi2), distribution.cdf(chi2));
@@ -68,13 +69,13 @@ impl FitTest {
         })
     }
 
-    /// Returns the factor on the noise that would make chi-square equal to its degrees of freedom.
+    /// Returns the factor by which the noise must be multiplied to make chi-square equal to its degrees of freedom.
     pub fn noise_factor(&self) -> f64 {
         (self.chi2 / self.dof).sqrt()
     }
 }
 
-/// Sums of squared whitened residuals, by kind of reading.
+/// Sum of squared whitened residuals and number of readings, for each kind of reading.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Tally(Vec<(ReadingKind, f64, usize)>);
 
@@ -88,7 +89,7 @@ pub(super) enum ReadingKind {
 }
 
 impl Tally {
-    /// Adds `count` readings with their sum of squared whitened residuals.
+    /// Adds `count` readings of a kind, whose squared whitened residuals sum to `squares`.
     pub(super) fn add(&mut self, kind: ReadingKind, squares: f64, count: usize) {
         match self.0.iter_mut().find(|(of, _, _)| *of == kind) {
             Some((_, sum, counted)) => {
@@ -99,7 +100,7 @@ impl Tally {
         }
     }
 
-    /// Returns the sum over all kinds and the number of readings.
+    /// Returns the sum of squares over all kinds of readings, and the number of readings.
     pub(super) fn total(&self) -> (f64, usize) {
         let (mut sum, mut count) = (0.0, 0);
         for (_, squares, readings) in &self.0 {
@@ -109,7 +110,7 @@ impl Tally {
         (sum, count)
     }
 
-    /// Returns the residuals of each kind for display.
+    /// Returns the residuals of each kind of reading for display.
     pub(super) fn kinds(&self, measurement: &Measurement) -> Vec<ReadingsLeft> {
         let mut kinds = self.0.clone();
         kinds.sort_by_key(|(kind, _, _)| *kind);
@@ -143,7 +144,8 @@ mod tests {
             assert_eq!(verdict(0.999), FitVerdict::Noise, "{dof}");
             assert_eq!(verdict(1.001), FitVerdict::Misfit, "{dof}");
         }
-        // 1.29 per degree of freedom is insignificant at 10 degrees, and 9 standard deviations at 1,850.
+        // A chi-square of 1.29 per degree of freedom is insignificant at 10 degrees of freedom. At 1,850, it exceeds its mean by 9 standard
+        // deviations.
         let p = |dof: f64| FitTest::new(1.29 * dof, dof, Vec::new()).unwrap();
         assert_eq!(p(10.0).verdict, FitVerdict::Noise);
         assert_eq!(p(1850.0).verdict, FitVerdict::Misfit);

@@ -1,7 +1,8 @@
 //! Tests for structure in the residuals of a fit that noise alone would not show.
 //!
 //! A deficient model may still pass the chi-square test, because a small error common to all cases disappears in the noise of many readings.
-//! These tests look where such errors accumulate. They do not name causes; that is the task of diagnosis.
+//! The tests in this module examine combinations of readings in which such errors accumulate. They do not name causes; that is the task of the
+//! diagnosis.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -18,30 +19,30 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
 use admire_study::orientation::chi_square_p_value;
 
-/// Kind of structure that a lack-of-fit test detects.
+/// Kind of structure in the residuals that a lack-of-fit test detects.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LackOfFitAspect {
-    /// Scatter of all readings together.
+    /// Excessive scatter of all readings together.
     All,
-    /// Scatter of the readings of one case, part or channel. A single outlier suffices to fail.
+    /// Excessive scatter of the readings of one case, part or channel. A single outlier is enough to fail such a test.
     Scatter,
-    /// Error of one reading of one mark.
+    /// Excessive error of one reading of one mark.
     Mark,
-    /// Pattern across several readings.
+    /// Pattern across several readings, such as a constant error or a trend.
     Pattern,
 }
 
-/// Chi-square statistic.
+/// Value of a chi-square statistic with its degrees of freedom.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ChiSquare {
     /// Value of the statistic.
     pub value: f64,
-    /// Degrees of freedom.
+    /// Degrees of freedom of the statistic.
     pub dof: usize,
 }
 
 impl ChiSquare {
-    /// Returns the p-value.
+    /// Returns the probability of a larger value by chance.
     pub fn p_value(self) -> f64 {
         chi_square_p_value(self.value, self.dof)
     }
@@ -50,20 +51,21 @@ impl ChiSquare {
 /// Result of a lack-of-fit test of the residuals.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct LackOfFitTest {
-    /// Description of the tested structure.
+    /// Description of the structure that the test looks for.
     pub what: String,
-    /// Probability of at least this much structure under noise alone. For the worst of several alternatives, it is corrected for their number.
+    /// Probability that noise alone produces at least this much structure. If the test reports the worst of several alternatives, the
+    /// probability is corrected for their number.
     pub p_value: f64,
-    /// Kind of structure tested.
+    /// Kind of structure that the test detects.
     #[serde(skip)]
     pub aspect: LackOfFitAspect,
-    /// Test statistic; `None` where it is not a chi-square.
+    /// Chi-square statistic of the test; `None` if the test uses another statistic.
     #[serde(skip)]
     pub statistic: Option<ChiSquare>,
 }
 
 impl LackOfFitTest {
-    /// Creates the test of a pattern whose statistic is not a chi-square.
+    /// Creates the result of a test for a pattern that uses no chi-square statistic.
     const fn of_pattern(what: String, p_value: f64) -> Self {
         Self {
             what,
@@ -74,21 +76,22 @@ impl LackOfFitTest {
     }
 }
 
-/// Returns true if the tests together show structure: the smallest p-value, Bonferroni-corrected, is below the significance level.
+/// Returns true if the tests together show structure: the smallest p-value times the number of tests (Bonferroni correction) is below the
+/// significance level.
 pub fn is_structured(tests: &[LackOfFitTest]) -> bool {
     worst(tests).is_some_and(|worst| worst.p_value * (tests.len() as f64) < LACK_OF_FIT_LEVEL)
 }
 
-/// Returns the test with the smallest p-value.
+/// Returns the test with the smallest p-value; `None` for an empty list.
 pub fn worst(tests: &[LackOfFitTest]) -> Option<&LackOfFitTest> {
     tests.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))
 }
 
-/// A linear combination of rows: indices with weights.
+/// A linear combination of residuals: pairs of row index and weight.
 type Contrast = Vec<(usize, f64)>;
 
-/// Whitened residuals of a fit, with the covariance `I - Q Q'` of a linear model with Gaussian priors. Here `Q = J L`, and `L L'` is the
-/// posterior covariance.
+/// Whitened residuals of a fit. In the linear model with Gaussian priors, their covariance is `I - Q Q'` with `Q = J L`, where `J` is the
+/// Jacobian and `L L'` the posterior covariance of the unknowns.
 pub struct Residuals<'a> {
     rows: &'a [Row],
     r: &'a DVector<f64>,
@@ -96,12 +99,12 @@ pub struct Residuals<'a> {
 }
 
 impl<'a> Residuals<'a> {
-    /// Takes the residuals of a minimum with its posterior covariance.
+    /// Creates the residuals at the minimum of a fit; `covariance` is the posterior covariance of its unknowns.
     pub(crate) fn new(rows: &'a [Row], minimum: &'a Minimum, covariance: &DMatrix<f64>) -> Self {
         let evaluation = &minimum.evaluation;
         let taken = &evaluation.jacobian * covariance_root(covariance);
         let (known, free) = (taken.ncols(), evaluation.free.len());
-        // Along free directions, the residual vanishes.
+        // Free motions remove the residual along their row directions entirely.
         let mut Q = taken.resize_horizontally(known + free, 0.0);
         for (k, direction) in evaluation.free.iter().enumerate() {
             for (row, weight) in direction {
@@ -115,8 +118,8 @@ impl<'a> Residuals<'a> {
         }
     }
 
-    /// Returns the chi-square of the residuals along these contrasts and its degrees of freedom. Directions that the fit has absorbed are
-    /// excluded.
+    /// Returns the chi-square of the residuals along these contrasts, and its degrees of freedom. Combinations of the contrasts that the fit
+    /// has absorbed are excluded.
     fn along(&self, contrasts: &[Contrast]) -> (f64, f64) {
         let mut C = DMatrix::zeros(self.rows.len(), contrasts.len());
         for (k, contrast) in contrasts.iter().enumerate() {
@@ -147,8 +150,8 @@ impl<'a> Residuals<'a> {
     }
 }
 
-/// Tests the residuals of a fit over the cases it used. The tests cover constant errors of parts, sign runs and trends over the order of the
-/// cases. They also compare loading with unloading, and pose errors of parts with the scatter of their marks.
+/// Tests the residuals of a fit over the cases that it used. The tests look for constant errors of parts, for trends over the order of the
+/// cases, and for runs of equal sign. They also compare loading with unloading, and pose errors of parts with the scatter of their marks.
 pub fn lack_of_fit_tests(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<LackOfFitTest> {
     let mut tests = Tests {
         problem,
@@ -180,8 +183,8 @@ impl Tests<'_> {
         }
     }
 
-    /// Returns the index of the series a row belongs to. A series is one quantity over all cases: an axis of a part, a wheel component, or a
-    /// channel.
+    /// Returns the index of the series that a row belongs to. A series is one quantity over all cases: the marks of a part along one axis, a
+    /// component of the wheel reading, or a channel.
     fn sequence(&self, row: Row) -> usize {
         let measurement = self.problem.measurement;
         let parts = 3 * measurement.parts.len();
@@ -196,7 +199,7 @@ impl Tests<'_> {
         }
     }
 
-    /// Returns the name and the range of series of each part, the wheel and each channel.
+    /// Returns the name and the range of series indices of each part, of the wheel and of each channel.
     fn owners(&self) -> Vec<(String, std::ops::Range<usize>)> {
         let measurement = self.problem.measurement;
         let mut owners = Vec::new();
@@ -216,7 +219,7 @@ impl Tests<'_> {
         owners
     }
 
-    /// Returns one contrast per series in the range, with rows weighted by the value of their case.
+    /// Returns one contrast per series in the range. `by_case` holds the weight of the rows of each case.
     fn contrasts(&self, range: &std::ops::Range<usize>, by_case: &[f64]) -> Vec<Contrast> {
         let mut contrasts = vec![Contrast::new(); range.len()];
         for (at, row) in self.left.rows.iter().enumerate() {
@@ -228,7 +231,7 @@ impl Tests<'_> {
         contrasts
     }
 
-    /// Tests each part, the wheel and each channel for constant errors, trends over the order of the cases, and sign runs.
+    /// Tests each part, the wheel and each channel for constant errors, for trends over the order of the cases, and for runs of equal sign.
     fn parts(&mut self) {
         let cases = self.problem.measurement.cases.len();
         let constant = vec![1.0; cases];
@@ -253,7 +256,8 @@ impl Tests<'_> {
         }
     }
 
-    /// Wald-Wolfowitz runs test over all series of a range together: returns the probability of as few or fewer sign runs by chance.
+    /// Applies the Wald-Wolfowitz runs test to all series of a range together. Returns the probability that chance produces as few runs of
+    /// equal sign or fewer; `None` if the series are too short.
     fn runs(&self, range: &std::ops::Range<usize>) -> Option<f64> {
         let (mut less, mut variance) = (0.0, 0.0);
         for sequence in range.clone() {
@@ -281,8 +285,8 @@ impl Tests<'_> {
             .map(|normal| normal.sf(z))
     }
 
-    /// Compares pose errors of parts with the scatter of their marks by an F test, which does not depend on the stated noise. A model error
-    /// moves all marks of a part together, while the noise of the marks has no preferred direction.
+    /// Compares the pose errors of parts with the scatter of their marks by an F test, which does not depend on the stated noise. A model error
+    /// moves all marks of a part together as a rigid body, whereas noise moves each mark independently.
     fn poses(&mut self) {
         let measurement = self.problem.measurement;
         let left = self.left;
@@ -301,7 +305,7 @@ impl Tests<'_> {
                     .push((at, read.x));
             }
         }
-        // Sum of squares and its expectation for unit noise: of the rigid motions, and in total.
+        // Sum of squared residuals and its expectation for unit noise: first of the rigid motions, then in total.
         let (mut whole, mut all) = ((0.0, 0.0), (0.0, 0.0));
         for block in blocks
             .values()
@@ -342,7 +346,7 @@ impl Tests<'_> {
         }
     }
 
-    /// Compares loading with unloading, for each load that does both.
+    /// Compares loading with unloading, for each load that both rises and falls.
     fn hysteresis(&mut self) {
         let programme = self.problem.programme;
         let last = self.owners().last().map_or(0, |(_, range)| range.end);
@@ -357,8 +361,8 @@ impl Tests<'_> {
     }
 }
 
-/// Returns +1 where a load increases in magnitude and -1 where it decreases without reaching zero, orthogonalised against a parabola in the
-/// load. Returns `None` unless both occur and a contrast remains.
+/// Returns a contrast over the cases between loading and unloading. It is +1 where the load increases in magnitude and -1 where it decreases
+/// without reaching zero, orthogonalised against a parabola in the load. Returns `None` unless both occur and a contrast remains.
 fn hysteresis_contrast(values: &[f64]) -> Option<Vec<f64>> {
     let before = std::iter::once(0.0).chain(values.iter().copied());
     let steps: Vec<f64> = before
@@ -390,7 +394,7 @@ fn hysteresis_contrast(values: &[f64]) -> Option<Vec<f64>> {
     (left.norm() > 0.1 * before).then(|| left.as_slice().to_vec())
 }
 
-/// Returns an orthonormal basis of the columns.
+/// Returns an orthonormal basis of the space that the columns span.
 fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
     for column in columns.column_iter() {
@@ -420,7 +424,7 @@ mod tests {
     #[test]
     fn a_load_that_only_grows_is_not_unloaded() {
         assert!(hysteresis_contrast(&[1.0, 2.0, 3.0, 4.0]).is_none());
-        // The load returns to zero while another load starts: no unloading.
+        // The load returns to zero while another load starts. This does not count as unloading.
         assert!(hysteresis_contrast(&[1.0, 2.0, 3.0, 0.0, 0.0, -1.0, -2.0]).is_none());
         // The load changes sign and increases in the other direction.
         assert!(hysteresis_contrast(&[1.0, 2.0, -2.5, -3.0]).is_none());
@@ -430,7 +434,8 @@ mod tests {
         assert!(loop_[0] > 0.5 && loop_[4] < -0.5, "{loop_:?}");
     }
 
-    /// A p-value is uniform without structure, and tiny with it.
+    /// Without structure in the residuals, the statistic has the mean of a chi-square with one degree of freedom. A contrast that the fit has
+    /// absorbed has no degrees of freedom.
     #[test]
     fn a_contrast_is_tested_against_what_the_fit_left() {
         let rows: Vec<Row> = (0..400)

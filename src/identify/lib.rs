@@ -1,11 +1,15 @@
-//! Identification: estimation of numbers of a deck from measurements on the rig.
+//! Identification: estimation of deck parameters, mainly bushing stiffnesses, from measurements on a test rig.
 //!
-//! [`LoadedStudy`] is a study with its model, [`Problem`] lists the numbers to identify, and [`Fit`] is the result as written to
-//! `identification.json`. Three methods share these types: [`regression`] is the iteration of the paper, [`direct`] a solution without
-//! equilibrium iterations, and [`global`] a fit of all readings. [`tolerance`] is the error model: noise of the readings, tolerances of axle
-//! and rig, and their evidence. Effects that are missing from a model are treated in `admire-diagnosis`.
+//! [`LoadedStudy`] is a study together with its model. [`Problem`] collects the inputs of an identification, among them the parameters to
+//! identify. [`Fit`] is the result as written to `identification.json`.
+//!
+//! Three methods share these types. [`regression`] is the iteration of the paper by Meissonnier et al. (see guide page `paper`). [`direct`] is
+//! a solution without equilibrium iterations. [`global`] is a least-squares fit of all readings.
+//!
+//! [`tolerance`] is the error model: noise of the readings, tolerances of axle and rig, and the evidence for their sizes. Marks are measured
+//! points on a part. Effects that are missing from a model are treated in `admire-diagnosis`.
 #![warn(unreachable_pub)]
-// Private modules link to their private items.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

@@ -11,29 +11,29 @@ use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 
-/// A study with its deck resolved, the input of identification and diagnosis.
+/// A study with all names resolved in the model of its deck: the input of identification and diagnosis.
 #[derive(Clone, Debug)]
 pub struct LoadedStudy {
-    /// Settings and files of the study.
+    /// Settings of the study and contents of its files.
     pub study: Study,
     /// Deck of the study.
     pub dataset: Dataset,
     /// Model of the deck.
     pub model: Model,
-    /// Measured readings.
+    /// Readings of the measurement.
     pub measurement: Measurement,
-    /// Loads and cases.
+    /// Loads and load cases of the study.
     pub programme: LoadProgramme,
     /// Free (zero-stiffness) motions of the deck.
     pub free: FreeMotions,
-    /// Numbers to identify.
+    /// Parameters of the deck to identify.
     pub unknowns: Vec<Unknown>,
     /// Reference deck, for reports only.
     pub reference: Option<Dataset>,
 }
 
 impl LoadedStudy {
-    /// Reads a study folder and all files it refers to. The value is `None` if an error prevents any fit.
+    /// Reads a study folder and all files it refers to. The value is `None` if an error makes a fit impossible.
     pub fn read(folder: &Path) -> Checked<Option<Self>> {
         let read = Study::read(folder);
         match read.value {
@@ -45,7 +45,7 @@ impl LoadedStudy {
         }
     }
 
-    /// Returns the same study with another deck.
+    /// Returns this study with its deck replaced by `deck`. The value is `None` if an error makes a fit impossible.
     pub fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
         let mut study = self.study.clone();
         study.deck = deck;
@@ -72,7 +72,7 @@ impl LoadedStudy {
             let is_whole = !has_errors(&compiled.diagnostics);
             let external = study.solver.backend != BackendChoice::Native;
             own.extend(compiled.diagnostics.into_iter().map(|mut diagnostic| {
-                // Another solver may support elements that the built-in solver does not.
+                // An external solver may support elements that the built-in solver does not, so the errors become warnings.
                 if external {
                     diagnostic.severity = diagnostic.severity.min(Severity::Warning);
                 }
@@ -93,7 +93,7 @@ impl LoadedStudy {
                     .clone()
                     .map(|source| Dataset::parse(source).value);
                 let measurement = measured.value;
-                // An unsupported element may resist a motion that otherwise appears free.
+                // An element that the built-in solver does not support may resist a motion that otherwise appears free.
                 let loads = Loads::of(&system, &programme).ok().filter(|_| is_whole);
                 let free = loads.map(|loads| FreeMotions::new(&dataset, &model, &system, loads));
                 let loaded = Self {
@@ -119,7 +119,7 @@ impl LoadedStudy {
         }
     }
 
-    /// Returns the problem for the identification methods.
+    /// Returns the inputs of the identification methods, borrowed from this study.
     pub fn problem(&self) -> Problem<'_> {
         Problem {
             dataset: &self.dataset,
@@ -136,13 +136,13 @@ impl LoadedStudy {
         }
     }
 
-    /// Returns the value of each unknown in the reference deck, if there is one.
+    /// Returns the value of each unknown in the reference deck; `None` without a reference deck or without a value there.
     pub fn reference_values(&self) -> Vec<Option<f64>> {
         let of = |unknown: &Unknown| self.reference.as_ref()?.value_at(&unknown.address);
         self.unknowns.iter().map(of).collect()
     }
 
-    /// Returns the deck with these values, as one-line edits of the user's own file.
+    /// Returns the bytes of the deck with these values of the unknowns, as edits of the user's own file. All other text is unchanged.
     ///
     /// # Errors
     /// Fails if a value cannot be written into the deck.
@@ -167,7 +167,7 @@ fn has_errors(diagnostics: &[Diagnostic]) -> bool {
         .any(|diagnostic| diagnostic.severity == Severity::Error)
 }
 
-/// Rounds to twelve significant digits: more than any estimate warrants, and short enough for readable lines.
+/// Rounds a value to twelve significant digits. This is more than any estimate warrants, and short enough for readable lines.
 fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! Noise of sensors for which the study states none, estimated from the residuals of a fit.
+//! Estimation of the noise of channels (scalar sensors) whose noise the study does not state, from the residuals of a fit.
 
 use super::LoadedStudy;
 use super::global::{GlobalFit, Observations, Options, Prepared, Row, effective_dof, fit_study};
@@ -6,10 +6,10 @@ use crate::IdentifyError;
 use crate::settings::{CHANNEL_NOISE_MAX_FITS, CHANNEL_NOISE_TOLERANCE};
 use admire_session::backend::Backend;
 
-/// Estimates the noise of every channel without a stated one from its squared residuals over their degrees of freedom, and repeats the fit
-/// until the estimates converge.
+/// Estimates the noise of every channel whose noise is not stated. The variance is the sum of the channel's squared residuals over their
+/// degrees of freedom. The fit is repeated with the new noise until the estimates converge.
 ///
-/// The unknowns reduce the degrees of freedom of all channels in proportion. Model errors count as noise here.
+/// The degrees of freedom used by the unknowns are distributed over all readings in equal shares. Model errors count as noise here.
 ///
 /// # Errors
 /// Fails if a fit fails, see [`fit_study`].
@@ -54,7 +54,7 @@ pub fn estimate_noise(
     Ok(())
 }
 
-/// Returns the standard deviation of the whitened residuals of each channel.
+/// Returns the standard deviation of the whitened residuals of each channel, or `None` where it cannot be estimated.
 fn sizes(found: &GlobalFit<'_>, channels: usize) -> Vec<Option<f64>> {
     let observations = &found.problem.observations;
     let share = effective_dof(&found.problem, &found.minimum) / observations.rows.len() as f64;
@@ -64,7 +64,8 @@ fn sizes(found: &GlobalFit<'_>, channels: usize) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Returns the standard deviation of one channel's whitened residuals; `None` if there are too few or all are zero.
+/// Returns the standard deviation of the whitened residuals of channel `k`. `share` is the number of degrees of freedom per reading. Returns
+/// `None` with less than one degree of freedom or if all residuals are zero.
 fn spread(observations: &Observations<'_>, residual: &[f64], k: usize, share: f64) -> Option<f64> {
     let of = observations.rows.iter().zip(residual);
     let of = of.filter(|(row, _)| matches!(row, Row::Channel { channel, .. } if *channel == k));

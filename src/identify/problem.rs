@@ -13,32 +13,32 @@ use admire_syntax::{Address, Dataset};
 /// Inputs of an identification.
 #[derive(Clone, Debug)]
 pub struct Problem<'a> {
-    /// Deck.
+    /// Deck of the study.
     pub dataset: &'a Dataset,
     /// Model of the deck.
     pub model: &'a Model,
-    /// Loads and cases; the cases are those of the measurement, in the same order.
+    /// Loads and load cases. The load cases are the cases of `measurement`, in the same order.
     pub programme: &'a LoadProgramme,
-    /// Measured readings.
+    /// Readings of the measurement.
     pub measurement: &'a Measurement,
-    /// Settings of `[identify]`.
+    /// Settings of section `[identify]` of `study.toml`.
     pub settings: &'a IdentifySettings,
-    /// Settings of `[regression]`.
+    /// Settings of section `[regression]` of `study.toml`.
     pub regression: &'a RegressionSettings,
-    /// Settings of `[tolerances]`.
+    /// Settings of section `[tolerances]` of `study.toml`.
     pub tolerances: &'a ToleranceSettings,
-    /// `[priors]`.
+    /// Settings of section `[priors]` of `study.toml`.
     pub priors: &'a CausePriors,
     /// Method by which a diagnosis selects the causes.
     pub selection: Selection,
     /// Free (zero-stiffness) motions of the deck.
     pub free: &'a FreeMotions,
-    /// Numbers to identify.
+    /// Parameters of the deck to identify.
     pub unknowns: Vec<Unknown>,
 }
 
 impl Problem<'_> {
-    /// Returns all addresses to set, with their numbers, for these values of the unknowns.
+    /// Returns the deck addresses to set, each with its value, for the given values of the unknowns.
     pub fn theta(&self, values: &[f64]) -> Vec<(Address, f64)> {
         self.unknowns
             .iter()
@@ -47,10 +47,11 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// Solves all cases at these values of the unknowns. Along free motions, the parts are placed at the best fit of the measured marks.
+    /// Solves all load cases at the given values of the unknowns. Along free (zero-stiffness) motions, the parts are then moved to the best fit
+    /// of their measured marks.
     ///
     /// # Errors
-    /// Returns [`BackendError`] if nothing could be solved.
+    /// Returns [`BackendError`] if the sweep fails as a whole.
     pub fn sweep(&self, backend: &mut dyn Backend, values: &[f64]) -> Result<Sweep, BackendError> {
         let mut sweep = backend.sweep(&SweepRequest {
             dataset: self.dataset,
@@ -70,7 +71,7 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// Returns the six stiffnesses of a bushing, with the unknowns replaced by their values.
+    /// Returns the six stiffnesses of a bushing. Identified stiffnesses have the given values; the others have the values of the deck.
     pub fn stiffnesses(&self, bushing: usize, values: &[f64]) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let mut k = [0.0; 6];
@@ -86,7 +87,7 @@ impl Problem<'_> {
         k
     }
 
-    /// Returns the bushings with at least one unknown, in the order of the unknowns.
+    /// Returns the indices of the bushings with at least one unknown, in the order of the unknowns.
     pub fn bushings(&self) -> Vec<usize> {
         let mut found = Vec::new();
         for (bushing, _) in self.unknowns.iter().flat_map(Unknown::axes) {
@@ -98,23 +99,23 @@ impl Problem<'_> {
     }
 }
 
-/// Callback after every iteration. Arguments: number of the iteration, current values, measure of the last change. `Break` stops the run and
-/// keeps the values so far.
+/// Callback that runs after every iteration of a method. Its arguments are the number of iterations so far, the current values of the unknowns,
+/// and the size of their last change. If it returns `Break`, the run stops and keeps these values.
 pub type Progress<'a> = dyn FnMut(usize, &[f64], f64) -> ControlFlow<()> + 'a;
 
 /// Reason why an identification has no result.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum IdentifyError {
-    /// The backend could not solve anything.
+    /// The backend failed as a whole.
     #[error(transparent)]
     Backend(#[from] BackendError),
     /// No load case has both an equilibrium and readings.
     #[error("no load case has both an equilibrium and readings{}", .0.as_ref().map_or_else(String::new, |why| format!(": {why}")))]
     NoCases(Option<admire_session::backend::CaseFailure>),
-    /// The study has no numbers to identify.
+    /// The study selects no parameters to identify.
     #[error("the study names nothing to identify")]
     NoUnknowns,
-    /// The study lacks an input of the method.
+    /// The study lacks an input that the method needs.
     #[error("method `{method}` needs {needs}")]
     NotPossible {
         /// Name of the method.

@@ -1,5 +1,6 @@
-//! The iteration of the paper (section 3, equations 12 to 18). Forces come from the model and deflections from the measurement; one straight
-//! line per stiffness is fitted, and this is repeated until the stiffnesses no longer change.
+//! `method = "regression"`: the iteration of the paper by Meissonnier et al. (section 3, equations 12 to 18). The model gives the force of each
+//! bushing component, the measurement its deflection. The slope of a straight line through the (deflection, force) pairs is the new stiffness.
+//! This is repeated until the stiffnesses no longer change. Equation numbers refer to the paper.
 
 use std::ops::ControlFlow;
 
@@ -10,33 +11,34 @@ use admire_solver::mechanics::{Pose, RelativeMotion, Vec3, Vec6};
 use admire_study::deflection::{DeflectionForm, deflection};
 use admire_study::settings::{Method, RegressionSettings, Slope, Weights};
 
-/// Alternative interpretations of equations 5, 6 and 10, to show the effect of misprints. The default is the interpretation that works.
+/// Interpretation of equations 5, 6 and 10 of the paper. The default is the corrected interpretation; the alternatives demonstrate the effect
+/// of misprints.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct EquationInterpretation {
-    /// Form of equations 5 and 6.
+    /// Form of equations 5 and 6 for the deflection.
     pub deflection: DeflectionForm,
-    /// If true, takes the force that ADAMS reports, which acts on the I marker; every r then becomes -1.
+    /// If true, the force is taken as ADAMS reports it, acting on the I marker. Every correlation r is then -1.
     pub force_on_i: bool,
-    /// If true, takes the torque about the J origin, which includes `delta x F`.
+    /// If true, the torque is taken about the origin of J, so it includes `delta x F`.
     pub torque_at_j: bool,
 }
 
-/// A straight line through (deflection, force) pairs, equations 13 to 15.
+/// Regression line through (deflection, force) pairs of one bushing component, by equations 13 to 15.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Line {
-    /// Slope, the stiffness.
+    /// Slope of the line, which is the stiffness.
     pub stiffness: f64,
-    /// delta0 of equation 12: mean(delta) - mean(F) / K (equation 13 prints the opposite sign).
+    /// Deflection at zero force, delta0 of equation 12: mean(delta) - mean(F) / K. The paper prints equation 13 with the opposite sign.
     pub offset: f64,
-    /// Correlation coefficient, equation 15.
+    /// Correlation coefficient of force and deflection, equation 15.
     pub r: f64,
-    /// Sum of (F - mean F)^2, used as weight in equation 16.
+    /// Sum of (F - mean F)^2, from which the weight in equation 16 is computed.
     pub force_squares: f64,
-    /// Number of pairs.
+    /// Number of (deflection, force) pairs.
     pub count: usize,
 }
 
-/// Fits a line; returns `None` for fewer than three pairs or without any variation.
+/// Fits a regression line to (deflection, force) pairs. Returns `None` for fewer than three pairs, or if deflection or force does not vary.
 pub fn line(pairs: &[(f64, f64)], slope: Slope) -> Option<Line> {
     let count = pairs.len();
     if count < 3 {
@@ -68,16 +70,18 @@ pub fn line(pairs: &[(f64, f64)], slope: Slope) -> Option<Line> {
     })
 }
 
-/// Extrapolation of the iteration to its fixed point.
+/// Extrapolation of the iteration to its fixed point, separately for each unknown.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FixedPointPrediction {
-    /// Remaining change of ln K of each unknown if its steps continue to shrink at the present rate; `None` where they do not shrink.
+    /// Predicted change of ln K from the last iteration to the fixed point, if the steps of the unknown continue to shrink at the present rate.
+    /// `None` if the steps do not shrink.
     pub remaining: Vec<Option<f64>>,
-    /// Ratio of successive steps of each unknown.
+    /// Ratio of successive steps of the unknown, averaged over the last steps; `None` if it cannot be estimated.
     pub rate: Vec<Option<f64>>,
 }
 
-/// Estimates the contraction rate of each unknown from its last steps and sums the geometric series of the remaining steps.
+/// Predicts the fixed point of the iteration. The rate at which the steps of each unknown shrink is estimated from its last steps; the
+/// remaining steps then form a geometric series. `history` holds the values of all unknowns after each iteration.
 pub fn predict(history: &[Vec<f64>]) -> FixedPointPrediction {
     let count = history.first().map_or(0, Vec::len);
     let (mut remaining, mut rate) = (vec![None; count], vec![None; count]);
@@ -91,7 +95,7 @@ pub fn predict(history: &[Vec<f64>]) -> FixedPointPrediction {
             remaining[k] = Some(0.0);
             continue;
         }
-        // Average over up to five steps, because a single ratio is unreliable when several modes decay.
+        // The rate is averaged over up to five steps, because a single ratio is unreliable while several modes decay.
         let span = (steps.len() - 1).min(5);
         let first = steps[steps.len() - 1 - span];
         if span == 0 || first * last <= 0.0 {
@@ -106,7 +110,8 @@ pub fn predict(history: &[Vec<f64>]) -> FixedPointPrediction {
     FixedPointPrediction { remaining, rate }
 }
 
-/// Returns the measured deflections of each identified bushing per case, as `[bushing][case]`.
+/// Returns the measured deflection of each bushing in each fitted case, as `[bushing][case]`. The entry is `None` if the pose of one of the two
+/// parts is not measured.
 fn measured_deflections(
     problem: &Problem<'_>,
     bushings: &[usize],
@@ -134,7 +139,8 @@ fn measured_deflections(
     found
 }
 
-/// Computes the force and torque of part 1 on part 2 in J axes (equation 10) from the poses by the BUSHING law.
+/// Computes the force and torque of a bushing, exerted by part 1 (marker I) on part 2 (marker J) in J axes (equation 10). They follow from the
+/// part poses by the BUSHING law.
 fn bushing_force(
     problem: &Problem<'_>,
     bushing: usize,
@@ -147,7 +153,7 @@ fn bushing_force(
     let j = marker_pose(problem.model, poses, law.j);
     let motion = RelativeMotion::between(&i, &j, &Vec3::zeros());
     let (d, a) = (motion.p_ij_j, motion.angles);
-    // On I: F = -K d + F0. The force on J is the opposite; its torque about the J origin additionally contains d x F.
+    // The force on I is F = -K d + F0. The force on J is the opposite. Its torque about the origin of J additionally contains d x F.
     let mut wrench = Vec6::zeros();
     for k in 0..3 {
         wrench[k] = stiffness[k] * d[k] - law.force[k];
@@ -163,13 +169,13 @@ fn bushing_force(
     if reading.force_on_i { -wrench } else { wrench }
 }
 
-/// Identifies stiffnesses by the iteration of the paper, with any backend.
+/// Identifies bushing stiffnesses by the iteration of the paper, with any backend.
 ///
-/// Unknowns other than bushing stiffnesses keep the deck's value, because the iteration has no line for them.
+/// Unknowns other than bushing stiffnesses keep their initial values, because the iteration has no regression line for them.
 ///
 /// # Errors
-/// Returns [`IdentifyError`] if the first sweep provides no usable case. If the backend fails later, the iteration ends and the values so
-/// far are returned as not converged.
+/// Returns [`IdentifyError`] if there are no unknowns or no marks, or if the first sweep provides no usable case. If the backend fails later,
+/// the iteration ends, and the result with the values reached is marked as not converged.
 pub fn identify(
     problem: &Problem<'_>,
     backend: &mut dyn Backend,
@@ -183,10 +189,10 @@ pub fn identify(
     )
 }
 
-/// Identifies stiffnesses by the iteration of the paper, with another interpretation of the printed equations.
+/// Identifies bushing stiffnesses by the iteration of the paper, with a chosen interpretation of the printed equations.
 ///
 /// # Errors
-/// As [`identify`].
+/// See [`identify`].
 pub fn identify_as(
     problem: &Problem<'_>,
     backend: &mut dyn Backend,
@@ -252,7 +258,7 @@ pub fn identify_as(
         }
         sweeps += 1;
     }
-    // The last values have not been solved yet. If this fails, the previous sweep is used instead.
+    // The equilibria at the final values have not been solved yet. If they cannot be solved, the last sweep is used instead.
     let after = problem.sweep(backend, &values).unwrap_or(sweep);
     sweeps += 1;
     remarks.extend(stagnation(problem, &history, converged, settings));
@@ -306,7 +312,7 @@ fn all_lines(
     lines
 }
 
-/// Returns the next values (equations 13, 15, 16), and true for each unknown that keeps its previous value.
+/// Returns the next values of the unknowns (equations 13, 15, 16), and for each unknown whether it keeps its previous value.
 fn step(
     problem: &Problem<'_>,
     bushings: &[usize],
@@ -340,7 +346,7 @@ fn step(
     (next, kept)
 }
 
-/// Returns true if every unknown passes the step test of equation 17.
+/// Returns true if every unknown passes the step test of equation 17: its relative change is below `epsilon`.
 fn within_step_test(before: &[f64], after: &[f64], epsilon: f64) -> bool {
     before.iter().zip(after).all(|(before, after)| {
         let ratio = after / before;
@@ -353,7 +359,8 @@ fn largest_change(before: &[f64], after: &[f64]) -> f64 {
     before.iter().zip(after).map(change).fold(0.0, f64::max)
 }
 
-/// Returns remarks on unknowns that still move although the step test has passed: equation 17 tests for stagnation, not for convergence.
+/// Returns a remark for each unknown that is still far from its fixed point although the step test has passed. Equation 17 tests for small
+/// steps, not for convergence.
 fn stagnation(
     problem: &Problem<'_>,
     history: &[Vec<f64>],
@@ -369,7 +376,7 @@ fn stagnation(
         let Some(remaining) = prediction.remaining[k] else {
             continue;
         };
-        // A remaining change of a few step sizes is consistent with the test.
+        // A remaining change of up to three times the tolerance is consistent with the test.
         if remaining.abs() > 3.0 * settings.epsilon {
             let rate = prediction.rate[k].unwrap_or(0.0);
             remarks.push(format!(
@@ -383,7 +390,7 @@ fn stagnation(
     remarks
 }
 
-/// Returns a remark for each case without an equilibrium, which no line uses.
+/// Returns a remark for each load case without an equilibrium. Such cases are left out of the regression lines.
 fn unreachable(problem: &Problem<'_>, sweep: &Sweep) -> Vec<String> {
     let mut remarks = Vec::new();
     for (case, outcome) in problem.programme.cases.iter().zip(&sweep.cases) {
@@ -411,7 +418,7 @@ fn parameters(
                 lines.get(place)?[axis]
             })
             .collect();
-        // Scatter of the slope; for tied stiffnesses, the line with the highest correlation is used.
+        // The standard error follows from the scatter about the line. For tied stiffnesses, the line with the highest correlation is used.
         let best = found.iter().copied().max_by(|a, b| a.r.total_cmp(&b.r));
         let identified = !kept[at] && unknown.place != Place::Number;
         let std_error = best.filter(|_| identified).map(|line| {
@@ -449,7 +456,7 @@ fn parameters(
     parameters
 }
 
-/// Returns the 97.5 percent point of Student's t, for two-sided 95 percent intervals.
+/// Returns the 97.5 percent quantile of the Student t distribution, for two-sided 95 percent intervals.
 fn student_t(dof: usize) -> f64 {
     use statrs::distribution::{ContinuousCDF, StudentsT};
     let distribution = StudentsT::new(0.0, 1.0, dof.max(1) as f64);
@@ -472,7 +479,8 @@ fn offsets(problem: &Problem<'_>, bushings: &[usize], lines: &Lines) -> Vec<Offs
         for axis in 0..6 {
             if let Some(line) = usable(&lines[axis]) {
                 offset.delta[axis] = line.offset;
-                // Scatter of one deflection about the line, averaged over the cases.
+                // The standard error of the offset: the scatter of one deflection about the line, divided by the square root of the number of
+                // cases.
                 let n = line.count as f64;
                 let spread = line.force_squares / n * (1.0 / (line.r * line.r) - 1.0).max(0.0);
                 offset.std_error[axis] = Some((spread / n).sqrt() / line.stiffness);
@@ -504,7 +512,7 @@ mod tests {
 
     #[test]
     fn noise_on_the_deflection_biases_the_printed_slope_by_r_squared() {
-        // NOTES 7. The deflection noise is half the standard deviation of the deflection: r^2 = 1 / 1.25.
+        // Note 7 of the guide page `paper`. The noise of the deflection is half its standard deviation, so r^2 = 1 / 1.25.
         let mut noise = admire_study::noise::Noise::new(5, "attenuation");
         let pairs: Vec<(f64, f64)> = (0..100_000)
             .map(|_| {
@@ -521,7 +529,7 @@ mod tests {
 
     #[test]
     fn a_geometric_approach_is_extrapolated() {
-        // ln K_n = 2 + 0.9^n: after 30 steps, 0.9^30 = 0.0424 remains.
+        // The history is ln K_n = 2 + 0.9^n, so a change of 0.9^30 = 0.0424 remains after 30 steps.
         let history: Vec<Vec<f64>> = (0..=30)
             .map(|n| vec![(2.0 + 0.9_f64.powi(n)).exp(), 5.0])
             .collect();

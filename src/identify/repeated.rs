@@ -1,20 +1,21 @@
 use serde::Serialize;
 
-/// Distribution of one number over repeated fits of simulated readings, or over draws from the posterior.
+/// Distribution of one identified parameter over repeated fits of simulated readings, or over draws from the posterior.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Repeated {
-    /// Median.
+    /// Median of the distribution, in the unit of the parameter.
     pub median: f64,
-    /// Standard deviation of ln K times the value, in the unit of the value.
+    /// Standard deviation of the logarithm of the parameter, multiplied by its value; in the unit of the parameter.
     pub std_error: f64,
-    /// 2.5 and 97.5 percentiles.
+    /// 2.5th and 97.5th percentiles.
     pub interval95: [f64; 2],
-    /// Width of `interval95` relative to the profile-likelihood interval, both in ln K; `None` if the latter is unbounded.
+    /// Ratio of the width of `interval95` to the width of the profile-likelihood interval, both on the logarithmic scale. `None` if the
+    /// profile-likelihood interval is unbounded.
     pub width_ratio: Option<f64>,
-    /// Posterior only: effective number of independent draws.
+    /// Effective number of independent draws; only for draws from the posterior.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_draws: Option<f64>,
-    /// Posterior only: potential scale reduction factor of split chains; 1 at convergence.
+    /// Potential scale reduction factor of split chains, 1 at convergence; only for draws from the posterior.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub r_hat: Option<f64>,
 }
@@ -22,27 +23,27 @@ pub struct Repeated {
 /// Settings and summary of a bootstrap.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct BootstrapMade {
-    /// Number of fits.
+    /// Number of repeated fits.
     pub replicates: u64,
-    /// Number of fits without a solution.
+    /// Number of repeated fits that found no solution.
     pub without_answer: u64,
-    /// Random seed.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Rms of the whitened residuals that are resampled; 1 if noise and tolerances agree with the fit.
+    /// Rms of the whitened residuals that the bootstrap resamples; 1 if noise and tolerances are as large as assumed.
     pub noise_ratio: f64,
 }
 
 /// Settings and summary of a posterior sampling run.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct PosteriorMade {
-    /// Number of draws over all chains.
+    /// Total number of draws over all chains.
     pub draws: u64,
     /// Number of chains.
     pub chains: u64,
-    /// Random seed.
+    /// Seed of the random numbers.
     pub seed: u64,
     /// Mean acceptance probability of a trajectory.
     pub acceptance: f64,
-    /// Leapfrog steps per trajectory.
+    /// Number of leapfrog steps per trajectory.
     pub steps: usize,
 }

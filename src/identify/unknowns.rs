@@ -15,36 +15,37 @@ pub enum Place {
         /// Axis 0 to 5: Kx, Ky, Kz, KTx, KTy, KTz.
         axis: usize,
     },
-    /// Any other number of the deck.
+    /// A parameter of the deck that is not a bushing stiffness.
     Number,
 }
 
-/// A number to identify.
+/// A parameter of the deck to identify.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Unknown {
-    /// Address of the number.
+    /// Address of the parameter.
     pub address: Address,
-    /// Addresses of numbers that are equal by symmetry, such as Ky of a round bushing whose `address` is Kx.
+    /// Addresses of further parameters that symmetry makes equal to this one, such as Ky of a round bushing if `address` is its Kx.
     pub tied: Vec<Address>,
-    /// Location in the deck.
+    /// Location of the parameter in the deck.
     pub place: Place,
-    /// Unit, as result files spell it.
+    /// Unit of the parameter, spelled as in the result files.
     pub unit: String,
-    /// Starting value.
+    /// Value at which the identification starts.
     pub initial: f64,
-    /// Value in the deck.
+    /// Value of the parameter in the deck.
     pub deck: f64,
 }
 
 impl Unknown {
-    /// Returns the addresses to set for a value of this unknown.
+    /// Iterates over the addresses that this unknown sets, each with `value`.
     pub(crate) fn assign(&self, value: f64) -> impl Iterator<Item = (Address, f64)> + '_ {
         std::iter::once(&self.address)
             .chain(&self.tied)
             .map(move |address| (address.clone(), value))
     }
 
-    /// Returns the (bushing, axis) pairs that carry the value: one, or two where x and y are tied; none for other numbers.
+    /// Returns the bushing stiffnesses that this unknown sets, as (bushing, axis) pairs. There are two pairs if x and y are tied, otherwise
+    /// one. The list is empty for a parameter that is not a bushing stiffness.
     pub fn axes(&self) -> Vec<(usize, usize)> {
         match self.place {
             Place::Number => Vec::new(),
@@ -55,7 +56,7 @@ impl Unknown {
     }
 }
 
-/// Returns the address of a number of a bushing; axes 0 to 2 belong to the first word, 3 to 5 to the second.
+/// Returns the address of a bushing parameter. The first of `words` is the argument for axes 0 to 2, the second for axes 3 to 5.
 pub(crate) fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address {
     Address {
         kind: "BUSHING".to_string(),
@@ -65,12 +66,12 @@ pub(crate) fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address 
     }
 }
 
-/// Returns the address of a stiffness of a bushing; axes 0 to 2 are K, 3 to 5 KT.
+/// Returns the address of a bushing stiffness: argument `K` for axes 0 to 2, argument `KT` for axes 3 to 5.
 pub(crate) fn stiffness(id: u32, axis: usize) -> Address {
     bushing_number(id, ["K", "KT"], axis)
 }
 
-/// Returns the index of the bushing with this address, id or view name.
+/// Returns the index of the bushing in the model, found by its address, id or view name.
 fn bushing(name: &str, model: &Model) -> Option<usize> {
     let name = name.trim();
     let id = match name.split_once('/') {
@@ -87,10 +88,10 @@ fn bushing(name: &str, model: &Model) -> Option<usize> {
     })
 }
 
-/// Returns the unknowns that a study selects, bushing by bushing. `number` returns the address, value and dimension of any other number of
-/// the deck.
+/// Returns the unknowns that a study selects: the bushing stiffnesses bushing by bushing, then the other parameters. `number` looks up a
+/// parameter that is not a bushing stiffness and returns its address, value and dimension.
 ///
-/// An address that matches nothing adds an error to `out`, located in `study.toml`.
+/// For each address that matches nothing in the deck, an error with its position in `study.toml` is added to `out`.
 pub fn unknowns(
     study: &Study,
     model: &Model,
@@ -165,7 +166,7 @@ pub fn unknowns(
     unknowns
 }
 
-/// Dimension force per length.
+/// Dimension of a translational stiffness: force per length.
 const STIFFNESS: Dimension = Dimension::new(1, 0, -1, 0, 0);
 
 fn of_bushing(settings: &IdentifySettings, model: &Model, at: usize, round: bool) -> Vec<Unknown> {

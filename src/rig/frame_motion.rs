@@ -1,19 +1,20 @@
-//! Common motion of all marks of a virtual rig: a misaligned measuring frame, and a mount that yields under the loads.
+//! Common rigid motion of all marks on a virtual rig, due to a misaligned measuring frame and a mount that yields under the loads.
 
 use super::tolerances::Tolerances;
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::{Mat3, Vec3, exp};
 use admire_study::Noise;
 
-/// Rigid motion of all marks: shift and rotation vector of the misaligned frame, and of the mount for each load.
+/// Common rigid motion of all marks: misalignment of the measuring frame, and displacement of the mount under each load. Each consists of a
+/// shift and a rotation vector.
 pub(super) struct FrameMotion {
     alignment: (Vec3, Vec3),
-    /// Largest absolute value of each load, with the shift and rotation vector of the mount at that value.
+    /// For each load: its largest absolute value, and the shift and rotation vector of the mount at that value.
     mount: Vec<(f64, Vec3, Vec3)>,
 }
 
 impl FrameMotion {
-    /// Draws the motions, or returns `None` if all their standard deviations are zero.
+    /// Draws the motions at random. Returns `None` if all their standard deviations are zero.
     pub(super) fn new(
         tolerances: &Tolerances,
         seed: u64,
@@ -40,7 +41,7 @@ impl FrameMotion {
         })
     }
 
-    /// Returns the shift and rotation of all marks under these loads.
+    /// Returns the common shift and rotation of all marks under these loads.
     pub(super) fn under(&self, loads: &[f64]) -> (Vec3, Mat3) {
         let (mut shift, mut turn) = self.alignment;
         for ((largest, by, about), load) in self.mount.iter().zip(loads) {

@@ -1,8 +1,9 @@
-//! A virtual test rig that measures a deck as a real rig measures an axle.
+//! A virtual test rig: it simulates measurements on a deck, as a real rig takes them on an axle.
 //!
-//! [`virtual_rig()`] solves the load cases of a study with a changed deck and writes the readings as a new study folder. [`effect`] holds the
-//! effects that can be planted in the deck or the readings, one file each. [`Tolerances`] are the small errors of every axle and rig,
-//! [`Scatter`] the noise of the marks. The force laws of planted effects are implemented separately from the laws that the diagnosis fits.
+//! [`virtual_rig()`] solves the load cases of a study with a changed deck and returns the readings as a new study folder. [`effect`] contains
+//! the effects that can be planted in the deck or in the readings, one file for each. [`Tolerances`] holds the sizes of the small errors of
+//! every axle and rig. [`Scatter`] describes the noise of the marks (measured points on parts). The force laws of planted effects are
+//! implemented independently of the laws that the diagnosis fits.
 #![warn(unreachable_pub)]
 // The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -1,13 +1,14 @@
-//! Standard load programmes of a wheel rig.
+//! Standard load programmes of a rig that loads one wheel.
 
-/// A programme of vertical, lateral and longitudinal loads at one wheel.
+/// A standard programme of vertical, lateral and longitudinal loads at one wheel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LoadTable {
-    /// Table 1 of the paper: thirteen cases, each applied from zero load.
+    /// Table 1 of the paper by Meissonnier et al. (see guide page `paper`): thirteen load cases, each applied from zero load.
     Table1,
-    /// Table 2 of the paper: seventeen cases in the order applied on its rig.
+    /// Table 2 of the paper by Meissonnier et al. (see guide page `paper`): seventeen load cases, in the order in which they were applied on
+    /// the rig.
     Table2,
-    /// Each load is raised, lowered and applied to the other side, so that hysteresis shows.
+    /// Programme that shows hysteresis: each load is raised and lowered, and the lateral and longitudinal loads are also reversed.
     UpAndDown,
 }
 
@@ -70,7 +71,7 @@ const UP_AND_DOWN: &[[f64; 3]] = &[
 ];
 
 impl LoadTable {
-    /// Returns the vertical, lateral and longitudinal load of each case in newtons, in the order of application.
+    /// Returns the vertical, lateral and longitudinal load of each case, in newtons and in the order of application.
     pub(crate) const fn loads(self) -> &'static [[f64; 3]] {
         match self {
             Self::Table1 => TABLE_1,
@@ -79,7 +80,8 @@ impl LoadTable {
         }
     }
 
-    /// Formats the programme as a CSV file of load cases, numbered from 1, with the columns `vertical, lateral, longitudinal`.
+    /// Formats the programme as a CSV file of load cases with the columns `case`, `vertical`, `lateral` and `longitudinal`. Cases are numbered
+    /// from 1.
     pub fn csv(self) -> String {
         let mut text = String::from("case,vertical,lateral,longitudinal\n");
         for (k, [vertical, lateral, longitudinal]) in self.loads().iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Instrument readings of a virtual rig: part poses become readings of marks, wheel and channels, with noise and faults.
+//! Readings of a virtual rig: conversion of equilibria to readings of marks (measured points), wheel and channels (scalar sensors), with noise
+//! and faults.
 
 use super::effect::{GroundTruth, ReadingFault};
 use super::frame_motion::FrameMotion;
@@ -8,20 +9,21 @@ use admire_solver::mechanics::{Vec3, exp};
 use admire_solver::model::Model;
 use admire_study::{MarkedPart, Measurement, Noise, WheelReading};
 
-/// Readings of all cases (marks, wheel, channels), and the mark positions that the first session lists.
+/// Readings of all load cases, and the positions of the marks on their parts that the first session lists.
 pub(super) struct Readings {
-    /// Listed position of each mark in its part's frame, by part and mark.
+    /// Listed position of each mark in the frame of its part, as `[part][mark]`.
     pub listed: Vec<Vec<Vec3>>,
-    /// Measured position of each mark in the ground frame, by case, part and mark.
+    /// Measured position of each mark in ground, as `[case][part][mark]`.
     pub marks: Vec<Vec<Vec<Vec3>>>,
-    /// Wheel reading by case.
+    /// Wheel reading of each case.
     pub wheel: Vec<Option<WheelReading>>,
-    /// Channel values by case and channel.
+    /// Channel readings, as `[case][channel]`.
     pub channels: Vec<Vec<f64>>,
 }
 
 impl Readings {
-    /// Reads every case once. Each kind of noise has its own random stream, so that no effect changes the noise.
+    /// Computes the readings of all load cases. Each kind of noise has its own random stream, so planted effects do not change the noise. If
+    /// `exact` is true, no noise is added to the listed marks, the wheel and the channels.
     pub(crate) fn new(
         measured: &Measurement,
         reality: &GroundTruth,
@@ -51,7 +53,7 @@ impl Readings {
             })
             .collect();
         let places = places_on_parts(measured, seed, tolerances.marks_on_parts);
-        // The wheel marker has its index in the deck. The ground truth may hold more markers, never fewer.
+        // The index of the wheel marker in the original deck is valid in this model as well, because effects only append markers.
         let model = reality.model();
         let (mut marks, mut wheel, mut channels) = (Vec::new(), Vec::new(), Vec::new());
         for (case, at) in rest.iter().enumerate() {
@@ -87,7 +89,7 @@ impl Readings {
                 {
                     let last = (seen.iter().flatten().count() - 1).max(1) as f64;
                     for (k, x) in seen.iter_mut().flatten().enumerate() {
-                        // The marks are read in the order of their list.
+                        // The marks are measured one after the other in this order.
                         let share = 1.0 + creep * (k as f64 / last - 0.5);
                         *x += (pose.point(x) - *x) * share;
                     }
@@ -176,7 +178,8 @@ impl Readings {
     }
 }
 
-/// Displaces points as a rigid body, by a random shift and a random rotation about their mean.
+/// Displaces points together as a rigid body, by a random shift and a random rotation about their mean. The standard deviations are `length`
+/// and `angle_deg`.
 fn moved(mut points: Vec<&mut Vec3>, noise: &mut Noise, (length, angle_deg): (f64, f64)) {
     let shift = noise.vector(length);
     let turn = exp(&noise.vector(angle_deg.to_radians()));
@@ -188,7 +191,7 @@ fn moved(mut points: Vec<&mut Vec3>, noise: &mut Noise, (length, angle_deg): (f6
     }
 }
 
-/// Returns the true positions of the marks in ground, each on the part it actually moves with.
+/// Returns the true positions of the marks in ground, as `[part][mark]`. Each mark moves with the part that actually carries it.
 fn true_marks(
     reality: &GroundTruth,
     model: &Model,
@@ -221,7 +224,7 @@ fn true_marks(
     measured.parts.iter().enumerate().map(of_part).collect()
 }
 
-/// Returns the true positions of the marks on their parts, by part and mark.
+/// Returns the true positions of the marks on their parts, as `[part][mark]`: the positions in the original study plus random errors.
 fn places_on_parts(measured: &Measurement, seed: u64, sigma: f64) -> Vec<Vec<Vec3>> {
     let mut noise = Noise::new(seed, "places of marks");
     let mut of_part = |part: &MarkedPart| {

@@ -8,16 +8,18 @@ use super::tolerances::Tolerances;
 pub struct RigOptions {
     /// Seed of all random streams.
     pub seed: u64,
-    /// Standard deviation of a mark coordinate, in place of the study's. Zero makes every reading exact.
+    /// Standard deviation of a measured mark coordinate; `None` for the value of the study. Zero makes all readings exact.
     pub sigma: Option<f64>,
-    /// Standard deviation of a mark coordinate in the first session, in place of the study's. The folder states it, as a data sheet would.
+    /// Standard deviation of the listed position of a mark on its part (first session), per coordinate; `None` for the value of the study. The
+    /// new study states this value.
     pub sigma_on_parts: Option<f64>,
     /// Effects to plant.
     pub effects: Vec<EffectSpec>,
-    /// Small errors in many places, planted in addition.
+    /// Sizes of the small errors that are planted in many places in addition.
     pub tolerances: Tolerances,
-    /// Distribution of the noise of the marks.
+    /// Distribution of the noise of the mark readings.
     pub scatter: Scatter,
-    /// Load programme in place of the study's load cases. The loads of the study must be called vertical, lateral and longitudinal.
+    /// Standard load programme; `None` for the load cases of the study. It requires load columns named `vertical`, `lateral` and
+    /// `longitudinal`.
     pub programme: Option<LoadTable>,
 }

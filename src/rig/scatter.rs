@@ -1,19 +1,21 @@
-//! Noise of mark readings that deviates from a normal distribution of the declared width.
+//! Noise of the marks that deviates from the normal distribution with the declared standard deviation: heavy tails, outliers and a wrong
+//! declaration.
 
 use super::effect::{EffectSpec, GroundTruth};
 use admire_study::Noise;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Deviations of the mark noise from the declared normal distribution.
+/// Deviations of the noise of the marks (measured points) from the normal distribution with the declared standard deviation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Scatter {
-    /// Degrees of freedom of a Student t distribution whose scale is the noise sigma; infinite for a normal distribution.
+    /// Degrees of freedom of the Student t distribution of the noise, whose scale is the standard deviation of the study; infinite for a normal
+    /// distribution.
     pub tails: f64,
-    /// Number of outliers among the readings.
+    /// Number of outliers among the mark readings.
     pub outliers: usize,
-    /// Length of each outlier's error, in the deck's length unit; its direction is random.
+    /// Magnitude of the error of each outlier, in the deck's length unit. Its direction is random.
     pub outlier_size: f64,
-    /// Ratio of the sigma declared in the study folder to the actual sigma.
+    /// Ratio of the standard deviation that the new study declares to the actual one.
     pub declared: f64,
 }
 
@@ -29,10 +31,10 @@ impl Default for Scatter {
 }
 
 impl Scatter {
-    /// Parses `tails=3,outliers=6,outlier_size=2,declared=0.5`.
+    /// Parses a text such as `tails=3,outliers=6,outlier_size=2,declared=0.5`. Values that are not given keep their defaults.
     ///
     /// # Errors
-    /// `bad-effect` when the text does not have this form.
+    /// Returns a `bad-effect` diagnostic if the text does not have this form.
     pub fn parse(text: &str) -> Result<Self, Diagnostic> {
         let mut scatter = Self::default();
         for item in text.split(',').filter(|item| !item.trim().is_empty()) {
@@ -52,10 +54,10 @@ impl Scatter {
         Ok(scatter)
     }
 
-    /// Draws the outliers as effects, at most one per mark and case.
+    /// Draws the outliers as `mark-outlier` effects, at most one per mark and case.
     ///
     /// # Errors
-    /// `bad-effect` when more outliers are requested than there are readings.
+    /// Returns a `bad-effect` diagnostic if more outliers are requested than there are mark readings.
     pub(super) fn drawn(
         &self,
         seed: u64,

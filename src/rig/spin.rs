@@ -1,4 +1,4 @@
-//! Random displacement of parts along zero-stiffness motions, as found on a real rig.
+//! Random displacement of parts along free (zero-stiffness) motions, as it occurs on a real rig.
 
 use admire_session::backend::CaseSweeper;
 use admire_solver::model::PartIx;
@@ -6,15 +6,15 @@ use admire_solver::statics::{displace, twist};
 use admire_solver::system::{Parameters, State, System};
 use admire_study::Noise;
 
-/// Largest rotation along a free motion, in degrees. Friction in ball joints can leave a link turned this far.
+/// Largest random rotation along a free motion, in degrees. Friction in ball joints can leave a link rotated by this angle.
 const TURN_DEG: f64 = 30.0;
-/// Largest displacement along a free sliding motion, in m.
+/// Largest random displacement along a free sliding motion, in metres.
 const SHIFT: f64 = 1e-3;
-/// Largest number of attempts; each attempt without an equilibrium halves the displacement of the next.
+/// Maximum number of attempts to find a displaced equilibrium. After each failed attempt, the displacement is halved.
 const MAX_ATTEMPTS: usize = 6;
 
-/// Returns an equilibrium of a case displaced by a random amount along each of its free motions. Returns `state` itself if there are no free
-/// motions or no displaced equilibrium is found.
+/// Returns an equilibrium of a load case that is displaced from the equilibrium `state` by a random amount along each free motion. Returns
+/// `state` itself if there are no free motions, or if no displaced equilibrium is found.
 pub(super) fn spun(
     system: &System,
     parameters: &Parameters,

@@ -1,4 +1,5 @@
-//! Study folder written by a virtual rig: the study's own files with new readings, without any trace of the planted effects.
+//! Study folder that a virtual rig writes: the files of the original study with new readings. The folder contains no trace of the planted
+//! effects.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,10 +8,10 @@ use super::readings::Readings;
 use super::rig_options::RigOptions;
 use admire_study::{Measurement, Study, section, written};
 
-/// Standard deviation declared for exact readings, in the deck's length unit. A sigma of zero is not allowed.
+/// Standard deviation that the new study declares for exact readings, in the deck's length unit. A standard deviation of zero is not allowed.
 const EXACT: f64 = 1e-4;
 
-/// Returns the files as pairs of a path relative to the folder and its contents.
+/// Returns the files of the new study folder, as pairs of relative path and contents.
 pub(super) fn files(
     study: &Study,
     measured: &Measurement,
@@ -66,7 +67,7 @@ pub(super) fn files(
         files.push((relative(marks.on_parts.source.name()), listed));
         files.push((relative(marks.measured.source.name()), seen.into_bytes()));
         if options.sigma.is_some() || options.scatter.declared != 1.0 {
-            // Exact readings need a nonzero sigma as well.
+            // Exact readings need a nonzero standard deviation as well.
             let sigma = if measured.sigma == 0.0 {
                 EXACT
             } else {
@@ -123,7 +124,7 @@ pub(super) fn files(
     files
 }
 
-/// Formats a CSV file with a row for each case: the loads if any, then the channels in the units of their columns.
+/// Formats a CSV file with one row for each case. The columns are the given loads, then the channels in `range` in the units of their columns.
 fn channels(
     measured: &Measurement,
     read: &Readings,
@@ -141,7 +142,8 @@ fn channels(
         let _ = write!(out, ",{}", channel.column.0);
     }
     out.push('\n');
-    // A channel without readings in the study is written for all cases. Otherwise only the cells present in the study are written.
+    // A channel without any readings in the original study is written for all cases. For any other channel, only the cells with a reading in
+    // the original study are written.
     let all: Vec<bool> = (0..measured.channels.len())
         .map(|k| measured.cases.iter().all(|case| case.channels[k].is_none()))
         .collect();
@@ -164,7 +166,7 @@ fn channels(
     out
 }
 
-/// Removes a section from the TOML text. The new study must not have a `[reference]`, which describes another ground truth.
+/// Returns the TOML text without one section. It is used to remove `[reference]`, which does not describe the ground truth of the new study.
 fn without_section(toml: &str, name: &str) -> String {
     let header = format!("[{name}]");
     let mut keep = true;

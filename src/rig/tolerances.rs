@@ -1,4 +1,4 @@
-//! Small errors that every axle and every rig has besides the effect under study.
+//! Small errors that every axle and every rig has, in addition to the planted effects.
 
 use super::effect::{EffectSpec, GroundTruth, direction_of, held, points};
 use admire_session::backend::{Load, LoadProgramme};
@@ -7,53 +7,58 @@ use admire_study::Noise;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Standard deviations of small errors in many places at once. Errors of the deck and of the load gains and directions are drawn as effects
-/// and planted like effects, so that `--truth` can list them. The study folder lists none of them.
+/// Standard deviations of small errors in many places at once. Errors of the deck, of load gains and of load directions are drawn as effects
+/// and planted like effects, so the list of planted effects contains them. The new study folder does not mention them.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Tolerances {
-    /// Standard deviation of each coordinate of each point of the car, on all parts that meet there, in the deck's length unit.
+    /// Standard deviation of each coordinate of each hardpoint, in the deck's length unit. All parts that meet at a hardpoint have the same
+    /// error.
     pub hardpoints: f64,
-    /// Standard deviation of each coordinate of each marker at which a joint or spring holds a part, in the deck's length unit (one part made
-    /// wrong).
+    /// Standard deviation of each coordinate of each marker at which a joint or spring holds a part, in the deck's length unit. This is an
+    /// error of one part alone.
     pub parts: f64,
     /// Standard deviation of each coordinate of the assembly offset of each bushing, in the deck's length unit.
     pub assembly_offset: f64,
     /// Standard deviation of the rotation of each bushing about each axis, in degrees.
     pub bushing_axis_deg: f64,
-    /// Relative standard deviation of the preload of each spring.
+    /// Standard deviation of the preload of each spring, relative to its value in the deck.
     pub preload: f64,
-    /// Relative standard deviation of the gain of each load.
+    /// Standard deviation of the gain of each load, relative to its stated value.
     pub load_gain: f64,
-    /// Standard deviation of each load in each case, relative to the largest value of that load.
+    /// Standard deviation of the error of each load in each case, relative to the largest value of that load.
     pub load_repeatability: f64,
-    /// Standard deviation of the rotation of each load's direction about each axis, in degrees.
+    /// Standard deviation of the rotation of the direction of each load, about each axis, in degrees.
     pub load_direction_deg: f64,
-    /// Standard deviation of each coordinate of each mark on its part, constant over cases, in the deck's length unit.
+    /// Standard deviation of the position error of each mark on its part, per coordinate, in the deck's length unit. The error is constant over
+    /// the cases.
     pub marks_on_parts: f64,
-    /// Standard deviation of each coordinate of each part's position in each case, in the deck's length unit.
+    /// Standard deviation of a common translation of all marks of a part in each case, per coordinate, in the deck's length unit.
     pub pose: f64,
-    /// Standard deviation of the rotation of each part in each case about each axis through the mean of its marks, in degrees.
+    /// Standard deviation of a common rotation of all marks of a part in each case, about each axis through the mean of the marks, in degrees.
     pub pose_deg: f64,
-    /// Standard deviation of each coordinate of the measuring frame's origin, constant over cases, in the deck's length unit.
+    /// Standard deviation of the displacement of the measuring frame, per coordinate, in the deck's length unit. The displacement is constant
+    /// over the cases.
     pub alignment: f64,
-    /// Standard deviation of the measuring frame's rotation about each axis through the mean of all marks of the first case, in degrees.
+    /// Standard deviation of the rotation of the measuring frame about each axis through the mean of all marks of the first case, in degrees.
+    /// The rotation is constant over the cases.
     pub alignment_deg: f64,
-    /// Standard deviation of each coordinate of the mount's displacement at the largest value of each load, in the deck's length unit.
+    /// Standard deviation of the displacement of the mount at the largest value of each load, per coordinate, in the deck's length unit.
     pub mount: f64,
-    /// Standard deviation of the mount's rotation at the largest value of each load, about each axis through the mean of all marks of the
-    /// first case, in degrees.
+    /// Standard deviation of the rotation of the mount at the largest value of each load, in degrees. The rotation is about each axis through
+    /// the mean of all marks of the first case.
     pub mount_deg: f64,
-    /// Standard deviation of each coordinate of the measuring frame's shift in each case, common to all marks, in the deck's length unit.
+    /// Standard deviation of the shift of the measuring frame in each case, per coordinate, in the deck's length unit. The shift is common to
+    /// all marks.
     pub frame: f64,
-    /// Standard deviation of the measuring frame's rotation in each case, about each axis through the mean of all marks, in degrees.
+    /// Standard deviation of the rotation of the measuring frame in each case, about each axis through the mean of all marks, in degrees.
     pub frame_deg: f64,
 }
 
 impl Tolerances {
-    /// Parses `hardpoints=0.3,load_gain=0.005`; groups that are not given are zero.
+    /// Parses a text such as `hardpoints=0.3,load_gain=0.005`. Standard deviations that are not given are zero.
     ///
     /// # Errors
-    /// `bad-effect` when the text does not have this form.
+    /// Returns a `bad-effect` diagnostic if the text does not have this form.
     pub fn parse(text: &str) -> Result<Self, Diagnostic> {
         let mut tolerances = Self::default();
         for item in text.split(',').filter(|item| !item.trim().is_empty()) {
@@ -70,7 +75,7 @@ impl Tolerances {
         Ok(tolerances)
     }
 
-    /// Returns every standard deviation with its name.
+    /// Returns all standard deviations with their names in the text form.
     fn named(&mut self) -> [(&'static str, &mut f64); 17] {
         [
             ("hardpoints", &mut self.hardpoints),
@@ -93,11 +98,11 @@ impl Tolerances {
         ]
     }
 
-    /// Draws the errors of the deck and of the loads as effects. Each group has its own random stream, which depends on no other group's
-    /// standard deviation.
+    /// Draws the errors of the deck, of load gains and of load directions as effects. Each group of errors has its own random stream, so it
+    /// does not depend on the standard deviations of other groups.
     ///
     /// # Errors
-    /// `bad-effect` only if an effect's own text cannot be parsed.
+    /// Returns a `bad-effect` diagnostic if the text of a drawn effect cannot be parsed, which indicates a programming error.
     pub(super) fn drawn(
         &self,
         seed: u64,
@@ -159,7 +164,7 @@ impl Tolerances {
             };
             let fresh = !turned_already.contains(&object);
             if self.load_direction_deg > 0.0 && fresh && direction_of(reality, &object).is_some() {
-                // Rotation about its own line leaves an action-only force unchanged.
+                // For an action-only force, the rotation about the line of the force has no effect.
                 texts.push(format!("load-direction@{}:{}", load.target, turned(turn)));
                 turned_already.push(object);
             }
@@ -167,7 +172,7 @@ impl Tolerances {
         texts.iter().map(|text| EffectSpec::parse(text)).collect()
     }
 
-    /// Adds a random error to each force and torque load in each case. Prescribed displacements stay exact. A load that is zero in every case
+    /// Adds a random error to each force and torque in each load case. Prescribed displacements stay exact. A load that is zero in every case
     /// stays zero.
     pub(super) fn scatter(&self, seed: u64, programme: &mut LoadProgramme) {
         let mut noise = Noise::new(seed, "load repeatability");
@@ -185,7 +190,7 @@ impl Tolerances {
         }
     }
 
-    /// Formats the nonzero standard deviations as in `--tolerances`, for the truth file.
+    /// Formats the nonzero standard deviations in the form that [`Self::parse`] reads.
     pub(super) fn to_text(mut self) -> String {
         let asked = self.named().into_iter();
         let asked = asked.filter(|(_, size)| **size > 0.0);
@@ -194,7 +199,7 @@ impl Tolerances {
     }
 }
 
-/// Formats a vector as the values of an effect.
+/// Formats a vector as the values `x`, `y` and `z` of an effect.
 fn shift(v: Vec3) -> String {
     format!("x={:e},y={:e},z={:e}", v.x, v.y, v.z)
 }
@@ -235,7 +240,8 @@ mod tests {
         }
     }
 
-    /// Forces scatter by the stated fraction of their largest value, independently between cases; a prescribed stroke stays exact.
+    /// Forces must scatter by the stated fraction of their largest value, independently in each case. A prescribed displacement must stay
+    /// exact.
     #[test]
     fn forces_scatter_by_their_largest_value() {
         let load = |kind: &str| Load {

@@ -1,4 +1,4 @@
-//! The virtual test rig: it writes a study folder with the readings a rig would take on the deck with effects planted.
+//! The virtual test rig. It produces a study folder with the readings that a rig would take on the deck with planted effects.
 
 use std::path::{Path, PathBuf};
 
@@ -20,32 +20,32 @@ use admire_syntax::{Address, Dataset};
 /// Result of a virtual rig run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RigRun {
-    /// Files of the new study folder, relative to it.
+    /// Files of the new study folder, as pairs of path relative to the folder and contents.
     pub files: Vec<(PathBuf, Vec<u8>)>,
-    /// The planted effects, one per line; written by `--truth` only.
+    /// Text that lists the planted effects, one per line. It is not part of the study folder.
     pub truth: String,
 }
 
-/// Measures the deck of a study. The study's own readings need not exist.
+/// Simulates the measurement of the deck of a study with the given options. The files of readings that the study names need not exist.
 ///
 /// # Errors
-/// Errors of the study or of an effect, and load cases for which the changed deck has no equilibrium.
+/// Returns the errors of the study and of the effects, and errors for load cases in which the changed deck has no equilibrium.
 pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Diagnostic>> {
     virtual_rig_watched(folder, options, &mut |_, _| {})
 }
 
-/// Measures the deck of a study as [`virtual_rig`] does. After each load case it calls `progress` with the number of cases measured and their
-/// total.
+/// Simulates the measurement of the deck of a study as [`virtual_rig`] does. After each load case, calls `progress` with the number of cases
+/// solved so far and the total number.
 ///
 /// # Errors
-/// Same as [`virtual_rig`].
+/// See [`virtual_rig`].
 pub fn virtual_rig_watched(
     folder: &Path,
     options: &RigOptions,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<RigRun, Vec<Diagnostic>> {
     let mut checked = Study::read(folder);
-    // The rig produces the readings, so missing readings are no error here.
+    // The rig produces the readings, so missing readings in the study are no error.
     let matters = |diagnostic: &Diagnostic| {
         diagnostic.severity == Severity::Error
             && !matches!(
@@ -53,7 +53,7 @@ pub fn virtual_rig_watched(
                 Code::CannotRead | Code::MissingColumn | Code::MissingMarks
             )
     };
-    // The positions of the marks on the parts must exist, because the rig cannot produce them.
+    // The study must list the positions of the marks on the parts, because the rig cannot produce them.
     let complete = |study: &mut Study| study.marks.is_some() || !says_marks(study);
     let Some(mut study) = checked.value.take_if(complete) else {
         return Err(checked.diagnostics);
@@ -80,7 +80,7 @@ pub fn virtual_rig_watched(
     } else if measured.sigma_estimated {
         measured.sigma = 0.05;
     }
-    // Curves without a declared noise get that of a typical rig: 0.005 deg, 0.05 mm.
+    // Channels without a declared noise get the noise of a typical rig: 0.005 deg for angles, 0.05 mm for lengths.
     for channel in measured.channels.iter_mut().filter(|c| c.sigma_estimated) {
         match channel.unit.as_deref() {
             Some("deg") => channel.sigma = 0.005,
@@ -115,7 +115,7 @@ pub fn virtual_rig_watched(
             .map(|channel| channel.name.clone())
             .collect(),
     };
-    // Motions that are free in the unchanged deck stay free whatever is planted.
+    // The free motions of the unchanged deck are used, whatever is planted.
     let free = compile(&lowered.value).ok().and_then(|system| {
         let loads = Loads::of(&system, &reality.programme).ok()?;
         Some(FreeMotions::new(
@@ -126,7 +126,7 @@ pub fn virtual_rig_watched(
         ))
     });
     let free = free.unwrap_or_default();
-    // Tolerances and outliers are drawn for the unchanged deck, whatever else is planted.
+    // Tolerances and outliers are drawn for the unchanged deck, so they do not depend on the planted effects.
     let tolerances = options.tolerances.drawn(options.seed, &reality);
     let tolerances = tolerances.map_err(|why| vec![why])?;
     let outliers = options.scatter.drawn(options.seed, &reality);
@@ -134,7 +134,7 @@ pub fn virtual_rig_watched(
     for spec in tolerances.iter().chain(&options.effects).chain(&outliers) {
         plant(spec, &mut reality).map_err(|why| vec![why])?;
     }
-    // The repeatability errors are added after the planted errors of the loads.
+    // Repeatability errors are added after the planted errors of the loads.
     options
         .tolerances
         .scatter(options.seed, &mut reality.programme);
@@ -159,7 +159,7 @@ pub fn virtual_rig_watched(
     })
 }
 
-/// Applies the loads in order, solves each equilibrium, and updates the history-dependent states after each.
+/// Solves the equilibria of all load cases in order. After each case, the states of history-dependent effects are updated.
 fn at_rest(
     reality: &GroundTruth,
     measured: &Measurement,
@@ -254,7 +254,7 @@ fn displacement(model: &Model, poses: &[Pose], memory: &HistoryState) -> f64 {
     }
 }
 
-/// Returns true if the study has a `[marks]` section, readable or not.
+/// Returns true if `study.toml` contains a `[marks]` section, even if its files cannot be read.
 fn says_marks(study: &Study) -> bool {
     String::from_utf8_lossy(study.source.bytes())
         .lines()

@@ -1,6 +1,8 @@
-//! Checks for bad data that run before any fit: wrong units; swapped, missing, collinear and inconsistent marks; copied cases.
+//! Checks of the readings that run before any fit. They find marks in wrong units, swapped, missing, collinear and inconsistent marks, and
+//! copied cases.
 //!
-//! A fault that can be worked around safely is corrected with a warning. Outliers and drifts that keep a part rigid are left to the diagnosis.
+//! A fault that can be corrected safely is corrected with a warning. Outliers, and drifts that move all marks of a part together, are left to
+//! the diagnosis.
 
 use super::measurement::{Grouped, Measurement};
 use super::orientation::{
@@ -13,8 +15,8 @@ use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{Model, PartKind};
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 
-/// Common mistakes of the length unit: the factor from the wrong unit to the deck's unit, and the name of the wrong unit. The names assume a
-/// deck in millimetres.
+/// Commonly mistaken length units: factor from the wrong unit to the deck's unit, and name of the wrong unit. The names assume a deck in
+/// millimetres.
 const FACTORS: &[(f64, &str)] = &[
     (1000.0, "metres"),
     (10.0, "centimetres"),
@@ -24,18 +26,18 @@ const FACTORS: &[(f64, &str)] = &[
     (0.1, "tenths of the deck's unit"),
 ];
 
-/// Factor by which a part must come closer to its place in the deck before a wrong unit is assumed.
+/// Minimum factor by which a change of unit must bring a part closer to its position in the deck, for a wrong unit to be assumed.
 const NEARER: f64 = 3.0;
 
-/// Width of a mark layout, as a fraction of its length, below which the pose is poorly determined.
+/// Ratio of the width to the length of a set of marks up to which the pose of the part is poorly determined.
 const POOR_SPREAD: f64 = 0.05;
 
-/// Probability of the chi-square test below which marks do not fit a rigid body.
+/// P-value of the chi-square test below which the marks of a part do not fit a rigid body.
 const INCONSISTENT: f64 = 1e-6;
 
 impl Measurement {
-    /// Resolves a study's files against its model and runs the checks of `check`. Faults that can be worked around safely are corrected with a
-    /// warning. After an error no fit should be trusted.
+    /// Returns the measurement of a study with all names resolved in its model, and runs the checks of module `check`. Faults that can be
+    /// corrected safely are corrected with a warning. After an error, no fit should be trusted.
     pub fn resolve(study: &Study, model: &Model) -> Checked<Self> {
         let mut out = Vec::new();
         let mut value = resolve::measurement(study, model, &mut out);
@@ -47,7 +49,7 @@ impl Measurement {
     }
 }
 
-/// Runs every check and corrects what can be corrected safely.
+/// Runs all checks of a measurement, and corrects faults that can be corrected safely.
 pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mut Vec<Diagnostic>) {
     if let Some(marks) = &study.marks {
         units(to, marks, model, out);
@@ -71,7 +73,7 @@ pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mu
     }
 }
 
-/// Returns the known unit mistake whose factor is close to 1 / `scale`, with its name.
+/// Returns the entry of [`FACTORS`] that corrects readings which are too large by the factor `scale`, if there is one.
 fn unit_factor(scale: f64) -> Option<(f64, &'static str)> {
     FACTORS
         .iter()
@@ -79,7 +81,7 @@ fn unit_factor(scale: f64) -> Option<(f64, &'static str)> {
         .find(|(factor, _)| libm::log(scale * factor).abs() < 0.1)
 }
 
-/// Returns the median ratio of measured to on-part distances between the marks of one part in one case.
+/// Returns the median ratio of measured to listed distances between the marks of one part in one case.
 fn scale(on_part: &[Vec3], measured: &[Vec3]) -> Option<f64> {
     let mut ratios = Vec::new();
     for a in 0..on_part.len() {
@@ -100,7 +102,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
 
 fn units(to: &mut Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Diagnostic>) {
     on_part_units(to, marks, model, out);
-    // A remaining mistake is in the measured file: in all of it, in whole cases, or in single parts of a case.
+    // Any remaining mistake is in the file of measured marks: in the whole file, in whole cases, or in single parts of a case.
     let mut wrong: Vec<(usize, usize, f64, &'static str)> = Vec::new();
     let mut looked_at = 0;
     for case in 0..to.cases.len() {
@@ -147,8 +149,8 @@ fn units(to: &mut Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<D
     grouped.finish(out);
 }
 
-/// Corrects the unit of marks listed on a part. The size of the part in the deck reveals a wrong unit; if both sessions use the same wrong
-/// unit, the place of the part in the deck reveals it.
+/// Corrects the unit of the marks listed on the parts. The size of a part in the deck reveals a wrong unit. If both sessions use the same wrong
+/// unit, the position of the part in the deck confirms it.
 fn on_part_units(
     to: &mut Measurement,
     marks: &MarkFiles,
@@ -170,7 +172,7 @@ fn on_part_units(
         if size <= 0.0 || deck_size <= 0.0 {
             continue;
         }
-        // Marks may lie closer together than the markers of the part, so only a gross mismatch counts. The readings must confirm it: they
+        // Marks may be closer together than the markers of the part, so only a gross mismatch counts. The readings must confirm it. Either they
         // contradict the listed marks by the same factor, or both files place the part far from its position in the deck.
         let ratio = size / deck_size;
         let mut scales: Vec<f64> = (0..to.cases.len())
@@ -217,8 +219,8 @@ fn on_part_units(
     grouped.finish(out);
 }
 
-/// Returns the median distance over the cases between a part's measured marks and its position in the deck, with all coordinates multiplied by
-/// `factor`.
+/// Returns the distance between the measured marks of a part and their position in the deck, with all coordinates multiplied by `factor`. It is
+/// the median over the cases.
 fn distance(to: &Measurement, part: usize, pose: &Pose, factor: f64) -> f64 {
     let mean = |points: &[Vec3]| points.iter().sum::<Vec3>() * factor / points.len() as f64;
     let of_case = |case: usize| {
@@ -263,7 +265,8 @@ fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Estimates the noise from the marks if the study does not state it. Fits with unusually large residuals are excluded from the estimate.
+/// Estimates the noise of the marks from their misfit to rigid parts, if the study does not state it. Fits with unusually large residuals are
+/// excluded.
 fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     if !to.sigma_estimated {
         return;
@@ -291,7 +294,7 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     } else {
         to.sigma = 0.05;
         if marks.measured.rows().is_empty() {
-            // The lack of readings is reported elsewhere.
+            // Missing readings are reported elsewhere.
             return;
         }
         out.push(
@@ -309,14 +312,14 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns true if the residuals of a fit are too large for this variance of a coordinate.
+/// Returns true if the residuals of a rigid-body fit are too large for this variance of a coordinate.
 fn inconsistent(fit: &Orientation, variance: f64) -> bool {
     let squares: f64 = fit.residuals.iter().map(Vec3::norm_squared).sum();
     fit.dof > 0 && chi_square_p_value(squares / variance, fit.dof) < INCONSISTENT
 }
 
 fn swapped(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
-    // Exact data still carry the rounding of their file.
+    // Exact readings still contain the rounding of their file.
     let floor = 1e-3;
     let variance = (to.sigma * to.sigma + to.sigma_on_parts * to.sigma_on_parts).max(floor * floor);
     for part in 0..to.parts.len() {
@@ -402,7 +405,8 @@ fn rms(residuals: &[Vec3]) -> f64 {
     (squares / (3 * residuals.len().max(1)) as f64).sqrt()
 }
 
-/// Returns the order of the readings in which the marks fit a rigid part, if there is one.
+/// Returns the permutation of the readings with which the marks fit a rigid part, if there is one. `as_read` is the fit in the order of the
+/// file.
 fn permutation(
     on_part: &[Vec3],
     measured: &[Vec3],
@@ -507,7 +511,7 @@ fn missing(to: &Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Dia
     }
 }
 
-/// Formats labels as `case 7`, `cases 7, 8, 9` or `13 cases`.
+/// Formats labels of cases as `case 7`, `cases 7, 8, 9` or `13 cases`.
 fn listed(labels: &[&str]) -> String {
     match labels.len() {
         1 => format!("case {}", labels[0]),
@@ -516,7 +520,7 @@ fn listed(labels: &[&str]) -> String {
     }
 }
 
-/// Drops copied cases: noise never repeats, so readings of two cases that agree to the last digit are copies.
+/// Removes the readings of copied cases. Noise never repeats, so readings of two cases that agree to the last digit are copies.
 fn copied(to: &mut Measurement, study: &Study, out: &mut Vec<Diagnostic>) {
     let Some(marks) = &study.marks else { return };
     for second in 1..to.cases.len() {

@@ -1,22 +1,21 @@
-//! Numbers that decide something, as `admire explain priors` lists them.
+//! Named constants of the program that affect results. `admire explain priors` lists them.
 
-/// A named number of the program.
+/// A named constant of the program, with its documentation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Constant {
-    /// Name in the source, and key of `study.toml` where it is settable.
+    /// Name in the source code. For a constant that the user can set, it is also the key in `study.toml`.
     pub name: &'static str,
-    /// Default value as written in the source.
+    /// Default value as written in the source code.
     pub value: &'static str,
-    /// Unit, empty for a pure number.
+    /// Unit of the value; empty for a dimensionless constant.
     pub unit: &'static str,
-    /// Meaning in a sentence.
+    /// Meaning of the constant, from its doc comment.
     pub meaning: &'static str,
 }
 
-/// Declares the constants of a crate together with `TABLE`, the list of them.
+/// Declares the constants of a module, and `TABLE`, which lists them.
 ///
-/// An entry has a doc comment, a name, a type, a value and a unit. A constant is visible in its crate only; with `pub` before the name,
-/// other crates may use it as well.
+/// Each entry has a doc comment, a name, a type, a value and a unit. A constant is visible only in its crate, unless `pub` precedes its name.
 ///
 /// ```
 /// admire_study::constants! {
@@ -46,7 +45,7 @@ macro_rules! constants {
     ($($(#[doc = $doc:literal])+ $($name:ident)+: $type:ty = $value:expr, $unit:literal;)+) => {
         $($crate::constants!(@declare [$(#[doc = $doc])+] [$($name)+] $type = $value);)+
 
-        /// Every constant of this file.
+        /// All constants of this module.
         pub const TABLE: &[$crate::Constant] = &[
             $($crate::Constant {
                 name: $crate::constants!(@name $($name)+),

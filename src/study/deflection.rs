@@ -1,23 +1,24 @@
-//! Bushing deflections from part poses: equations 4 to 6 of the paper.
+//! Bushing deflections from part poses: equations 4 to 6 of the paper by Meissonnier et al. (see guide page `paper`).
 
 use admire_solver::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6};
 
-/// Reading of equations 5 and 6.
+/// Interpretation of equations 5 and 6 of the paper.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum DeflectionForm {
-    /// As printed. The last row of equation 5 has a13 in the place of a31, so equation 6 takes a13 from there and the y rotation has the wrong
-    /// sign. The arctangents cover only -pi/2 to pi/2. This form only demonstrates the misprint.
+    /// Equations as printed. The last row of equation 5 contains a13 in place of a31, so the y rotation of equation 6 has the wrong sign. The
+    /// arctangents cover only -pi/2 to pi/2. This form serves only to demonstrate the misprint.
     Printed,
-    /// Corrected. The last row of equation 5 is a31 a32 a33 and the arctangents cover all four quadrants. The angles are exactly ADAMS' AX,
-    /// AY, AZ, the angles of the BUSHING law.
+    /// Corrected equations. The last row of equation 5 is a31 a32 a33, and the arctangents cover all four quadrants. The angles are exactly AX,
+    /// AY and AZ of ADAMS, the angles of the BUSHING law.
     #[default]
     Corrected,
 }
 
-/// Returns `[delta_Tx, delta_Ty, delta_Tz, delta_Rx, delta_Ry, delta_Rz]`: the displacement of I from J in J axes, rotations in radians.
+/// Returns the deflection of a bushing, `[delta_Tx, delta_Ty, delta_Tz, delta_Rx, delta_Ry, delta_Rz]`: displacement and rotation of I relative
+/// to J in J axes. Rotations are in radians.
 ///
-/// Equation 4 with part 1 carrying I and part 2 carrying J: `D = B2^-1 A2^-1 A1 B1`. `part_i` and `part_j` are part frames in ground (A1, A2),
-/// `marker_i` and `marker_j` markers in their part frames (B1, B2).
+/// This is equation 4, `D = B2^-1 A2^-1 A1 B1`; part 1 carries I and part 2 carries J. `part_i` and `part_j` are the part frames in ground (A1,
+/// A2). `marker_i` and `marker_j` are the markers in their part frames (B1, B2).
 pub fn deflection(
     part_i: &Pose,
     marker_i: &Pose,
@@ -34,7 +35,7 @@ pub fn deflection(
     Vec6::new(d.x, d.y, d.z, a.x, a.y, a.z)
 }
 
-/// Returns the relative motion of a marker pair whose parts are at these poses, with angles in (-pi, pi].
+/// Returns the motion of marker I relative to marker J for these part poses, with angles in (-pi, pi].
 pub(crate) fn relative_motion(
     part_i: &Pose,
     marker_i: &Pose,
@@ -67,7 +68,7 @@ mod tests {
         let part_i = pose([10.0, -20.0, 5.0], [0.3, 0.1, -0.4]);
         let part_j = pose([-7.0, 3.0, 30.0], [-0.2, 0.6, 0.9]);
         let marker_j = pose([40.0, 50.0, 60.0], [1.0, -0.3, 0.2]);
-        // I is placed at a known small displacement from J.
+        // Marker I is placed at a known small displacement from J.
         let delta = pose([0.3, -0.2, 0.1], [0.02, -0.03, 0.05]);
         let i = part_j.compose(&marker_j).compose(&delta);
         let marker_i = part_i.inverse().compose(&i);

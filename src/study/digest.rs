@@ -1,7 +1,7 @@
 use sha2::{Digest, Sha256};
 
-/// Returns the SHA-256 of several files in hexadecimal. The length of each file precedes its bytes, so equal digests mean equal bytes in every
-/// file.
+/// Returns the SHA-256 of the contents of several files, in hexadecimal. The length of each file is hashed before its bytes, so moving a
+/// boundary between files changes the digest.
 pub fn digest<'a>(files: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hash = Sha256::new();
     for bytes in files {

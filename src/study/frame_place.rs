@@ -1,29 +1,30 @@
-//! Offset between the frame of the measurement and the frame of a model, estimated from a common motion of all marks.
+//! Offset between the measuring frame and the frame of the model, estimated from a common rigid motion of all marks.
 
 use super::orientation::absolute_orientation;
 use admire_solver::mechanics::{Vec3, log};
 
-/// Upper limit of the ratio of mark deviations after and before the rigid motion, for a measurement in another frame. Initial stiffnesses that
-/// are wrong by a factor of 100 give a larger ratio.
+/// Upper limit of the ratio of the rms deviations of the marks after and before the rigid motion, for readings that are in a different frame.
+/// Initial stiffnesses that are wrong by a factor of 100 give a larger ratio.
 const ALIKE: f64 = 0.6;
 /// Largest shift of a measuring frame that the tolerances still absorb, in metres.
 const NEAR_METRES: f64 = 0.004;
 /// Largest rotation of a measuring frame that the tolerances still absorb, in degrees.
 const NEAR_DEGREES: f64 = 0.5;
 
-/// The rigid motion that brings marks from their places in a model to their readings, by least squares.
+/// Rigid motion that moves the marks from their positions in a model to their measured positions, by least squares.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FramePlace {
-    /// Displacement of the centre of the marks, in the deck's length unit and ground axes.
+    /// Displacement of the centroid of the marks, in ground axes and in the deck's length unit.
     pub shift: Vec3,
     /// Rotation angle of the motion, in degrees.
     pub degrees: f64,
-    /// Ratio of the rms deviation after the motion to that before it.
+    /// Ratio of the rms deviations of the marks after and before the motion.
     pub left: f64,
 }
 
 impl FramePlace {
-    /// Fits the motion to the same marks as a model places them and as they were read. Returns `None` if they do not determine it.
+    /// Fits the rigid motion. `model` holds the positions of the marks in the model, `read` the measured positions of the same marks. Returns
+    /// `None` if the marks do not determine the motion.
     pub fn of(model: &[Vec3], read: &[Vec3]) -> Option<Self> {
         let found = absolute_orientation(model, read, 1.0).ok()?;
         let off = model.iter().zip(read).map(|(a, b)| (a - b).norm_squared());
@@ -42,7 +43,7 @@ impl FramePlace {
         self.shift.norm() * length > metres || self.degrees > degrees
     }
 
-    /// Returns true if the readings are in another frame than the deck's; `length` is the deck's length unit in metres.
+    /// Returns true if the readings are in a frame that differs from the frame of the deck. `length` is the deck's length unit in metres.
     pub fn is_another(&self, length: f64) -> bool {
         self.left <= ALIKE && self.is_beyond(NEAR_METRES, NEAR_DEGREES, length)
     }

@@ -1,9 +1,12 @@
-//! Curves of a kinematics and compliance rig as readings: toe, camber, steer, caster, travel, base and track of a wheel.
+//! Curves of a kinematics and compliance (K&C) rig as readings: toe, camber, steer, caster, travel, base and track of a wheel.
 //!
-//! Each curve is a function of three auxiliary markers on the wheel carrier: at the wheel centre, one unit from it along the spin axis `o`
-//! (outboard), and one unit rearward at the design position (`e`). With `f` forward, `r` to the right and z up: toe `atan(o.f / |o.r|)`,
-//! camber `-asin(o.z)`, steer `-atan(o.f / o.r)`, caster `-atan(e.z / -e.f)`. Travel, base and track are displacements of the wheel centre
-//! from design, upward, rearward and to the right. Source: guide page `kc`, section "Geometry".
+//! Each curve is a function of three auxiliary markers on the wheel carrier. The first is at the wheel centre. The second is one unit from the
+//! centre along the spin axis, in the direction `o` (outboard). The third is one unit rearward of the centre in the design position, in the
+//! direction `e`.
+//!
+//! With the unit vectors `f` forward, `r` to the right and z up, the angles are toe `atan(o.f / |o.r|)`, camber `-asin(o.z)`, steer `-atan(o.f
+//! / o.r)` and caster `-atan(e.z / -e.f)`. Travel, base and track are the displacements of the wheel centre from its design position: upward,
+//! rearward and to the right. Source: guide page `kc`, section "Geometry".
 
 use super::section::{Section, SpannedText};
 use super::settings::SpinAxis;
@@ -13,22 +16,22 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Header, Marker, MarkerIx, Model, Orientation};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Quantity of a kinematics and compliance curve.
+/// Quantity that a curve of a kinematics and compliance (K&C) rig shows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Curve {
     /// Toe angle, positive for toe-in.
     Toe,
-    /// Camber angle, positive with the top of the wheel outboard.
+    /// Camber angle, positive if the top of the wheel leans outboard.
     Camber,
-    /// Steer angle, positive to the right.
+    /// Steer angle, positive for steering to the right.
     Steer,
-    /// Change of caster since design: pitch of the carrier, positive with the top rearward.
+    /// Change of the caster angle from the design position, which is the pitch of the wheel carrier. Positive if the top moves rearward.
     Caster,
-    /// Displacement of the wheel centre, positive upward.
+    /// Vertical displacement of the wheel centre from its design position, positive upward.
     Travel,
-    /// Displacement of the wheel centre, positive rearward.
+    /// Longitudinal displacement of the wheel centre from its design position, positive rearward.
     Base,
-    /// Displacement of the wheel centre, positive to the right.
+    /// Lateral displacement of the wheel centre from its design position, positive to the right.
     Track,
 }
 
@@ -43,7 +46,7 @@ impl Curve {
         ("track", Self::Track),
     ];
 
-    /// Returns the usual column names of the curve in English, German and French.
+    /// Returns the usual names of columns with this curve, in English, German and French.
     const fn called(self) -> &'static [&'static str] {
         match self {
             Self::Toe => &["toe", "spur", "vorspur", "spurwinkel", "pincement"],
@@ -89,7 +92,7 @@ impl Curve {
         Self::ALL.iter().map(|(word, _)| *word).collect()
     }
 
-    /// Returns a description of the curve's sign convention.
+    /// Returns a description of the sign convention of the curve.
     pub(crate) const fn sign_convention(self) -> &'static str {
         match self {
             Self::Toe => "positive for toe-in",
@@ -102,16 +105,16 @@ impl Curve {
         }
     }
 
-    /// Returns true for an angle, false for a displacement.
+    /// Returns true if the curve is an angle, and false if it is a displacement.
     pub(crate) const fn is_angle(self) -> bool {
         matches!(self, Self::Toe | Self::Camber | Self::Steer | Self::Caster)
     }
 }
 
-/// Driving direction of the vehicle, along an axis of ground.
+/// Forward direction of the vehicle, which is parallel to the x or y axis of ground.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Forward {
-    /// Axis of ground: 0 for x, 1 for y.
+    /// Ground axis: 0 for x, 1 for y.
     axis: usize,
     positive: bool,
 }
@@ -121,7 +124,7 @@ impl Forward {
         Vec3::ith(self.axis, if self.positive { 1.0 } else { -1.0 })
     }
 
-    /// Returns the unit vector to the right, as seen facing forward.
+    /// Returns the unit vector to the right of the vehicle, seen facing forward.
     fn right(self) -> Vec3 {
         self.vector().cross(&Vec3::z())
     }
@@ -130,36 +133,37 @@ impl Forward {
 /// Settings of one curve in `[kc.curves]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CurveSettings {
-    /// Name of the curve among the readings.
+    /// Name of the curve, which is also the name of its channel.
     pub name: SpannedText,
-    /// Quantity of the curve.
+    /// Quantity that the curve shows.
     pub curve: Curve,
-    /// Column in the file, if its name differs from the curve's.
+    /// Name of the column in the file, if it differs from the name of the curve.
     pub column: Option<SpannedText>,
-    /// Unit, if the header does not state it.
+    /// Unit of the readings, if the column header does not state it.
     pub unit: Option<SpannedText>,
-    /// True if the rig uses the opposite sign.
+    /// True if the rig uses the opposite sign convention.
     pub reversed: bool,
-    /// Standard deviation of one reading in this unit. If it is not given, it is estimated from repeats or from the fit.
+    /// Standard deviation of one reading, in the unit of the readings. If it is not given, it is estimated from repeated readings or from the
+    /// residuals of a fit.
     pub sigma: Option<f64>,
-    /// Marker of the wheel, if it differs from the one of `[kc]`.
+    /// Wheel marker of this curve, if it differs from the marker of section `[kc]`.
     pub marker: Option<SpannedText>,
-    /// Case whose value is subtracted, if it differs from the one of `[kc]`.
+    /// Label of the case whose value is subtracted, if it differs from the reference case of section `[kc]`.
     pub relative_to: Option<SpannedText>,
 }
 
-/// Settings of `[kc]` without the readings.
+/// Settings of section `[kc]`, without the readings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct KcSettings {
-    /// Marker at the wheel centre, on the carrier.
+    /// Marker at the wheel centre, on the wheel carrier.
     pub marker: SpannedText,
-    /// Spin axis of this marker.
+    /// Spin axis of the wheel, as an axis of this marker.
     pub axis: SpinAxis,
-    /// Driving direction of the vehicle.
+    /// Forward direction of the vehicle.
     pub forward: Forward,
-    /// Case at which the rig's displays read zero.
+    /// Label of the load case in which the displays of the rig read zero.
     pub relative_to: Option<SpannedText>,
-    /// Curves of the file.
+    /// Curves to read from the file.
     pub curves: Vec<CurveSettings>,
 }
 
@@ -212,18 +216,18 @@ impl KcSettings {
     }
 }
 
-/// An auxiliary marker that a function needs and the deck does not contain.
+/// An auxiliary marker that the function of a channel needs and that the deck does not contain.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Helper {
-    /// Id of the marker, not used in the deck.
+    /// Id of the auxiliary marker, which the deck does not use.
     pub id: u32,
-    /// Id of a marker on the same part, which gives the part and the orientation.
+    /// Id of a marker of the deck whose part and orientation the auxiliary marker shares.
     pub beside: u32,
-    /// Position in the frame of the part.
+    /// Position of the auxiliary marker in the frame of the part.
     pub place: Vec3,
 }
 
-/// Adds auxiliary markers to a model.
+/// Adds auxiliary markers to a model. Markers that the model already contains are skipped.
 pub(crate) fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Item = &'a Helper>) {
     for helper in helpers {
         let (None, Some(beside)) = (model.marker(helper.id), model.marker(helper.beside)) else {
@@ -247,19 +251,21 @@ pub(crate) fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Ite
     }
 }
 
-/// Auxiliary markers of a wheel: at the centre, along the spin axis, rearward.
+/// Auxiliary markers of a wheel, and the directions with which the curves are computed. The markers are at the wheel centre, along the spin
+/// axis and rearward of the centre.
 #[derive(Clone, Debug)]
 pub(super) struct Gauge {
     helpers: [Helper; 3],
-    /// Wheel centre at design, in ground.
+    /// Position of the wheel centre in ground, in the design position.
     centre: Vec3,
     forward: Forward,
-    /// +1 if the spin axis points to the right, -1 otherwise.
+    /// Sense of the spin axis: +1 if it points to the right of the vehicle, -1 if it points to the left.
     side: f64,
 }
 
 impl Gauge {
-    /// Places the auxiliary markers at a wheel marker, or returns `None` if the deck does not determine its position.
+    /// Places the auxiliary markers of a wheel with this wheel marker. Returns `None` if the deck does not determine the position of the wheel
+    /// marker.
     pub(crate) fn new(
         model: &Model,
         marker: MarkerIx,
@@ -271,7 +277,7 @@ impl Gauge {
         let part = &model.parts[wheel.part.0];
         let spin = SpinDirection::at_design(&pose, axis);
         let most = model.markers.iter().map(|m| m.header.id).max().unwrap_or(0);
-        // Ids derived from the wheel marker's id do not depend on what a fit adds to the deck.
+        // The ids are derived from the id of the wheel marker, so they do not depend on elements that a fit adds to the deck.
         let first = most.max(1_000_000).saturating_add(10 * wheel.header.id);
         let to_part = |direction: Vec3| wheel.qp + part.pose.R.transpose() * direction;
         let helper = |k: u32, place: Vec3| Helper {
@@ -305,7 +311,7 @@ impl Gauge {
                 text
             }
         };
-        // Signed component along an axis of ground of the vector from the centre to a marker.
+        // ADAMS function for the component along `way`, a ground axis with a sign, of the vector from the wheel centre to a marker.
         let along = |to: u32, way: &Vec3| {
             let axis = way.iamax();
             signed(
@@ -344,7 +350,8 @@ impl Gauge {
     }
 }
 
-/// Returns the column of a curve: the one the study names, or the only column whose name matches the curve's apart from unit and spelling.
+/// Returns the column of a curve in the file. This is the column that the study names, or else the only column whose name matches the name of
+/// the curve. Units, capitals and punctuation are ignored, and usual synonyms count as matches.
 pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
     if let Some(column) = &settings.column {
         return table.column(&column.text);
@@ -370,14 +377,14 @@ pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
         })
 }
 
-/// Returns true if a column name contains this word: `Wheel travel [mm]` contains `travel`.
+/// Returns true if a column name contains this word. For example, `Wheel travel [mm]` contains `travel`.
 fn has_word(header: &str, word: &str) -> bool {
     let name = name_and_unit(header).0.to_lowercase();
     name.split(|c: char| !c.is_alphanumeric())
         .any(|own| own == word)
 }
 
-/// Splits a column name into the plain name and the unit: `Toe [deg]`, `Toe (min)`, `Toe / mm`, `toe_deg`.
+/// Splits a column name such as `Toe [deg]`, `Toe (min)`, `Toe / mm` or `toe_deg` into the plain name and the unit, if it contains one.
 pub(super) fn name_and_unit(header: &str) -> (&str, Option<&str>) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -397,7 +404,7 @@ pub(super) fn name_and_unit(header: &str) -> (&str, Option<&str>) {
     (header, None)
 }
 
-/// Returns the factor from this unit to degrees or to millimetres.
+/// Returns the factor from this unit to degrees if `angle` is true, otherwise to millimetres. Returns `None` for an unknown unit.
 pub(super) fn factor(unit: &str, angle: bool) -> Option<f64> {
     let unit = unit.trim().to_lowercase();
     let of_angle = match unit.as_str() {

@@ -1,4 +1,5 @@
-//! Readings of a kinematics and compliance rig: columns found by name and unit, repeated rows of a case, channels with their noise.
+//! Readings of a kinematics and compliance (K&C) rig. Columns are found by name and unit. Repeated rows of a case are averaged, and their
+//! scatter gives the noise.
 
 use super::kc_curves::{CurveSettings, Gauge, KcSettings, column, factor, name_and_unit};
 use super::measurement::Grouped;
@@ -11,17 +12,17 @@ use super::wheel_readings::marker_of;
 use admire_solver::model::Model;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Degrees of freedom that repeats must have before they determine the noise of a channel.
+/// Minimum number of degrees of freedom of repeated readings from which the noise of a channel is estimated.
 const ENOUGH: usize = 4;
 
-/// Column of a channel in the file, with the factor from its unit to the channel's unit.
+/// Column of the file that a channel is read from, with the factor from the unit of the column to the unit of the channel.
 struct Source {
     channel: usize,
     column: usize,
     factor: f64,
 }
 
-/// Adds the channels of `[kc]` and their readings.
+/// Adds the channels of section `[kc]` and their readings to the measurement.
 pub(super) fn kc_readings(
     study: &Study,
     model: &Model,
@@ -50,7 +51,7 @@ pub(super) fn kc_readings(
         table.only(column, out);
     }
     if to.cases.is_empty() {
-        // Faults of the load cases have been reported already.
+        // Errors in the load cases have been reported already.
         return;
     }
     if label.is_none() && table.rows().len() != to.cases.len() && !table.rows().is_empty() {
@@ -100,7 +101,7 @@ pub(super) fn kc_readings(
             continue;
         }
         if dof >= ENOUGH && squares > 0.0 {
-            // Standard deviation of the mean of the repeats.
+            // The reading is the mean over the repeats, so sigma is the standard deviation of this mean.
             channel.sigma = (squares / (dof * most) as f64).sqrt();
             channel.sigma_estimated = false;
         } else {
@@ -116,7 +117,8 @@ pub(super) fn kc_readings(
     grouped.finish(out);
 }
 
-/// Adds the channel of one curve. If its column is unusable, the channel is added without readings, because a virtual rig may produce them.
+/// Adds the channel of one curve to the measurement, and returns the column to read. If the file has no such column, the channel is added
+/// without readings, because a virtual rig may produce them.
 fn channel(
     study: &Study,
     model: &Model,
@@ -235,7 +237,7 @@ fn channel(
     })
 }
 
-/// Returns the case at which a curve is zero.
+/// Returns the case that serves as zero reference of a curve, or reports that `label` names no case.
 fn zero(
     study: &Study,
     label: &SpannedText,

@@ -1,4 +1,4 @@
-//! Template of a `kc.toml`: the wheels of a deck and its own loads on them, for the K&C tests.
+//! Template of a `kc.toml` for kinematics and compliance (K&C) tests of a deck: its wheels, and the loads on them that the deck contains.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Function, MarkerIx, Model, PartIx, VectorForceKind};
 use admire_syntax::expression::Node;
 
-/// Words in names of parts and markers at a wheel: English, German, French, Italian, Spanish.
+/// Words that occur in the names of parts and markers at a wheel, in English, German, French, Italian and Spanish.
 pub(super) const WHEEL_WORDS: [&str; 22] = [
     "wheel",
     "hub",
@@ -32,10 +32,11 @@ pub(super) const WHEEL_WORDS: [&str; 22] = [
     "rueda",
 ];
 
-/// Words for "centre" in names of markers.
+/// Words for "centre" that occur in the names of markers.
 pub(super) const CENTRE_WORDS: [&str; 3] = ["cent", "mitte", "zentrum"];
 
-/// Returns the value of a FUNCTION that consists of a number only. Such a FUNCTION is a load that the load cases may drive.
+/// Returns the value of a FUNCTION that is a plain number; `None` for any other FUNCTION. Load cases can drive a FUNCTION that is a plain
+/// number.
 pub(super) fn number(function: &Function) -> Option<f64> {
     let Function::Expression(expression) = function else {
         return None;
@@ -51,19 +52,19 @@ pub(super) fn number(function: &Function) -> Option<f64> {
     }
 }
 
-/// Returns true for a FUNCTION that consists of a number only.
+/// Returns true if a FUNCTION is a plain number.
 pub(super) fn is_number(function: &Function) -> bool {
     number(function).is_some()
 }
 
-/// Words for the left and the right side in names: English, German, French.
+/// Words for the left and for the right side that occur in names, in English, German and French.
 const SIDES: [&[&str]; 2] = [
     &["left", "links", "gauche"],
     &["right", "rechts", "droite", "droit"],
 ];
 
-/// Returns true if the side in the names around a wheel contradicts the axes of Adams/Car (X rearward, Y right). The axes then probably follow
-/// ISO 8855.
+/// Returns true if the names around a wheel state a side (left or right) that contradicts the axes of Adams/Car (X rearward, Y right). The axes
+/// then probably follow ISO 8855.
 pub(super) fn looks_like_iso(model: &Model, wheel: MarkerIx) -> bool {
     let part = &model.parts[part_of(model, wheel).0];
     let names = [
@@ -83,11 +84,11 @@ pub(super) fn looks_like_iso(model: &Model, wheel: MarkerIx) -> bool {
             _ => None,
         }
     });
-    // The left side of the vehicle has negative y in the axes of Adams/Car.
+    // In the axes of Adams/Car, the left side of the vehicle has negative y.
     said.is_some_and(|side| side * place(model, wheel).y > 0.0)
 }
 
-/// Returns the design position of a marker in ground axes.
+/// Returns the position of a marker in ground, in the design position of the deck.
 fn place(model: &Model, at: MarkerIx) -> Vec3 {
     let marker = &model.markers[at.0];
     model.parts[marker.part.0].pose.point(&marker.qp)
@@ -97,9 +98,10 @@ fn part_of(model: &Model, at: MarkerIx) -> PartIx {
     model.markers[at.0].part
 }
 
-/// Returns the marker at the mirror image of a wheel centre in the plane y = 0, on another part named like a wheel's.
+/// Returns the centre marker of the opposite wheel. It must be near the mirror image of this wheel centre in the plane y = 0, on another part
+/// whose name contains a wheel word.
 fn other_wheel(model: &Model, wheel: MarkerIx) -> Option<MarkerIx> {
-    /// Tolerance of the position, as a fraction of the distance from the middle plane of the vehicle.
+    /// Tolerance of the mirrored position, as a fraction of the distance from the plane y = 0.
     const NEAR: f64 = 0.02;
     let here = place(model, wheel);
     let image = Vec3::new(here.x, -here.y, here.z);
@@ -116,7 +118,7 @@ fn other_wheel(model: &Model, wheel: MarkerIx) -> Option<MarkerIx> {
     (apart(&nearest) < NEAR * here.y.abs()).then_some(nearest)
 }
 
-/// Returns the axis of a marker that is closest to the lateral direction y.
+/// Returns the axis of a marker that is closest to the y axis of ground, the lateral direction.
 pub(super) fn spin_axis(model: &Model, at: MarkerIx) -> &'static str {
     let marker = &model.markers[at.0];
     let turned = model.parts[marker.part.0].pose.R * marker.R;
@@ -125,7 +127,7 @@ pub(super) fn spin_axis(model: &Model, at: MarkerIx) -> &'static str {
     ["x", "y", "z"][best.unwrap_or(1)]
 }
 
-/// Returns the loads on the wheels' parts that have a number as their function. The rig replaces these loads.
+/// Returns the addresses of the forces on the wheels' parts whose FUNCTION is a plain number. The rig replaces these loads.
 fn own_loads(model: &Model, wheels: &[MarkerIx]) -> Vec<String> {
     let on = |at: MarkerIx| {
         wheels
@@ -152,7 +154,7 @@ fn own_loads(model: &Model, wheels: &[MarkerIx]) -> Vec<String> {
     found
 }
 
-/// Returns a commented `kc.toml` for this wheel and, if the deck has it, the opposite one.
+/// Returns a commented `kc.toml` for this wheel, and for the opposite wheel if the deck has one.
 pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
     let other = other_wheel(model, wheel);
     let wheels: Vec<MarkerIx> = std::iter::once(wheel).chain(other).collect();

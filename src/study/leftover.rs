@@ -1,24 +1,24 @@
-//! Temporary files left behind by killed processes.
+//! Removal of temporary files that killed processes have left behind.
 
 use std::path::Path;
 use std::time::Duration;
 
-/// Prefix of the names of temporary files, before the process id.
+/// Start of the names of temporary files; the id of the process follows.
 const PREFIX: &str = ".admire-";
-/// Age from which a temporary file counts as abandoned where processes cannot be looked up.
+/// Age above which a temporary file counts as abandoned if the system does not list its processes.
 const OLD: Duration = Duration::from_secs(24 * 3600);
 
-/// Returns the prefix of the names of this process' temporary files.
+/// Returns the prefix of the names of this process's temporary files.
 pub fn prefix() -> String {
     format!("{PREFIX}{}-", std::process::id())
 }
 
-/// Returns true for the name of a temporary file of any `admire` process.
+/// Returns true if a file of this name is a temporary file of an `admire` process.
 pub fn is_ours(name: &str) -> bool {
     name.starts_with(PREFIX)
 }
 
-/// Removes from a folder the temporary files of processes that have ended.
+/// Removes the temporary files of processes that have ended from a folder.
 pub fn remove(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
@@ -46,7 +46,7 @@ pub fn remove(folder: &Path) {
     }
 }
 
-/// Returns true if `/proc` lists the running processes. A Windows drive may contain a folder of this name, too.
+/// Returns true if `/proc` lists the running processes. On Windows, a folder of this name has another meaning.
 fn can_look_up() -> bool {
     cfg!(unix) && Path::new("/proc/self").exists()
 }

@@ -1,9 +1,12 @@
 //! Study folders: a deck, load cases and measurements.
 //!
-//! [`Study`] is `study.toml` with its tables, and [`settings`] holds its sections with their defaults. A [`Measurement`] holds the readings
-//! with names resolved in the model: marks on parts, the wheel, scalar sensors, curves and numbers taken from curves. [`orientation`] computes
-//! the pose of a part from its marks, [`deflection`](mod@deflection) the deflection of a bushing. [`solver`] creates the backend of a study,
-//! and [`permission`] decides which programs it may start. Inference from the readings is in `admire-identify`.
+//! [`Study`] is the content of `study.toml` together with the tables that it names. [`settings`] holds the sections of `study.toml` with their
+//! defaults. A [`Measurement`] holds the readings, with all names resolved in the model: marks (measured points) on parts, the wheel, scalar
+//! sensors, curves, and summaries of curves.
+//!
+//! [`orientation`] computes the pose of a part from its marks, and [`deflection`](mod@deflection) the deflection of a bushing. [`solver`]
+//! creates the solver backend of a study, and [`permission`] decides which programs the backend may start. Inference from the readings is in
+//! `admire-identify`.
 #![warn(unreachable_pub)]
 // The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
@@ -30,7 +33,7 @@ pub mod resolve;
 mod rigidity;
 mod rows;
 mod schema;
-/// Sections of a TOML file with typed queries, and diagnostics for keys that no query uses.
+/// Typed queries of the sections of a TOML file, with diagnostics for keys that no query uses.
 pub mod section;
 mod sensors;
 /// Sections of `study.toml` with their defaults.

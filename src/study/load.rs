@@ -1,4 +1,4 @@
-//! Load cases of a study as a load programme for a backend.
+//! Conversion of the load cases of a study to a load programme for a solver backend.
 
 use super::measurement::Measurement;
 use super::section::did_you_mean;
@@ -7,9 +7,10 @@ use admire_session::backend::{Load, LoadCase, LoadProgramme};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::{Address, Dataset};
 
-/// Resolves the target of each load column and pairs the loads with the cases of the measurement.
+/// Returns the load programme of a study: the target of each load column in the deck, and the load values of each case of the measurement.
 ///
-/// A column without a target in the deck is an error. Columns named `_deg` are in degrees; the programme is in radians.
+/// A column whose target does not exist in the deck is reported as an error. Columns whose names end in `_deg` are in degrees and are converted
+/// to radians.
 pub fn programme(
     study: &Study,
     dataset: &Dataset,
@@ -58,7 +59,7 @@ pub fn programme(
     }
 }
 
-/// Returns a hint about what a load of this deck may drive.
+/// Returns a hint for the user that names valid targets of loads in this deck.
 fn suggestion(text: &str, dataset: &Dataset) -> String {
     let driven: Vec<String> = dataset
         .statements()

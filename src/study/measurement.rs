@@ -11,16 +11,16 @@ use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::text::Span;
 use admire_syntax::units::Dimension;
 
-/// A mark on a part, as measured in the first CMM session.
+/// A mark (measured point) on a part, with its position from the first session on the coordinate measuring machine.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PartMark {
-    /// Label of the mark in both files.
+    /// Label of the mark, as in both files of mark readings.
     pub label: String,
-    /// Position in the part's own frame.
+    /// Position of the mark in the part's own frame.
     pub p: Vec3,
 }
 
-/// A part that carries marks.
+/// A part that carries marks (measured points).
 #[derive(Clone, PartialEq, Debug)]
 pub struct MarkedPart {
     /// Index of the part in the model.
@@ -33,84 +33,84 @@ pub struct MarkedPart {
     pub marks: Vec<PartMark>,
 }
 
-/// Reading of one mark in one load case.
+/// Measured position of one mark in one load case.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MarkReading {
     /// Index into [`Measurement::parts`].
     pub part: usize,
     /// Index into [`MarkedPart::marks`].
     pub mark: usize,
-    /// Measured position in ground.
+    /// Measured position of the mark in ground.
     pub x: Vec3,
-    /// Row of the file.
+    /// Position of the row in the file of readings.
     pub place: Span,
 }
 
-/// One load case and its readings.
+/// A load case and its readings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Case {
-    /// Label of the case.
+    /// Label of the load case.
     pub label: String,
-    /// Loads in the order of the study's columns.
+    /// Values of the loads, in the order of the study's load columns and in the units of the file.
     pub loads: Vec<f64>,
     /// Readings of marks, sorted by part and mark.
     pub marks: Vec<MarkReading>,
-    /// Reading of the wheel.
+    /// Reading of the wheel, if there is one.
     pub wheel: Option<WheelReading>,
-    /// One value per channel; `None` if it is missing.
+    /// Reading of each channel; `None` if it is missing.
     pub channels: Vec<Option<f64>>,
-    /// True if the case is held out of all fits. It is still applied in its order.
+    /// True if the case is held out of all fits. Its loads are still applied in order.
     pub held_out: bool,
-    /// Row in the file of load cases.
+    /// Position of the row in the file of load cases.
     pub place: Span,
 }
 
-/// The wheel of a study.
+/// The measured wheel of a study.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Wheel {
     /// Marker on the wheel carrier.
     pub marker: MarkerIx,
     /// Spin axis of the wheel.
     pub spin: SpinDirection,
-    /// Standard deviation of a coordinate.
+    /// Standard deviation of a coordinate of the wheel position.
     pub sigma_position: f64,
     /// Standard deviation of camber and steer, in degrees.
     pub sigma_angle_deg: f64,
 }
 
-/// A scalar sensor.
+/// A channel: a scalar sensor that measures a function of the deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Channel {
     /// Name of the channel.
     pub name: String,
-    /// Column in the file, and the factor from its unit to the channel's unit.
+    /// Name of the column in the file, and the factor from the unit of the column to the unit of the channel.
     pub column: (String, f64),
-    /// Text of an ADAMS function of the deck.
+    /// ADAMS function expression that the sensor measures.
     pub function: String,
-    /// Auxiliary markers of this function that the deck does not contain.
+    /// Auxiliary markers that this function needs in addition to the markers of the deck.
     pub helpers: Vec<Helper>,
-    /// Standard deviation of one reading. If the study does not state it, it starts at a tenth of the readings' rms until a fit's residuals
-    /// give an estimate.
+    /// Standard deviation of one reading. If the study does not state it, it is first set to a tenth of the rms of the readings, and later
+    /// estimated from the residuals of a fit.
     pub sigma: f64,
-    /// True if the study does not state `sigma`.
+    /// True if `sigma` is neither stated nor known from repeated readings.
     pub sigma_estimated: bool,
-    /// Unit of the values, for reports.
+    /// Unit of the readings, for reports.
     pub unit: Option<String>,
-    /// Case whose value is subtracted.
+    /// Zero reference: the case whose value is subtracted from each reading.
     pub relative_to: Option<Reference>,
-    /// Summary over several cases, if the reading is a number taken from a curve. The reading is stored in the last of these cases.
+    /// Summary over several cases, if the reading is a gradient or loop width of a curve. The reading is stored in the last of these cases.
     pub summary: Option<Summary>,
     /// True if the channel is held out of all fits.
     pub held_out: bool,
 }
 
 impl Channel {
-    /// Returns true if the channel is read in each case.
+    /// Returns true if the channel has a separate reading in each case, so it is neither a summary nor an auxiliary curve.
     pub fn is_read_by_case(&self) -> bool {
         self.summary.is_none() && !self.column.0.is_empty()
     }
 
-    /// Returns the unit to follow a number: with a leading blank, or empty if the study states none.
+    /// Returns the unit as a suffix of a number, with a leading blank. The result is empty if the study states no unit.
     pub fn behind(&self) -> String {
         self.unit
             .as_ref()
@@ -118,17 +118,17 @@ impl Channel {
     }
 }
 
-/// Zero reference of a reading.
+/// Zero reference of a channel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reference {
-    /// Value in this case.
+    /// The value in the case with this index.
     Case(usize),
-    /// Value in the preceding case, as on a gauge that is set to zero before each load.
+    /// The value in the preceding case, as for a gauge that is set to zero before each load.
     Previous,
 }
 
 impl Channel {
-    /// Returns the index of the case whose value is subtracted in a given case.
+    /// Returns the index of the case whose value is subtracted from the reading in `case`; `None` if there is none.
     pub fn reference(&self, case: usize) -> Option<usize> {
         match self.relative_to? {
             Reference::Case(zero) => Some(zero),
@@ -137,7 +137,7 @@ impl Channel {
     }
 }
 
-/// All readings of a study, with every name resolved against the deck's model.
+/// All readings of a study, with every name resolved in the model of the deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Measurement {
     /// Load cases in the order of application.
@@ -146,13 +146,13 @@ pub struct Measurement {
     pub parts: Vec<MarkedPart>,
     /// Standard deviation of one measured mark coordinate; zero if the readings are exact.
     pub sigma: f64,
-    /// True if `sigma` was estimated from the marks themselves.
+    /// True if `sigma` is not stated by the study but estimated from the marks themselves.
     pub sigma_estimated: bool,
-    /// Standard deviation of one coordinate of the first session, constant over cases.
+    /// Standard deviation of one coordinate of a mark on its part, measured in the first session. The error is constant over the cases.
     pub sigma_on_parts: f64,
-    /// The wheel and its noise.
+    /// The measured wheel and the noise of its readings, if the study has a wheel.
     pub wheel: Option<Wheel>,
-    /// Scalar sensors.
+    /// Channels (scalar sensors).
     pub channels: Vec<Channel>,
 }
 
@@ -160,13 +160,13 @@ impl Measurement {
     /// Computes the pose of a marked part in a case from its marks.
     ///
     /// # Errors
-    /// Too few or collinear marks.
+    /// Fails if the part has too few marks in the case, or if they are collinear.
     pub fn orientation(&self, case: usize, part: usize) -> Result<Orientation, OrientationError> {
         let (on_part, measured) = self.pairs(case, part);
         absolute_orientation(&on_part, &measured, self.sigma)
     }
 
-    /// Returns the positions of a part's marks in a case: in the part frame, and as measured in ground.
+    /// Returns the positions of the marks of a part that were read in a case: in the part frame, and as measured in ground.
     pub fn pairs(&self, case: usize, part: usize) -> (Vec<Vec3>, Vec<Vec3>) {
         self.cases[case]
             .marks
@@ -176,7 +176,8 @@ impl Measurement {
             .unzip()
     }
 
-    /// Returns the measured pose of every part of the model in a case. Ground has the identity; a part without a pose is `None`.
+    /// Returns the measured pose of every part of the model in a case. The pose of ground is the identity. The entry of a part whose pose is
+    /// not measured is `None`.
     pub fn poses(&self, case: usize, model: &Model) -> Vec<Option<Orientation>> {
         let mut poses: Vec<Option<Orientation>> = vec![None; model.parts.len()];
         if let Some(ground) = model.ground() {
@@ -202,7 +203,7 @@ impl Measurement {
         (0..self.cases.len()).filter(|&case| !self.cases[case].held_out)
     }
 
-    /// Returns true if a fit restricted to the cases accepted by `is_seen` uses the reading of a channel stored in `case`.
+    /// Returns true if a fit may use the reading of a channel that is stored in `case`. `is_seen` tells which cases the fit uses.
     pub fn sees_channel(
         &self,
         channel: usize,
@@ -217,13 +218,13 @@ impl Measurement {
         !info.held_out && of.iter().all(|case| is_seen(*case))
     }
 
-    /// Returns the index of the case with this label.
+    /// Returns the index of the load case with this label.
     pub fn case(&self, label: &str) -> Option<usize> {
         self.cases.iter().position(|case| case.label == label)
     }
 }
 
-/// Resolves the wheel settings of a study against the model.
+/// Returns the wheel of a study from its settings and its marker in the model.
 pub(super) fn wheel(settings: &WheelSettings, marker: MarkerIx, model: &Model) -> Wheel {
     let frame = &model.markers[marker.0];
     let part = &model.parts[frame.part.0].pose;
@@ -239,18 +240,18 @@ pub(super) fn wheel(settings: &WheelSettings, marker: MarkerIx, model: &Model) -
     }
 }
 
-/// Diagnostics grouped by a key, so that a fault of a whole file is reported once.
+/// Diagnostics grouped by a key, so a fault that occurs in many rows is reported only once.
 #[derive(Default)]
 pub(super) struct Grouped(BTreeMap<String, (Diagnostic, usize)>);
 
 impl Grouped {
-    /// Adds one occurrence. The first of a group is reported, the others are counted.
+    /// Adds one occurrence of a fault to the group `key`. The first occurrence in a group is reported, the others are counted.
     pub(crate) fn add(&mut self, key: String, diagnostic: impl FnOnce() -> Diagnostic) {
         let entry = self.0.entry(key).or_insert_with(|| (diagnostic(), 0));
         entry.1 += 1;
     }
 
-    /// Appends the collected diagnostics to `out`.
+    /// Appends one diagnostic per group to `out`, with the number of further occurrences.
     pub(crate) fn finish(self, out: &mut Vec<Diagnostic>) {
         for (mut diagnostic, count) in self.0.into_values() {
             if count > 1 {

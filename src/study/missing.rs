@@ -4,7 +4,7 @@ use super::study::Study;
 use super::table::Table;
 use admire_syntax::Dataset;
 
-/// Returns the steps to complete the study, in order, one sentence each. Empty if every table of the study has rows.
+/// Returns the steps that remain to complete the study, in order, one sentence each. The list is empty if the study is complete.
 pub fn missing(study: &Study) -> Vec<String> {
     let mut steps = Vec::new();
     let toml = study.source.name();
@@ -53,7 +53,7 @@ pub fn missing(study: &Study) -> Vec<String> {
             "{toml}: nothing is measured; give [marks], [kc], a measured [wheel] or [readings]"
         ));
     }
-    // A diagnosis needs no parameters to identify, so this step is mentioned only beside others.
+    // A diagnosis needs no parameters to identify, so this step is listed only together with other steps.
     if !steps.is_empty() && study.identify.stiffnesses.is_empty() && !has_bushings(study) {
         steps.push(format!(
             "{toml}: the deck has no BUSHING; name the numbers to identify in `identify.stiffnesses`"

@@ -1,4 +1,5 @@
-//! Absolute orientation: the pose of a part from three or more of its marks (equation 3 of the paper), with covariance.
+//! Absolute orientation: the pose of a part and its covariance, from three or more marks (measured points) on the part (equation 3 of the
+//! paper).
 
 use nalgebra::{DMatrix, Matrix3x6, SVD};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -6,23 +7,24 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 use admire_solver::mechanics::{Mat3, Mat6, Pose, Vec3, skew};
 
-/// Ratio of lateral spread to length below which a layout of marks is rejected, because the rotation about their common line would be noise.
+/// Ratio of the width to the length of a set of marks up to which the marks count as collinear and are rejected. The rotation about their
+/// common line would be mostly noise.
 pub(crate) const LEAST_SPREAD: f64 = 5e-3;
 
-/// The pose of a part with its covariance.
+/// Measured pose of a part, with its covariance and the residuals of the marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Orientation {
-    /// Part frame in ground.
+    /// Pose of the part frame in ground.
     pub pose: Pose,
-    /// Covariance of the translation of the part's origin and of the rotation vector `a` with `R <- exp(a) R`, both in ground axes.
+    /// Covariance of the pose: position of the part's origin, then rotation vector `a` with `R <- exp(a) R`, both in ground axes.
     pub covariance: Mat6,
-    /// Residuals, measured minus fitted, in ground axes, in the order of the marks.
+    /// Residuals of the marks (measured minus fitted position) in ground axes, in the order of the marks.
     pub residuals: Vec<Vec3>,
-    /// Sum of squared residuals over sigma squared; `None` without a sigma.
+    /// Sum of squared residuals divided by the variance of a coordinate; `None` if that variance is zero.
     pub chi_square: Option<f64>,
-    /// Degrees of freedom of the fit: 3 n - 6.
+    /// Degrees of freedom of the fit: `3 n - 6` for `n` marks.
     pub dof: usize,
-    /// Probability of a larger chi-square if the part is rigid and the noise is sigma.
+    /// Probability of a larger chi-square if the part is rigid and the noise has the stated variance; `None` without a chi-square.
     pub p_value: Option<f64>,
 }
 
@@ -37,20 +39,20 @@ pub enum OrientationError {
         "the marks lie on one line: {lateral:.3} wide over {length:.3} long (rms), so the rotation about it cannot be seen"
     )]
     Collinear {
-        /// Rms extent across the line of the marks.
+        /// Rms extent of the marks across their common line.
         lateral: f64,
-        /// Rms extent along this line.
+        /// Rms extent of the marks along their common line.
         length: f64,
     },
-    /// A coordinate is not finite, or its square is not.
+    /// A coordinate or its square is not finite.
     #[error("a coordinate is not a finite number, or too large or too small to be squared")]
     NotFinite,
 }
 
-/// Iteration limit of the singular value decomposition; a 3 x 3 matrix takes fewer than ten.
+/// Maximum number of iterations of the singular value decomposition. A 3 x 3 matrix takes fewer than ten.
 const SVD_STEPS: usize = 1_000;
 
-/// Returns the rms extents of points about their mean along their principal axes, largest first.
+/// Returns the rms extents of a set of points about their mean along their principal axes, largest first.
 pub(crate) fn extents(points: &[Vec3]) -> [f64; 3] {
     let n = points.len().max(1) as f64;
     let mean = points.iter().sum::<Vec3>() / n;
@@ -68,14 +70,14 @@ pub(crate) fn extents(points: &[Vec3]) -> [f64; 3] {
     [values[0], values[1], values[2]]
 }
 
-/// Minimises `sum |A p_m - x_m|^2` over rigid motions A by the singular value decomposition of the cross-covariance (Arun; Eggert et al.;
-/// reflections excluded after Umeyama).
+/// Computes the pose of a part from its marks. The rigid motion `A` minimises `sum |A p_m - x_m|^2` by the singular value decomposition of the
+/// cross-covariance (Arun; Eggert et al.). Reflections are excluded as by Umeyama.
 ///
-/// `on_part` are the marks in the part frame and `measured` the same marks in ground, both in the same length unit. `sigma` is the standard
-/// deviation of one measured coordinate. With a `sigma` of zero the covariance is zero and the fit is not tested.
+/// `on_part` holds the marks in the part frame (`p_m`), and `measured` the same marks in ground (`x_m`), in the same length unit. `sigma` is
+/// the standard deviation of one measured coordinate. If `sigma` is zero, the covariance is zero and there is no chi-square test.
 ///
 /// # Errors
-/// Fewer than three marks, marks on a line, or coordinates that are not finite.
+/// Fails for fewer than three marks, for collinear marks, and for coordinates that are not finite.
 pub fn absolute_orientation(
     on_part: &[Vec3],
     measured: &[Vec3],
@@ -113,7 +115,8 @@ pub fn absolute_orientation(
     };
     let u = svd.u.expect("asked for");
     let v_t = svd.v_t.expect("asked for");
-    // If the best orthogonal matrix is a reflection, the last axis is reversed; singular values are sorted in descending order.
+    // If the best orthogonal matrix is a reflection, the axis of the smallest singular value is reversed. Singular values are sorted in
+    // descending order.
     let turn = Vec3::new(1.0, 1.0, (u * v_t).determinant().signum());
     let R = u * Mat3::from_diagonal(&turn) * v_t;
     let pose = Pose {
@@ -141,7 +144,8 @@ pub fn absolute_orientation(
     })
 }
 
-/// Returns the information matrix of the pose for marks of unit noise: `sum J^T J` with `dx = dp - skew(R p_m) a`.
+/// Returns the information matrix of the pose of a part for marks with unit noise. It is `sum J^T J` over the marks, where `J` follows from `dx
+/// = dp - skew(R p_m) a`.
 pub fn information(pose: &Pose, on_part: &[Vec3]) -> Mat6 {
     let mut information = Mat6::zeros();
     for p in on_part {
@@ -155,7 +159,8 @@ pub fn information(pose: &Pose, on_part: &[Vec3]) -> Mat6 {
     information
 }
 
-/// Returns the probability that a chi-square variable with `dof` degrees of freedom exceeds `value`; 1 without degrees of freedom.
+/// Returns the probability that a chi-square variable with `dof` degrees of freedom exceeds `value`. Without degrees of freedom, the
+/// probability is 1.
 pub fn chi_square_p_value(value: f64, dof: usize) -> f64 {
     if dof == 0 || !value.is_finite() {
         return if value.is_finite() { 1.0 } else { 0.0 };
@@ -163,21 +168,22 @@ pub fn chi_square_p_value(value: f64, dof: usize) -> f64 {
     ChiSquared::new(dof as f64).map_or(1.0, |distribution| distribution.sf(value))
 }
 
-/// Noise of both CMM sessions, estimated from the misfit of marks to rigid bodies.
+/// Noise of both measuring sessions, estimated from the misfit of the marks to rigid bodies.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NoiseEstimate {
-    /// Standard deviation of one coordinate measured on the rig.
+    /// Standard deviation of one coordinate measured on the rig (second session).
     pub sigma: f64,
-    /// Degrees of freedom of this estimate.
+    /// Degrees of freedom of the estimate of `sigma`.
     pub dof: usize,
-    /// Standard deviation of one coordinate measured on the part, constant over cases.
+    /// Standard deviation of one coordinate measured on the part (first session). This error is constant over the cases.
     pub sigma_on_parts: f64,
 }
 
-/// Splits the residuals of parts into a component that varies over the cases (second session) and a constant one (first session).
+/// Estimates the noise of both measuring sessions from the residuals of the marks. Noise of the second session varies from case to case; noise
+/// of the first session is constant over the cases.
 ///
-/// `parts[part][case]` is the fit of all marks of a part. Fits with different sets of marks must be passed as separate parts. Returns `None`
-/// without degrees of freedom.
+/// `parts[part][case]` is the fit of all marks of a part in a case. Fits with different sets of marks must be passed as separate parts. Returns
+/// `None` without degrees of freedom.
 pub fn estimate_noise(parts: &[Vec<Orientation>]) -> Option<NoiseEstimate> {
     let (mut varying, mut varying_dof) = (0.0, 0);
     let (mut constant, mut constant_dof) = (0.0, 0.0);
@@ -213,7 +219,8 @@ pub fn estimate_noise(parts: &[Vec<Orientation>]) -> Option<NoiseEstimate> {
                 .sum::<f64>();
         }
         varying_dof += (cases - 1) * first.dof;
-        // The variance of the mean residual is that of the first session plus 1 / cases of the second's.
+        // The variance of the mean residual is the variance of the first session plus the variance of the second session divided by the number
+        // of cases.
         constant_dof += first.dof as f64;
     }
     if varying_dof == 0 {
@@ -269,7 +276,8 @@ mod tests {
 
     #[test]
     fn covariance_agrees_with_repeated_measurements() {
-        // With 20,000 repetitions the relative standard deviation of a variance is 1 percent, so 5 percent is five standard deviations.
+        // With 20,000 repetitions, the relative standard deviation of a variance is 1 percent, so a tolerance of 5 percent is five standard
+        // deviations.
         let (sigma, runs) = (0.05, 20_000);
         let mut noise = Noise::new(1, "orientation test");
         let exact: Vec<Vec3> = marks().iter().map(|p| pose().point(p)).collect();

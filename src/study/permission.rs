@@ -1,8 +1,8 @@
-//! Permission of a study or a sweep to start programs.
+//! Permission for a study or a sweep plan to start external programs.
 //!
-//! A study can name any program, and a study may come from anybody. A program is started only if the user has allowed it before, or if the
-//! same user created the study with `admire new`. Permissions are stored as hashes of commands and folders in the user's configuration. ADAMS'
-//! own command line (`mdi` from the PATH, or the one of this installation) needs no permission.
+//! A study can name any program, and a study may come from anybody. A program is started only if the user has allowed it before, or if the same
+//! user created the study with `admire new`. Permissions are stored as hashes of commands and folders in the user's configuration. The command
+//! line of ADAMS needs no permission: `mdi` from the PATH, or the `mdi` of this installation.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -13,12 +13,13 @@ use crate::settings::BackendChoice;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 
-/// File of permissions, relative to the user's configuration folder. Each line holds a hash and the command or folder that it stands for.
+/// Path of the permissions file, relative to the user's configuration folder. Each line of the file holds a hash, and the command or folder
+/// that was hashed.
 const FILE: &str = "admire/allowed";
 
-/// Name of ADAMS' command line.
+/// Name of the program that is the command line of ADAMS.
 const SOLVER: &str = "mdi";
-/// Arguments of ADAMS' command line that only run the command file.
+/// Arguments of `mdi` with which it does nothing but run the command file.
 const ARGUMENTS: [&str; 8] = [
     "-c",
     "ru-standard",
@@ -30,24 +31,25 @@ const ARGUMENTS: [&str; 8] = [
     "exit",
 ];
 
-/// A program that a study or a sweep names.
+/// An external program that a study or a sweep plan names.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct NamedProgram {
-    /// File that names the program.
+    /// Path of the file that names the program.
     file: PathBuf,
-    /// Program and arguments.
+    /// Program and its arguments.
     words: Vec<String>,
 }
 
 impl NamedProgram {
-    /// Returns the program that a study starts for every equilibrium. `None` if the study starts no program, or ADAMS' own.
+    /// Returns the program that a study starts for every equilibrium. Returns `None` if the study starts no program, or only the command line
+    /// of ADAMS.
     pub fn of_study(study: &Study) -> Option<Self> {
         let starts = study.solver.backend == BackendChoice::Command;
         let file = study.folder.join("study.toml");
         starts.then(|| Self::named_in(&file, &study.solver.command))?
     }
 
-    /// Returns the program that a file names, or `None` for ADAMS' own.
+    /// Returns the program that a file names; `None` if it is the command line of ADAMS.
     pub fn named_in(file: &Path, words: &[String]) -> Option<Self> {
         let words = beside(&folder_of(file), words);
         (!is_solver(&words)).then(|| Self {
@@ -67,12 +69,12 @@ impl NamedProgram {
     /// Stores the user's permission for the program.
     ///
     /// # Errors
-    /// When the user's configuration cannot be written.
+    /// Fails if the user's configuration cannot be written.
     pub fn allow(&self) -> io::Result<()> {
         remember(&self.hash(), &self.shown())
     }
 
-    /// Returns the diagnostic for a program without permission; `help` explains how to allow it.
+    /// Returns the diagnostic for a program without permission. `help` explains how to allow the program.
     pub fn refusal(&self, help: &str) -> Diagnostic {
         let message = format!(
             "{} names a program that was not allowed yet: {}",
@@ -82,7 +84,7 @@ impl NamedProgram {
         Diagnostic::error(Code::RunsProgram, message).help(help.to_string())
     }
 
-    /// Returns the question for permission, with the command in full.
+    /// Returns the question that asks the user for permission. It contains the full command.
     pub fn question(&self) -> String {
         format!(
             "{} names a program that is started for every run:\n  {}\nstart it, now and later? [no] ",
@@ -91,7 +93,7 @@ impl NamedProgram {
         )
     }
 
-    /// Formats the command as one line; words with blanks are quoted.
+    /// Formats the command as one line. Words that contain blanks are quoted.
     fn shown(&self) -> String {
         let quoted = |word: &String| {
             if word.contains(char::is_whitespace) {
@@ -104,7 +106,7 @@ impl NamedProgram {
         words.join(" ")
     }
 
-    /// Returns a hash of the command and of every file named in it that came with the study.
+    /// Returns a hash of the command and of the contents of every file that it names inside the study folder.
     fn hash(&self) -> String {
         let folder = folder_of(&self.file).canonicalize().ok();
         let own = |word: &String| {
@@ -122,8 +124,8 @@ impl NamedProgram {
     }
 }
 
-/// Returns true for ADAMS' command line: `mdi` from the PATH or beside this program, with arguments that only execute the command file of the
-/// run.
+/// Returns true if a command is the command line of ADAMS with harmless arguments: `mdi` from the PATH or beside this program, with arguments
+/// that only run the command file.
 fn is_solver(words: &[String]) -> bool {
     let Some((program, arguments)) = words.split_first() else {
         return false;
@@ -137,7 +139,8 @@ fn is_solver(words: &[String]) -> bool {
     arguments.iter().all(known) && (program == SOLVER || beside().unwrap_or(false))
 }
 
-/// Returns a command that works from any working directory: a program given with a path is relative to the folder of the file that names it.
+/// Returns the command with the path of its program made absolute, so it works from any working directory. A relative path refers to `folder`,
+/// the folder of the file that names the program. A program name without a path is unchanged.
 pub fn beside(folder: &Path, words: &[String]) -> Vec<String> {
     let mut words = words.to_vec();
     if let Some(program) = words.first_mut()
@@ -150,10 +153,10 @@ pub fn beside(folder: &Path, words: &[String]) -> Vec<String> {
     words
 }
 
-/// Stores that the user has created the study in a folder.
+/// Stores that the user created the study in this folder, so its programs may be started.
 ///
 /// # Errors
-/// When the folder does not exist, or the user's configuration cannot be written.
+/// Fails if the folder does not exist, or if the user's configuration cannot be written.
 pub fn trust_study(folder: &Path) -> io::Result<()> {
     let folder = folder.canonicalize()?;
     remember(&hash_of_folder(&folder), &folder.display().to_string())
@@ -164,7 +167,7 @@ fn hash_of_folder(folder: &Path) -> String {
     hash(&[b"study".to_vec(), name.to_vec()])
 }
 
-/// Returns a hash that depends on the boundaries between the parts.
+/// Returns a hash of several parts, which also depends on the boundaries between them.
 fn hash(parts: &[Vec<u8>]) -> String {
     digest(parts.iter().map(Vec::as_slice))
 }
@@ -176,7 +179,7 @@ fn folder_of(file: &Path) -> PathBuf {
     }
 }
 
-/// Returns the path of the permissions file, in the system's folder for user settings.
+/// Returns the path of the permissions file in the system's folder for user settings; `None` if there is no such folder.
 fn file() -> Option<PathBuf> {
     let folder = |name: &str| {
         std::env::var_os(name)
@@ -213,7 +216,7 @@ fn remember(hash: &str, what: &str) -> io::Result<()> {
     }
     let mut options = std::fs::File::options();
     let what = what.replace(char::is_control, " ");
-    // A single write keeps the lines of two processes apart.
+    // Each line is written by a single call, so the lines of two processes do not mix.
     let line = format!("{hash}  {what}\n");
     options
         .create(true)

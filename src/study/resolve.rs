@@ -1,4 +1,4 @@
-//! Resolution of a study's names to indices in the model and the load cases.
+//! Resolution of the names in a study's files to indices of the model and of the load cases.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use super::wheel_readings::wheel_readings;
 use admire_solver::model::{Model, PartIx};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Resolves all files of a study. Names without a match are reported and left out.
+/// Returns the measurement of a study, with all names in its files resolved. Readings with unknown names are reported and left out.
 pub fn measurement(study: &Study, model: &Model, out: &mut Vec<Diagnostic>) -> Measurement {
     let cases = load_cases(study, out);
     let mut measured = Measurement {
@@ -49,7 +49,7 @@ pub fn measurement(study: &Study, model: &Model, out: &mut Vec<Diagnostic>) -> M
     measured
 }
 
-/// Returns the part with this id (`4`), address (`PART/4`) or view name (`KNUCKLE`).
+/// Returns the part with this id (such as `4`), address (such as `PART/4`) or view name (such as `KNUCKLE`).
 pub fn part(name: &str, model: &Model) -> Option<PartIx> {
     let name = name.trim();
     let number = match name.split_once('/') {
@@ -67,7 +67,7 @@ pub fn part(name: &str, model: &Model) -> Option<PartIx> {
         return model.ground();
     }
     let exact = model.parts.iter().position(|part| part.header.name == name);
-    // The last component of a dotted view name may be given alone.
+    // A view name with dots may also be given by its last component alone.
     let last = |part: &admire_solver::model::Part| {
         part.header
             .name
@@ -372,7 +372,7 @@ fn channel_readings(
     to: &mut Measurement,
     out: &mut Vec<Diagnostic>,
 ) {
-    // A channel exists even if its readings are missing, because a virtual rig may produce them.
+    // A channel is added even if its readings are missing, because a virtual rig may produce them.
     let label = table.columns(["case"], out);
     let mut columns = Vec::new();
     for settings in channels {

@@ -2,23 +2,24 @@ use super::measurement::Measurement;
 use super::orientation::{absolute_orientation, extents};
 use admire_solver::mechanics::Vec3;
 
-/// Upper limit of a suspension part's deformation, as a fraction of the extent of its marks.
+/// Upper limit for the deformation of a suspension part, as a fraction of the extent of its marks.
 const BENT: f64 = 0.05;
-/// Multiple of the noise up to which a misfit is not significant.
+/// Upper limit for a misfit that noise may explain, as a multiple of the noise.
 const NOISE: f64 = 10.0;
 
-/// A part whose marks cannot all be on it: their misfit to a rigid body far exceeds the deformation of any part.
+/// A part with foreign marks: marks (measured points) that cannot all be on this part, because their misfit to a rigid body far exceeds the
+/// deformation of any part.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ForeignMarks {
     /// Index of the marked part.
     pub part: usize,
-    /// Indices of the load cases, more than one; a single case may contain a single wrong reading.
+    /// Indices of the load cases with such a misfit. There are at least two; the misfit in a single case may be due to a wrong reading.
     pub cases: Vec<usize>,
-    /// Largest rms of a coordinate's residual after the best rigid motion, in the deck's length unit.
+    /// Largest rms residual of a mark coordinate over these cases after the best-fit rigid motion, in the deck's length unit.
     pub rms: f64,
 }
 
-/// Returns every part whose marks belong elsewhere in several cases. No model of an axle explains such readings.
+/// Returns every part whose marks do not fit it in several cases. No model of an axle can explain such readings.
 pub fn foreign_marks(measurement: &Measurement) -> Vec<ForeignMarks> {
     let of = |part: usize| {
         let mut cases = Vec::new();

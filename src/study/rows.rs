@@ -1,11 +1,11 @@
-//! Rows of the tables of a study: their case and their point.
+//! Access to the rows of a study's tables: the load case and the point that a row contains.
 
 use super::measurement::{Grouped, Measurement};
 use super::table::{Cell, Table};
 use admire_solver::mechanics::Vec3;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Returns the label of a row: its cell, or the row's number if the file has no column for the label.
+/// Returns the label of a row: the cell in `column`, or the number of the row counted from 1 if the file has no such column.
 pub(super) fn label_of(
     table: &Table,
     row: &[Cell],
@@ -21,7 +21,7 @@ pub(super) fn label_of(
     }
 }
 
-/// Returns the case of a row, or reports that the load cases do not contain it.
+/// Returns the index of the load case that `cell` names, or reports that there is no such load case.
 pub(super) fn case_of(
     cell: &Cell,
     table: &Table,
@@ -29,7 +29,7 @@ pub(super) fn case_of(
     grouped: &mut Grouped,
 ) -> Option<usize> {
     let found = to.case(&cell.text);
-    // A file without any load case has been reported already.
+    // If the study has no load cases at all, this has been reported already.
     if found.is_none() && !to.cases.is_empty() {
         grouped.add(format!("case {}", cell.text), || {
             let message = format!(

@@ -1,4 +1,4 @@
-//! The JSON Schema of `study.toml`: its keys are those the reader queries, its descriptions those of the guide.
+//! JSON Schema of `study.toml`. The keys are recorded from the code that reads the file, and the descriptions come from the guide.
 
 use serde_json::{Map, Value, json};
 
@@ -27,7 +27,7 @@ fn table() -> Value {
     json!({ "type": "object", "properties": {}, "additionalProperties": false })
 }
 
-/// Inserts a key at its place below the root. A key with two kinds of values accepts either.
+/// Inserts a key into the schema below `root`. A key that was recorded with two types of values accepts either type.
 fn insert(root: &mut Value, key: &Key) {
     let mut at = root;
     let pieces: Vec<&str> = key.path.split('.').collect();
@@ -55,7 +55,7 @@ fn insert(root: &mut Value, key: &Key) {
     either(properties, last, new);
 }
 
-/// Returns the subschema of a name in a table, or of all user-defined names.
+/// Returns the subschema of one component of a key in a table. The component `NAME` stands for all user-defined names.
 fn inner<'a>(at: &'a mut Value, piece: &str) -> &'a mut Value {
     if piece == "NAME" {
         &mut at["additionalProperties"]
@@ -64,7 +64,7 @@ fn inner<'a>(at: &'a mut Value, piece: &str) -> &'a mut Value {
     }
 }
 
-/// Adds a property, or an alternative kind of value if the property exists.
+/// Adds a property to a table. If the property exists already, `new` becomes an alternative type of its value.
 fn either(properties: &mut Map<String, Value>, name: &str, new: Value) {
     let Some(old) = properties.get_mut(name) else {
         properties.insert(name.to_string(), new);
@@ -85,7 +85,7 @@ fn holds(what: &ValueType) -> Value {
         ValueType::Text | ValueType::OwnTexts => json!({ "type": "string" }),
         ValueType::Number(least, most) => {
             let mut number = json!({ "type": "number" });
-            // This bound only excludes zero.
+            // A tiny lower bound serves only to exclude zero.
             if *least > 0.0 && *least < 1e-6 {
                 number["exclusiveMinimum"] = json!(0);
             } else {
@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// The guide explains no key that the reader does not query.
+    /// The guide must not explain keys that the program does not read.
     #[test]
     fn every_key_of_the_guide_is_one_the_reader_asks_for() {
         let keys = study_keys();

@@ -7,53 +7,53 @@ use toml::de::{DeTable, DeValue};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// A text of `study.toml` with its position, to be resolved against the deck later.
+/// A text value from `study.toml` with its position in the file. Names in it are resolved in the deck later.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SpannedText {
-    /// The text as written.
+    /// Text as written in the file.
     pub text: String,
-    /// Position in `study.toml`.
+    /// Position of the text in `study.toml`.
     pub span: Span,
 }
 
-/// Kind of value of a key in `study.toml`.
+/// Type of the value of a key in `study.toml`.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum ValueType {
-    /// A table of further keys.
+    /// A table with further keys.
     Table,
     /// A text.
     Text,
-    /// A number within these bounds, both included. A tiny positive lower bound stands for "more than zero".
+    /// A number between these bounds, both included. A tiny positive lower bound means "more than zero".
     Number(f64, f64),
-    /// A whole number within these bounds, both included.
+    /// A whole number between these bounds, both included.
     Count(usize, usize),
     /// One of these words.
     Choice(Vec<&'static str>),
     /// A list of texts.
     Texts,
-    /// User-defined names, each with a text.
+    /// A table with user-defined names as keys, each with a text.
     OwnTexts,
 }
 
-/// A key that the reader of `study.toml` queries.
+/// A key of `study.toml` that the program reads.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Key {
-    /// Full name of the key; `NAME` in it stands for a user-defined name.
+    /// Full name of the key, with dots between its components. The component `NAME` stands for a user-defined name.
     pub path: String,
-    /// Kind of value.
+    /// Type of the value.
     pub holds: ValueType,
 }
 
-/// Recorder of the reader's queries, from which the schema is made.
+/// Recorder of all keys that are queried while `study.toml` is read. The JSON Schema is generated from the recorded keys.
 #[derive(Default)]
 pub(super) struct SchemaRecorder {
-    /// Answer of [`Section::is_text`] while recording.
+    /// Result that [`Section::is_text`] returns while keys are recorded.
     pub texts: bool,
-    /// Recorded keys, in the order of the queries.
+    /// Recorded keys, in the order in which they were queried.
     pub keys: RefCell<Vec<Key>>,
 }
 
-/// One table of `study.toml`. Queried keys are recorded, so that the unused ones can be reported.
+/// One table of `study.toml`. It remembers which keys were queried, so unknown keys can be reported.
 pub(super) struct Section<'a> {
     source: &'a Source,
     path: String,
@@ -64,7 +64,7 @@ pub(super) struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// Creates a section without a file, which records every query.
+    /// Creates a section without contents that records every queried key in `inquiry`.
     pub(crate) fn inquiring(source: &'a Source, inquiry: &'a SchemaRecorder) -> Self {
         Self {
             source,
@@ -76,7 +76,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Records a query once.
+    /// Records a queried key with the type of its value, unless it has been recorded already.
     fn note(&self, key: &str, holds: ValueType) {
         let Some(inquiry) = self.inquiry else { return };
         let key = Key {
@@ -89,7 +89,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Creates the section of the whole file.
+    /// Creates the section for the whole file.
     pub(crate) fn root(source: &'a Source, table: &'a DeTable<'a>) -> Self {
         Self {
             source,
@@ -101,7 +101,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Returns true if the file contains this table.
+    /// Returns true if the file contains this table. While keys are recorded, always returns true.
     pub(crate) fn is_present(&self) -> bool {
         self.table.is_some() || self.inquiry.is_some()
     }
@@ -111,12 +111,12 @@ impl<'a> Section<'a> {
         self.span
     }
 
-    /// Returns the name of the file.
+    /// Returns the name of the file that contains this table.
     pub(crate) fn file(&self) -> &'a str {
         self.source.name()
     }
 
-    /// Returns the full name of a key.
+    /// Returns the full name of a key of this table.
     pub(crate) fn name(&self, key: &str) -> String {
         if self.path.is_empty() {
             key.to_string()
@@ -131,7 +131,7 @@ impl<'a> Section<'a> {
         Some((value.get_ref(), Span::from(value.span())))
     }
 
-    /// Reports a wrong value in this section.
+    /// Reports that the value of a key in this table is not what is expected.
     pub(crate) fn wrong(
         &self,
         key: &str,
@@ -148,7 +148,7 @@ impl<'a> Section<'a> {
         );
     }
 
-    /// Returns a table inside this one. If the table is absent, every query of it finds nothing.
+    /// Returns the table that is the value of a key. If it is absent, an empty section is returned.
     pub(crate) fn section(
         &mut self,
         key: &'static str,
@@ -176,7 +176,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Returns the value of a key as a text, if given.
+    /// Returns the value of a key as a text; `None` if the key is absent. A value of another type is reported.
     pub(crate) fn text(
         &mut self,
         key: &'static str,
@@ -226,8 +226,8 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Returns the value of a key as a positive standard deviation, if given. Zero is rejected, because readings without scatter would have
-    /// infinite weight.
+    /// Returns the value of a key as a positive standard deviation; `None` if the key is absent. Zero is reported as an error, because readings
+    /// without noise would have infinite weight.
     pub(crate) fn deviation(
         &mut self,
         key: &'static str,
@@ -273,7 +273,8 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Returns the choice for the keyword given as the value of a key, or the default.
+    /// Returns the choice that belongs to the keyword given as the value of a key. If the key is absent or its value is reported as wrong,
+    /// returns the default.
     pub(crate) fn choice<T: Copy>(
         &mut self,
         key: &'static str,
@@ -302,7 +303,7 @@ impl<'a> Section<'a> {
         default
     }
 
-    /// Returns the value of a key as a list of texts, if given.
+    /// Returns the value of a key as a list of texts; `None` if the key is absent. Items of other types are reported.
     pub(crate) fn texts(
         &mut self,
         key: &'static str,
@@ -328,7 +329,7 @@ impl<'a> Section<'a> {
         Some(texts)
     }
 
-    /// Returns every key whose value is a text, in the order of the file. Other values are reported.
+    /// Returns all keys of this table with their text values, in the order of the file. Values of other types are reported.
     pub(crate) fn all_texts(
         &mut self,
         diagnostics: &mut Vec<Diagnostic>,
@@ -350,7 +351,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    /// Returns every key whose value is a table, in the order of the file. Other values are reported.
+    /// Returns all keys of this table with their values as sections, in the order of the file. Values that are not tables are reported.
     pub(crate) fn all_sections(
         &mut self,
         diagnostics: &mut Vec<Diagnostic>,
@@ -380,7 +381,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    /// Returns true if the value of this key is a text and not a table.
+    /// Returns true if the value of a key is a text.
     pub(crate) fn is_text(&mut self, key: &'static str) -> bool {
         if let Some(inquiry) = self.inquiry {
             return inquiry.texts;
@@ -405,7 +406,7 @@ impl<'a> Section<'a> {
         entries
     }
 
-    /// Reports the keys that no query used.
+    /// Reports all keys of this table that no query has used.
     pub(crate) fn finish(self, diagnostics: &mut Vec<Diagnostic>) {
         for (key, _) in self.entries() {
             if self.asked.contains(key.text.as_str()) {
@@ -429,7 +430,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// Returns the position of a number in a TOML text.
+/// Returns the position of the value of `key` in a section of a TOML text; `None` if the value is no number.
 pub(super) fn number_span(text: &str, section: &str, key: &str) -> Option<Span> {
     let (document, _) = DeTable::parse_recoverable(text);
     let value = document
@@ -450,7 +451,7 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// Returns a TOML text with one number of a section changed, or added if it is absent. The section must exist.
+/// Returns a TOML text in which `key` of a section has the given numerical value. The key is added if it is absent. The section must exist.
 pub fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
     let mut changed = text.to_string();
     if let Some(span) = number_span(text, section, key) {
@@ -471,9 +472,10 @@ fn range_in_words(least: f64, most: f64) -> String {
     }
 }
 
-/// Returns the help of a diagnostic about an unknown name: the nearest known name, or a list of known names.
+/// Returns the help text for an unknown name `word`: the most similar known name, or a list of the known names in `there`. `place` describes
+/// where these names exist.
 ///
-/// The digits must agree: `BUSHING/3` is no misspelling of `BUSHING/2`.
+/// A similar name must contain the same digits: `BUSHING/3` is no misspelling of `BUSHING/2`.
 pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     const SHOWN: usize = 8;
     let digits = |text: &str| -> String { text.chars().filter(char::is_ascii_digit).collect() };
@@ -484,7 +486,7 @@ pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     if let Some(near) = nearest(word, alike) {
         return format!("did you mean `{near}`?");
     }
-    // If there are addresses, plain names serve for comparison only and are not listed.
+    // If addresses are among the known names, plain names are compared but not listed.
     let listed =
         |name: &&String| name.contains('/') || !there.iter().any(|name| name.contains('/'));
     let there: Vec<&str> = there.iter().filter(listed).map(String::as_str).collect();
@@ -496,7 +498,7 @@ pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     }
 }
 
-/// Returns the candidate that differs from `word` by few letters, for "did you mean".
+/// Returns the candidate that is most similar to `word`, if they differ by only a few letters.
 pub(super) fn nearest<'a>(
     word: &str,
     candidates: impl Iterator<Item = &'a str>,
@@ -508,7 +510,7 @@ pub(super) fn nearest<'a>(
         .map(|(_, candidate)| candidate)
 }
 
-/// Returns the edit distance of two words, ignoring case.
+/// Returns the edit distance (Levenshtein distance) between two words, ignoring case.
 fn letters_apart(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.to_lowercase().chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

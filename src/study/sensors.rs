@@ -1,4 +1,4 @@
-//! Scalar sensors of a study as functions of its deck.
+//! Channels (scalar sensors) of a study, evaluated as functions of its deck.
 
 use super::kc_curves::with_helpers;
 use super::measurement::Measurement;
@@ -7,11 +7,11 @@ use admire_solver::model::{Model, Request};
 use admire_solver::system::{NoValue, Parameters, Scratch, State, System};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Returns the model with one additional REQUEST per channel, so that each function is compiled and differentiated like a function of the
-/// deck. The unmeasured functions `further` follow the channels of the measurement.
+/// Returns the model with one additional REQUEST per channel. The function of each channel is thus compiled and differentiated like a function
+/// of the deck. Channels for the functions in `further`, which are not measured, follow the channels of the measurement.
 ///
 /// # Errors
-/// When a channel's function violates the grammar of expressions.
+/// Fails if the function of a channel cannot be parsed.
 pub fn with_channels(
     model: &Model,
     measurement: &Measurement,
@@ -40,17 +40,17 @@ pub fn with_channels(
 /// Range of the channels among the requests of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Channels {
-    /// Index of the first request.
+    /// Index of the first request that is a channel.
     pub first: usize,
-    /// Number of requests.
+    /// Number of channels.
     pub count: usize,
 }
 
 impl Channels {
-    /// Evaluates the channels in a configuration.
+    /// Evaluates the channels at a state of the solver.
     ///
     /// # Errors
-    /// [`NoValue`] if a function is undefined there.
+    /// Returns [`NoValue`] if the function of a channel is undefined at this state.
     pub fn values(
         self,
         system: &System,
@@ -70,8 +70,8 @@ impl Channels {
         Ok(values)
     }
 
-    /// Evaluates the channels at part poses from another solver. The value is `None` if the function is undefined there, or depends on more
-    /// than poses and numbers, such as a reaction or a VARIABLE.
+    /// Evaluates the channels at part poses from an external solver. The value of a channel is `None` if its function is undefined there. It is
+    /// also `None` if the function depends on more than poses and parameters, such as on a joint reaction or a VARIABLE.
     pub fn at(
         self,
         system: &System,

@@ -9,31 +9,31 @@ const POSITIVE: RangeInclusive<f64> = f64::MIN_POSITIVE..=f64::INFINITY;
 /// Standard deviation of a reading of a wheel.
 const WHEEL_SD: RangeInclusive<f64> = 1e-12..=f64::INFINITY;
 
-/// Solver of a study.
+/// Choice of the solver of a study.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum BackendChoice {
     /// The built-in solver.
     Native,
-    /// Any program with ADAMS' command line.
+    /// An external program that takes the command line of ADAMS.
     Command,
-    /// Recorded runs of such a program.
+    /// Recorded runs of an external program.
     Replay,
 }
 
-/// Settings of `[solver]`.
+/// Settings of section `[solver]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SolverSettings {
     /// Choice of the solver.
     pub backend: BackendChoice,
-    /// Program and arguments; `{acf}` stands for the command file.
+    /// External program and its arguments. The argument `{acf}` is replaced by the path of the command file.
     pub command: Vec<String>,
-    /// Seconds after which a run is killed.
+    /// Time after which a run of the external program is killed, in seconds.
     pub timeout_s: f64,
-    /// Seconds during which a refused licence is requested again.
+    /// Time during which a refused licence is requested again, in seconds.
     pub licence_wait_s: f64,
-    /// Number of parallel runs.
+    /// Number of solver runs in parallel.
     pub jobs: usize,
-    /// Folder of recorded runs below the study, filled by `admire record` and read by the backend `replay`.
+    /// Folder of the recorded runs, inside the study folder. `admire record` fills it, and the backend `replay` reads it.
     pub recordings: SpannedText,
 }
 
@@ -76,30 +76,30 @@ impl SolverSettings {
     }
 }
 
-/// Symmetry that reduces the stiffnesses of a bushing.
+/// Symmetry of a bushing, which reduces the number of its independent stiffnesses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Symmetry {
     /// Six independent stiffnesses.
     #[default]
     None,
-    /// Kx = Ky and KTx = KTy.
+    /// Rotational symmetry about z: Kx = Ky and KTx = KTy.
     RadialZ,
 }
 
 /// Identification method.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Method {
-    /// Least-squares fit of all readings, with exact sensitivities.
+    /// Gauss-Newton fit of all readings.
     #[default]
     GaussNewton,
-    /// The iterative regression of the paper.
+    /// Iterative regression by the method of the paper (see guide page `paper`).
     Regression,
-    /// Equilibrium equations at the measured poses, without a solver run.
+    /// Solution of the equilibrium equations at the measured poses, without solver runs.
     Direct,
 }
 
 impl Method {
-    /// Returns the keyword of guide/study.md.
+    /// Returns the keyword of the method in `study.toml`.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::GaussNewton => "gauss-newton",
@@ -109,17 +109,17 @@ impl Method {
     }
 }
 
-/// A number with a default.
+/// A dimensional setting with a default value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Amount {
-    /// Value stated in the study, in units of the deck.
+    /// Value stated in the study, in the units of the deck.
     Stated(f64),
     /// Default value, in newtons and millimetres.
     Usual(f64),
 }
 
 impl Amount {
-    /// Reads a number of a section, or takes the default `usual`.
+    /// Reads a setting from a section. If the key is absent, returns the default `usual`.
     fn read(
         section: &mut Section<'_>,
         key: &'static str,
@@ -131,41 +131,42 @@ impl Amount {
         stated.map_or(Self::Usual(usual), Self::Stated)
     }
 
-    /// Converts the number to units of a deck.
+    /// Returns the value in the units of a deck.
     pub fn in_units(self, units: &Units, dimension: Dimension) -> f64 {
         match self {
             Self::Stated(value) => value,
-            // Millimetres and newtons are the units of a deck that states none.
+            // Millimetres and newtons are also the default units of a deck, given by Units::default.
             Self::Usual(value) => value * (Units::default().si(dimension) / units.si(dimension)),
         }
     }
 }
 
-/// Initial values of the stiffnesses.
+/// Initial values of the bushing stiffnesses.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Initial {
-    /// The deck's own values.
+    /// The values in the deck.
     Deck,
     /// One value for all translational stiffnesses and one for all rotational stiffnesses.
     Values {
-        /// Translational stiffness, force per length.
+        /// Initial translational stiffness, force per length.
         translational: Amount,
-        /// Rotational stiffness, torque per degree.
+        /// Initial rotational stiffness, torque per degree.
         rotational_per_degree: Amount,
     },
 }
 
-/// Prior standard deviations of a shift and a rotation; zero switches the component off.
+/// Prior standard deviations of an unknown translation and rotation. Zero switches the component off.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ShiftSd {
-    /// Standard deviation of each translation.
+    /// Standard deviation of the translation along each axis.
     pub length: Amount,
-    /// Standard deviation of each rotation, in degrees.
+    /// Standard deviation of the rotation about each axis, in degrees.
     pub angle_deg: f64,
 }
 
 impl ShiftSd {
-    /// Returns the standard deviation along an axis (0 to 2, in length units of a deck) or about an axis (3 to 5, in radians).
+    /// Returns the standard deviation of one component. Axes 0 to 2 are translations in the length unit of the deck, axes 3 to 5 are rotations
+    /// in radians.
     pub fn of_axis(self, axis: usize, units: &Units) -> f64 {
         if axis < 3 {
             self.length.in_units(units, Dimension::LENGTH)
@@ -175,12 +176,12 @@ impl ShiftSd {
     }
 }
 
-/// Loss function applied to the residuals.
+/// Loss function that a fit applies to the residuals.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Loss {
-    /// Squared residuals.
+    /// Squared residuals, as for Gaussian noise.
     Gaussian,
-    /// Squared residuals up to a few standard deviations, linear beyond.
+    /// Huber's loss: quadratic in small residuals, and linear in residuals above 1.345 standard deviations.
     Huber,
 }
 
@@ -202,26 +203,26 @@ impl Selection {
     }
 }
 
-/// Settings of `[identify]`.
+/// Settings of section `[identify]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IdentifySettings {
-    /// Addresses of bushings; every BUSHING of the deck if absent.
+    /// Addresses of the bushings to identify; `None` for every BUSHING of the deck.
     pub bushings: Option<Vec<SpannedText>>,
-    /// Addresses of other numbers to identify.
+    /// Addresses of further parameters to identify.
     pub stiffnesses: Vec<SpannedText>,
-    /// Symmetry of the bushings without an entry of their own.
+    /// Symmetry of all bushings that are not listed in `symmetry_of`.
     pub symmetry: Symmetry,
-    /// Symmetry of individual bushings.
+    /// Bushings with an explicitly stated symmetry.
     pub symmetry_of: Vec<(SpannedText, Symmetry)>,
     /// Identification method.
     pub method: Method,
     /// Initial values of the stiffnesses.
     pub initial: Initial,
-    /// Standard deviation of ln K in the lognormal prior around the initial value.
+    /// Standard deviation of ln K in the lognormal prior of each stiffness K, whose median is the initial value.
     pub prior_log_sd: f64,
-    /// Prior standard deviation of the assembly offset of each bushing.
+    /// Prior standard deviations of the assembly offset of each bushing.
     pub offset_sd: ShiftSd,
-    /// Prior standard deviation of a shift of the measuring frame in each case.
+    /// Prior standard deviations of the displacement of the measuring frame in each case.
     pub frame_sd: ShiftSd,
     /// Loss function of the residuals.
     pub loss: Loss,
@@ -302,36 +303,37 @@ fn shift_sd(
     sd
 }
 
-/// Form of equation 16: as printed, or with the weights inverted as the text of the paper implies.
+/// Weights of equation 16 of the paper, which averages the stiffnesses of a round bushing: as printed, or inverted as the text of the paper
+/// implies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Weights {
-    /// 1 / sum (F - mean F)^2.
+    /// Weight as printed: `1 / sum (F - mean F)^2`.
     Printed,
-    /// sum (F - mean F)^2.
+    /// Corrected weight: `sum (F - mean F)^2`.
     Corrected,
 }
 
-/// Form of equation 13: as printed, or the inverse regression.
+/// Slope of the regression line of force F against deflection delta (equation 13 of the paper): as printed, or by inverse regression.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Slope {
-    /// cov(F, delta) / var(delta).
+    /// Slope as printed: `cov(F, delta) / var(delta)`.
     Printed,
-    /// var(F) / cov(F, delta), for noise on delta.
+    /// Slope of the inverse regression, which is unbiased by noise on delta: `var(F) / cov(F, delta)`.
     Inverse,
 }
 
-/// Settings of `[regression]`.
+/// Settings of section `[regression]`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RegressionSettings {
-    /// Convergence tolerance of equation 17: the largest relative change at which the loop ends.
+    /// Convergence tolerance of equation 17: the iteration ends if no stiffness changes by more than this fraction.
     pub epsilon: f64,
-    /// Correlation of equation 15 below which a stiffness keeps its previous value.
+    /// Correlation of force and deflection (equation 15) up to which a stiffness keeps its previous value.
     pub r_min: f64,
-    /// Weights of equation 16.
+    /// Form of the weights of equation 16.
     pub weights: Weights,
-    /// Slope of equation 13.
+    /// Form of the slope of equation 13.
     pub slope: Slope,
-    /// Number of iterations after which the loop stops.
+    /// Maximum number of iterations.
     pub max_iterations: usize,
 }
 
@@ -370,17 +372,18 @@ impl RegressionSettings {
     }
 }
 
-/// Spin axis among the axes of the wheel marker.
+/// Spin axis of a wheel, chosen among the axes of the wheel marker.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SpinAxis {
-    /// Axis of the marker: 0, 1, 2 for x, y, z.
+    /// Axis of the wheel marker: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// Sense of the axis, +1 or -1, if the study states it. Otherwise the axis points outboard at design.
+    /// Sense of the spin axis relative to the marker axis, +1 or -1, if the study states it. If it is `None`, the spin axis points outboard in
+    /// the design position.
     pub sign: Option<i8>,
 }
 
 impl SpinAxis {
-    /// Reads `axis`, with or without a sign; the default is `"y"`.
+    /// Reads the key `axis`, an axis name with or without a sign. The default is `"y"`.
     pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
         let words = ["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"];
         let axes = std::array::from_fn::<_, 9, _>(|at| {
@@ -391,16 +394,16 @@ impl SpinAxis {
     }
 }
 
-/// Settings of `[wheel]` without the readings.
+/// Settings of section `[wheel]`, without the readings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelSettings {
     /// Marker on the wheel carrier.
     pub marker: SpannedText,
-    /// Spin axis of this marker.
+    /// Spin axis of the wheel, as an axis of this marker.
     pub axis: SpinAxis,
-    /// Standard deviation of a coordinate.
+    /// Standard deviation of a coordinate of the wheel position.
     pub sigma_position: Amount,
-    /// Standard deviation of an angle, in degrees.
+    /// Standard deviation of camber and steer, in degrees.
     pub sigma_angle_deg: f64,
 }
 
@@ -427,18 +430,18 @@ impl WheelSettings {
     }
 }
 
-/// Settings of one channel in `[readings.channels]`.
+/// Settings of one channel (scalar sensor) in `[readings.channels]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChannelSettings {
-    /// Name of the channel and of its column.
+    /// Name of the channel, which is also the name of its column.
     pub name: String,
-    /// ADAMS function of the deck.
+    /// ADAMS function expression that the channel measures.
     pub function: SpannedText,
-    /// Standard deviation of one reading; estimated from the fit if it is not given.
+    /// Standard deviation of one reading. If it is not given, it is estimated from the residuals of a fit.
     pub sigma: Option<f64>,
     /// Unit of the readings, for reports.
     pub unit: Option<String>,
-    /// Case whose value is subtracted: its label, or `previous`.
+    /// Label of the case whose value is subtracted from each reading, or `previous` for the preceding case.
     pub relative_to: Option<SpannedText>,
 }
 

@@ -1,4 +1,4 @@
-//! Backend of a study, as chosen in `[solver]`.
+//! Creation of the solver backend of a study, as chosen in `[solver]`.
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -11,8 +11,8 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use crate::permission::beside;
 
-/// Returns the backend of a study. If `keep` is given, the run folders of an external program are created there and kept. `tell` receives a
-/// note that names the external program.
+/// Returns the solver backend of a study. If `keep` is given, the run folders of an external program are created in this folder and kept. For
+/// an external program, `tell` receives a note that names it.
 pub fn backend(
     study: &Study,
     keep: Option<PathBuf>,
@@ -25,13 +25,13 @@ pub fn backend(
     }
 }
 
-/// Returns the recorded runs of a study.
+/// Returns the recorded solver runs of a study.
 pub fn recording(study: &Study) -> Recording {
     Recording::new(study.folder.join(&study.solver.recordings.text))
 }
 
-/// Returns the external program of a study, and reports it to `tell` before it can be started. Permission to start it is decided in
-/// [`permission`](crate::permission).
+/// Returns the backend that runs the external program of a study. A note that names the program is passed to `tell`. Whether the program may be
+/// started is decided in [`permission`](crate::permission).
 pub fn command(study: &Study, keep: Option<PathBuf>, tell: &dyn Fn(&Diagnostic)) -> CommandBackend {
     let solver = &study.solver;
     let words = beside(&study.folder, &solver.command);
@@ -55,7 +55,7 @@ pub fn command(study: &Study, keep: Option<PathBuf>, tell: &dyn Fn(&Diagnostic))
     backend
 }
 
-/// Searches the PATH for a program.
+/// Returns the path of a program found in the directories of PATH, or `None`.
 pub fn found_on_path(program: impl AsRef<OsStr>) -> Option<PathBuf> {
     which::which(program).ok()
 }

@@ -1,4 +1,4 @@
-//! Template of a study: a commented `study.toml` made from the contents of a deck, with tables to fill in.
+//! Template of a new study: a commented `study.toml` made from the contents of a deck, and tables to fill in.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -10,41 +10,41 @@ use super::schema::schema;
 use admire_solver::mechanics::{Mat3, Vec3};
 use admire_solver::model::{MarkerIx, Model, Part, PartKind, SforceKind};
 
-/// Kind of measurement.
+/// Kind of measurement that a study may contain.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Kind {
-    /// Marks on parts, measured by a coordinate measuring machine or cameras.
+    /// Marks (measured points) on parts, measured by a coordinate measuring machine or cameras.
     Marks,
     /// Position and angles of the wheel, measured by a K&C rig.
     Wheel,
     /// Toe, camber and other curves of a wheel, measured by a K&C rig.
     Curves,
-    /// Scalar values of any sensors.
+    /// Readings of any scalar sensors.
     Readings,
 }
 
-/// A load that the load cases of a deck may drive.
+/// A load of the deck that the load cases may drive.
 #[derive(Clone, PartialEq, Debug)]
 struct Driven {
-    /// Name of its column.
+    /// Name of the load's column in the file of load cases.
     column: String,
-    /// Address of the driven number.
+    /// Address of the driven parameter in the deck.
     target: String,
-    /// Description in words.
+    /// Description of the load.
     what: String,
 }
 
-/// Template of a study for one deck.
+/// Template of a new study for one deck.
 #[derive(Clone, Debug)]
 pub struct Starter<'a> {
     model: &'a Model,
     loads: Vec<Driven>,
-    /// The marker that most resembles the centre of a wheel.
+    /// The marker that most resembles the centre of a wheel, if any does.
     wheel: Option<MarkerIx>,
 }
 
 impl<'a> Starter<'a> {
-    /// Searches a model for loads and a wheel.
+    /// Creates the template for a deck: searches its model for loads that can be driven and for a wheel.
     pub fn of(model: &'a Model) -> Self {
         let loads = loads(model);
         Self {
@@ -54,16 +54,16 @@ impl<'a> Starter<'a> {
         }
     }
 
-    /// Returns the addresses of the bushings that can be identified.
+    /// Returns the addresses of all bushings of the deck.
     pub fn bushings(&self) -> Vec<String> {
         let address =
             |found: &admire_solver::model::Bushing| format!("BUSHING/{}", found.header.id);
         self.model.bushings.iter().map(address).collect()
     }
 
-    /// Returns the findings, one line each.
+    /// Returns descriptions of the bushings, loads and wheel found in the deck, one line each.
     pub fn found(&self) -> Vec<String> {
-        /// Number of list entries that are shown; more are only counted.
+        /// Maximum number of list entries that are shown. Further entries are only counted.
         const LISTED: usize = 12;
         let many = |list: Vec<String>, none: &str| match list.len() {
             0 => none.to_string(),
@@ -103,7 +103,8 @@ impl<'a> Starter<'a> {
         format!("MARKER/{} on {part}", marker.header.id)
     }
 
-    /// Returns the files of a study as names and texts. `bushings` selects those to identify; all if it is empty.
+    /// Returns the files of the new study, as pairs of name and text. `deck` is the path of the deck, and `kinds` the kinds of measurements.
+    /// `bushings` holds the addresses of the bushings to identify; if it is empty, all are identified.
     pub fn files(
         &self,
         deck: &str,
@@ -325,7 +326,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
         text
     }
 
-    /// Returns the lines for the marker and the spin axis of the wheel.
+    /// Returns the lines of `study.toml` for the marker and the spin axis of the wheel.
     fn wheel_keys(&self) -> String {
         match self.wheel {
             Some(at) => format!(
@@ -339,7 +340,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
     }
 }
 
-/// Returns a TOML string literal.
+/// Returns the text as a TOML string literal.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
@@ -455,7 +456,8 @@ fn loads(model: &Model) -> Vec<Driven> {
     found
 }
 
-/// Returns the direction of an SFORCE at design, in ground: the z axis of J, or the line from J to I.
+/// Returns the direction of an SFORCE in ground, in the design position. It is the z axis of J if `along_j` is true, otherwise the line from J
+/// to I.
 fn sforce_direction(model: &Model, i: MarkerIx, j: MarkerIx, along_j: bool) -> Option<Vec3> {
     let [i, j] = [i, j].map(|at| {
         let marker = &model.markers[at.0];
@@ -470,7 +472,7 @@ fn sforce_direction(model: &Model, i: MarkerIx, j: MarkerIx, along_j: bool) -> O
     line.try_normalize(1e-9)
 }
 
-/// Returns a word for a direction that is close to an axis of ground.
+/// Returns a word for a direction that is close to an axis of ground; `None` for other directions.
 fn direction(along: Vec3) -> Option<&'static str> {
     let words = ["longitudinal", "lateral", "vertical"];
     (0..3)
@@ -478,7 +480,7 @@ fn direction(along: Vec3) -> Option<&'static str> {
         .map(|axis| words[axis])
 }
 
-/// Converts a view name to a column name.
+/// Converts the view name of an element to a column name.
 fn column(name: &str) -> String {
     let last = name.rsplit('.').next().unwrap_or_default();
     let plain = |c: char| {
@@ -495,7 +497,7 @@ fn column(name: &str) -> String {
         .to_string()
 }
 
-/// Counts the wheel words in a name.
+/// Returns the number of wheel words that a name contains.
 fn wheel_words(name: &str) -> usize {
     let name = name.to_lowercase();
     WHEEL_WORDS
@@ -504,7 +506,7 @@ fn wheel_words(name: &str) -> usize {
         .count()
 }
 
-/// Counts the force components at a marker that consist of a number only. A rig drives such components.
+/// Returns the number of force components at a marker whose FUNCTION is a plain number. Typically, a rig drives such components.
 fn numbers_at(model: &Model, at: MarkerIx) -> usize {
     let scalar = model
         .sforces
@@ -515,8 +517,8 @@ fn numbers_at(model: &Model, at: MarkerIx) -> usize {
     scalar.count() + components.filter(|function| is_number(function)).count()
 }
 
-/// Returns the marker that most resembles the centre of a wheel. Its own name counts, and so do the name of its part and the loads on it.
-/// Without telling names it is a marker with several constant force components.
+/// Returns the marker that most resembles the centre of a wheel. The name of the marker, the name of its part and the loads at the marker are
+/// scored. If no name is informative, a marker with several constant force components is returned.
 fn wheel(model: &Model) -> Option<MarkerIx> {
     let score = |at: usize| {
         let marker = &model.markers[at];
@@ -526,7 +528,8 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
         }
         let name = marker.header.name.to_lowercase();
         let part_name = part.header.name.to_lowercase();
-        // The name of a mark on the carrier, such as `CARRIER_M1`, repeats words of the part's name.
+        // Wheel words that the part's name contains as well do not count, because names of other markers on the carrier, such as `CARRIER_M1`,
+        // repeat them.
         let own = WHEEL_WORDS
             .iter()
             .filter(|word| name.contains(**word) && !part_name.contains(**word))
@@ -539,7 +542,7 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
         let loaded = scalar.count() + vector.count();
         let on_part = wheel_words(&part.header.name);
         if own + on_part + usize::from(centre) == 0 {
-            // Without telling names, a marker qualifies if several constant force components act on it.
+            // If no name is informative, a marker qualifies if several constant force components act at it.
             return usize::from(numbers_at(model, MarkerIx(at)) > 1);
         }
         8 * own + 12 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)

@@ -1,37 +1,39 @@
-//! Section `[tolerances]` of `study.toml`: accuracy of the axle and the rig.
+//! Section `[tolerances]` of `study.toml`: manufacturing tolerances of the axle and accuracy of the rig.
 
 use super::section::Section;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Prior of the standard deviation of an error group.
+/// Setting for the standard deviation of a group of errors.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum PriorSetting {
     /// `"estimate"`: the standard deviation is estimated from the readings.
     #[default]
     Estimate,
-    /// A stated standard deviation; zero switches the group off.
+    /// The study states the standard deviation. Zero switches the group off.
     Size(f64),
 }
 
-/// Settings of `[tolerances]`: standard deviations, lengths in millimetres.
+/// Settings of `[tolerances]`: standard deviations of groups of errors. Lengths are in millimetres.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ToleranceSettings {
     /// Standard deviation of the error of each hardpoint coordinate, in mm.
     pub hardpoints: PriorSetting,
     /// Relative standard deviation of the gain of each load.
     pub load_gain: PriorSetting,
-    /// Standard deviation of each load in each case, relative to the largest value of that load.
+    /// Standard deviation of the error of each load in each case, relative to the largest value of that load.
     pub load_repeatability: PriorSetting,
-    /// Standard deviation of the direction of each load, in degrees.
+    /// Standard deviation of the direction error of each load, in degrees.
     pub load_direction_deg: PriorSetting,
-    /// Standard deviation of each coordinate of a mark on its part, in mm.
+    /// Standard deviation of the position error of a mark on its part, per coordinate, in mm.
     pub marks_on_parts: PriorSetting,
-    /// Standard deviation of the measuring frame's position, constant over cases, in mm. Divided by 0.5 m it is also that of the rotation.
+    /// Standard deviation of the position error of the measuring frame, which is constant over the cases, in mm. The standard deviation of the
+    /// frame's rotation, in radians, is this value divided by 0.5 m.
     pub alignment: PriorSetting,
-    /// Standard deviation of the motion of all marks with each load at its largest value, in mm. Divided by 0.5 m it is also that of the
-    /// rotation.
+    /// Standard deviation of the common displacement of all marks at the largest value of each load, in mm. The standard deviation of their
+    /// rotation, in radians, is this value divided by 0.5 m.
     pub mount: PriorSetting,
-    /// Standard deviation of the rigid error of a part's pose in one case, in mm. Divided by 0.1 m it is also that of the rotation.
+    /// Standard deviation of the translational error of a part's measured pose in one case, in mm. The standard deviation of the rotational
+    /// error, in radians, is this value divided by 0.1 m.
     pub pose: PriorSetting,
 }
 

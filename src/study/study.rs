@@ -15,66 +15,67 @@ use admire_session::file_below;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// The mark readings of a study: two files and their noise.
+/// Readings of the marks of a study: two files, and the noise of their coordinates.
 #[derive(Clone, Debug)]
 pub struct MarkFiles {
-    /// Table part,mark,x,y,z in each part's own frame.
+    /// Positions of the marks on their parts: table with the columns part,mark,x,y,z, in the frame of each part.
     pub on_parts: Table,
-    /// Table case,part,mark,x,y,z in ground.
+    /// Measured positions of the marks in each load case: table with the columns case,part,mark,x,y,z, in ground.
     pub measured: Table,
-    /// Standard deviation of one coordinate; estimated from the fit of each part's marks if absent.
+    /// Standard deviation of one coordinate measured on the rig. If it is `None`, it is estimated from the misfit of the marks to rigid parts.
     pub sigma: Option<f64>,
-    /// Standard deviation of the first session's coordinates.
+    /// Standard deviation of one coordinate of a mark on its part, measured in the first session.
     pub sigma_on_parts: f64,
 }
 
-/// A study folder as described in guide/study.md: settings with their defaults and the cells of its files, with names not yet resolved.
+/// Contents of a study folder as described in guide/study.md: settings with their defaults, and the cells of all tables. Names are not yet
+/// resolved in the model.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// Study folder; every path of the study lies below it.
+    /// Path of the study folder. All files of the study are inside it.
     pub folder: PathBuf,
-    /// The file `study.toml`.
+    /// Text of `study.toml`.
     pub source: Source,
-    /// The deck.
+    /// Text of the deck.
     pub deck: Source,
-    /// Path of the deck.
+    /// Path of the deck's file.
     pub deck_path: PathBuf,
-    /// Section `[solver]`.
+    /// Settings of section `[solver]`.
     pub solver: SolverSettings,
-    /// Load cases: `case`, then one column per load.
+    /// Table of load cases: column `case`, then one column per load.
     pub loads: Table,
-    /// Load columns with the addresses they drive, in the order of `study.toml`.
+    /// Names of the load columns with the addresses that they drive, in the order of `study.toml`.
     pub columns: Vec<(SpannedText, SpannedText)>,
-    /// Section `[marks]`.
+    /// Section `[marks]`: tables of the mark positions, and their noise.
     pub marks: Option<MarkFiles>,
-    /// Section `[wheel]` and its readings, if any.
+    /// Section `[wheel]`, and the table of its readings if there is one.
     pub wheel: Option<(WheelSettings, Option<Table>)>,
-    /// Section `[readings]`: the readings and their channels.
+    /// Section `[readings]`: table of the readings, and the channels.
     pub readings: Option<(Table, Vec<ChannelSettings>)>,
-    /// Section `[kc]` and its readings.
+    /// Section `[kc]`, and the table of its readings.
     pub kc: Option<(KcSettings, Table)>,
-    /// Table of `[kc] summary`: gradients and loop widths taken from curves.
+    /// Table of gradients and loop widths of curves: key `summary` of section `[kc]`.
     pub kc_summary: Option<Table>,
-    /// Section `[identify]`.
+    /// Settings of section `[identify]`.
     pub identify: IdentifySettings,
-    /// Section `[regression]`.
+    /// Settings of section `[regression]`.
     pub regression: RegressionSettings,
-    /// Section `[tolerances]`.
+    /// Settings of section `[tolerances]`.
     pub tolerances: ToleranceSettings,
-    /// `[priors]`.
+    /// Settings of section `[priors]`.
     pub priors: CausePriors,
-    /// Method of selection of `[diagnosis]`.
+    /// Method by which a diagnosis selects causes: key `selection` of section `[diagnosis]`.
     pub selection: Selection,
-    /// List `[validate] hold_out`, if given.
+    /// Labels of cases and names of channels held out of all fits: key `hold_out` of section `[validate]`.
     pub hold_out: Option<Vec<SpannedText>>,
-    /// Deck of `[reference]`, for reports only.
+    /// Reference deck of section `[reference]`, used only for reports.
     pub reference: Option<Source>,
 }
 
 impl Study {
     /// Reads `study.toml` and every file it names.
     ///
-    /// Unknown keys are errors. The value is `None` if `study.toml`, the deck or the load cases cannot be read.
+    /// Unknown keys are reported as errors. The value is `None` if `study.toml`, the deck or the load cases cannot be read.
     pub fn read(folder: &Path) -> Checked<Option<Self>> {
         let mut out = Vec::new();
         let value = read(folder, &mut out);
@@ -84,7 +85,8 @@ impl Study {
         }
     }
 
-    /// Returns the position of a key in `study.toml`, or of the section that should contain it, or the start of the file.
+    /// Returns the position of a key in `study.toml`; `keys` holds the components of its name. If the key is absent, the position of the
+    /// section that should contain it is returned. If the section is absent too, it is the start of the file.
     pub fn place(&self, keys: &[&str]) -> Span {
         let text = String::from_utf8_lossy(self.source.bytes());
         let (document, _) = DeTable::parse_recoverable(&text);
@@ -94,7 +96,7 @@ impl Study {
                 break;
             };
             table = value.get_ref().as_table();
-            // The position of the value for a plain key, of the name for a section.
+            // For a section, this is the position of its name; for any other key, the position of its value.
             span = Span::from(if table.is_some() {
                 name.span()
             } else {
@@ -104,7 +106,7 @@ impl Study {
         span
     }
 
-    /// Returns every input file.
+    /// Returns the input files of the study that determine its results, each with its name and bytes.
     pub fn sources(&self) -> Vec<&Source> {
         let tables = [
             Some(&self.loads),
@@ -126,13 +128,13 @@ impl Study {
             .collect()
     }
 
-    /// Returns the SHA-256 of every input file, in hexadecimal. Runs with the same value have read the same bytes.
+    /// Returns the SHA-256 over all input files, in hexadecimal. Runs with equal values have read the same bytes.
     pub fn inputs_sha256(&self) -> String {
         digest(self.sources().into_iter().map(Source::bytes))
     }
 }
 
-/// Returns every key of `study.toml` that the reader queries.
+/// Returns all keys of `study.toml` that the program reads.
 pub(crate) fn study_keys() -> Vec<Key> {
     let source = Source::new("study.toml".to_string(), Vec::new());
     let files = Files {
@@ -145,7 +147,7 @@ pub(crate) fn study_keys() -> Vec<Key> {
             texts,
             ..SchemaRecorder::default()
         };
-        // Missing settings of an empty study are irrelevant here.
+        // The errors about missing settings are ignored, because only the queried keys matter here.
         let _ = sections(
             &mut Section::inquiring(&source, &inquiry),
             &files,
@@ -211,7 +213,7 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
     })
 }
 
-/// Returns the diagnostic for a folder without a study, with help on how to create one.
+/// Returns the diagnostic for a folder whose `study.toml` cannot be read. Its help explains how to create a study.
 fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
     let shown = folder.display();
     let begin = |deck: &str| {
@@ -244,7 +246,7 @@ fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
     Diagnostic::error(Code::CannotRead, text)
 }
 
-/// Reads every section. The caller sets `source` and `folder`.
+/// Reads all sections of `study.toml` and the files that they name. The caller must set `source` and `folder` of the result.
 fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>) -> Option<Study> {
     let mut model = root.section("model", out);
     let deck = files.required(&mut model, "deck", out);
@@ -379,7 +381,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     })
 }
 
-/// Access to the files below the study folder; no other file is opened.
+/// Access to the files inside the study folder. No other file is opened.
 struct Files<'a> {
     folder: &'a Path,
     study: &'a Source,
@@ -402,7 +404,8 @@ impl Files<'_> {
         self.open(&spelled, out)
     }
 
-    /// Opens a file of readings. An unreadable file is reported and treated as empty, because a virtual rig may produce it.
+    /// Opens the file of readings that a key names. A file that cannot be read is reported and treated as empty, because a virtual rig may
+    /// produce it.
     fn readings(
         &self,
         section: &mut Section<'_>,
@@ -431,7 +434,8 @@ impl Files<'_> {
         self.open(&spelled, out)
     }
 
-    /// Returns a path of the study, which must lie below its folder even if it does not exist.
+    /// Returns the path of a file that the study names. The path must be inside the study folder, even if the file does not exist; otherwise it
+    /// is reported.
     fn path(&self, spelled: &SpannedText, out: &mut Vec<Diagnostic>) -> Option<PathBuf> {
         let found = file_below(self.folder, &spelled.text, "study");
         let label = |told: Diagnostic| told.label(self.study.name(), spelled.span, "");
@@ -504,7 +508,7 @@ mod tests {
         let (folder, checked) = study(&text);
         let study = checked.value.expect("found");
         assert_eq!(study.loads.source.bytes(), b"case,v\n1,1500\n");
-        // On a case-insensitive file system both names are the same file, and nothing is reported.
+        // On a case-insensitive file system, both spellings name the same file, and nothing is reported.
         if folder.path().join("MODEL.ADM").exists() {
             return;
         }

@@ -1,54 +1,55 @@
-//! Numbers that a laboratory takes from its curves, as readings of their own: gradients and loop widths.
+//! Summaries of curves as readings: gradients and loop widths, as a laboratory reports them.
 //!
-//! A gradient is the slope of the least-squares line of a curve over a load or another curve, within a run of load cases: `g = sum (x - mean
-//! x)(y - mean y) / sum (x - mean x)^2`. The loop width at a load value is the mean of the curve there with the load falling, minus its mean
-//! with the load rising. Between cases the curve is interpolated linearly. Source: guide page `study`, section "Gradients and widths".
+//! A gradient is the slope of the least-squares line through a curve `y` plotted over `x`, which is a load or another curve, within a sequence
+//! of load cases: `g = sum (x - mean x)(y - mean y) / sum (x - mean x)^2`. The loop width at a load value is the mean of the curve at this
+//! value while the load falls, minus its mean while the load rises. Between cases, the curve is interpolated linearly. Source: guide page
+//! `study`, section "Gradients and widths".
 
-/// Kind of number taken from a curve.
+/// Kind of summary of a curve.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum SummaryKind {
-    /// Slope of the least-squares line.
+    /// Gradient: slope of the least-squares line.
     Gradient,
-    /// Width of the loop at this value of its load.
+    /// Width of the loop at this value of the load.
     Width(f64),
 }
 
-/// Abscissa of a curve.
+/// Abscissa over which a curve is plotted.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Over {
-    /// A load: its value in each of the cases, in the unit of the study's file.
+    /// A load. The vector holds its value in each of the cases, in the unit of the study's file.
     Load(Vec<f64>),
-    /// Another channel.
+    /// A channel, given by its index.
     Channel(usize),
 }
 
-/// A number taken from a channel over several cases.
+/// A summary of a channel over several load cases.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Summary {
-    /// Kind of number.
+    /// Kind of the summary.
     pub kind: SummaryKind,
-    /// Abscissa.
+    /// Abscissa over which the channel is plotted.
     pub over: Over,
-    /// Cases in the order driven.
+    /// Load cases of the curve, in the order of application.
     pub cases: Vec<usize>,
-    /// Number of units of the abscissa that a gradient refers to.
+    /// Change of the abscissa that a gradient refers to, such as 100 for a gradient per 100 N.
     pub per: f64,
 }
 
-/// Value of a summary, with its derivatives by each value of the curve and of its abscissa.
+/// Value of a summary, with its derivatives with respect to all values of the curve and of the abscissa.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Taken {
     /// Value of the summary.
     pub value: f64,
-    /// Derivative by the curve's value in each case.
+    /// Derivative with respect to the value of the curve in each case.
     pub by_curve: Vec<f64>,
-    /// Derivative by the abscissa in each case.
+    /// Derivative with respect to the abscissa in each case.
     pub by_over: Vec<f64>,
 }
 
 impl Summary {
-    /// Computes the summary from the curve's values in its cases; `channel` returns the values of another channel in these cases. The value is
-    /// zero if it is undefined.
+    /// Computes the summary from the values of the curve in its cases. `channel` returns the values in these cases of the channel that is the
+    /// abscissa. If the summary is undefined, its value is zero.
     pub fn take(&self, curve: &[f64], channel: &dyn Fn(usize) -> Vec<f64>) -> Taken {
         let x = match &self.over {
             Over::Load(values) => values.clone(),
@@ -86,7 +87,8 @@ fn gradient(x: &[f64], y: &[f64], per: f64) -> Taken {
     }
 }
 
-/// Returns the weights of the curve's values in the loop width, or `None` if the load does not pass this value in both directions.
+/// Returns the weights of the curve values in the loop width at the load value `at`. `x` holds the load in each case. Returns `None` if the
+/// load does not pass this value in both directions.
 pub(super) fn weights(x: &[f64], at: f64) -> Option<Vec<f64>> {
     let mut ways = [vec![0.0; x.len()], vec![0.0; x.len()]];
     let mut counts = [0.0; 2];
@@ -157,7 +159,8 @@ mod tests {
         }
     }
 
-    /// Dry friction of limit f on a straight line: the loop width is 2 f, at a measured point and between two points.
+    /// A straight line that is shifted by 0.4 against the direction of loading, as by dry friction, has a loop width of 0.8. This holds at a
+    /// measured point and between two points.
     #[test]
     fn a_loop_has_its_width() {
         let x = [0.0, 10.0, 20.0, 10.0, 0.0, -10.0, -20.0, -10.0, 0.0, 10.0];

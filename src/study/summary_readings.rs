@@ -1,4 +1,5 @@
-//! The table of gradients and loop widths of a study: its rows become channels, and a virtual rig rewrites it.
+//! The table of gradients and loop widths of a study. Its rows become channels of the measurement; a virtual rig writes the table with new
+//! values.
 
 use super::kc_curves::{Curve, Gauge, KcSettings, factor};
 use super::measurement::{Channel, Measurement};
@@ -11,12 +12,12 @@ use super::wheel_readings::marker_of;
 use admire_solver::model::Model;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Required columns of the table.
+/// Required columns of the table of gradients and loop widths.
 const COLUMNS: [&str; 8] = [
     "name", "curve", "kind", "over", "from", "to", "value", "sigma",
 ];
 
-/// Adds the channels and readings of a table of gradients and loop widths.
+/// Adds one channel with its reading to the measurement for each row of the table of gradients and loop widths.
 pub(super) fn summaries(
     study: &Study,
     model: &Model,
@@ -167,7 +168,7 @@ impl Row<'_> {
             let message = format!("`{}` is a channel already", name.text);
             return Err(self.wrong(name, message, "give each a name of its own".to_string()));
         }
-        // The value may be empty, because a virtual rig may produce it.
+        // The cell of the value may be empty, because a virtual rig may produce the value.
         let value = self.table.number(self.cells, self.columns[6], out);
         self.push(to, &name.text, gauge.function(curve), gauge);
         let channel = to.channels.last_mut().expect("just pushed");
@@ -198,7 +199,7 @@ impl Row<'_> {
         })
     }
 
-    /// Returns the channel of the curve that serves as abscissa: a measured one, or a new one without readings.
+    /// Returns the channel of the curve that serves as abscissa. If no channel measures this curve, a channel without readings is added.
     fn other(&self, cell: &Cell, gauge: &Gauge, to: &mut Measurement) -> Result<usize, Diagnostic> {
         let curve = Curve::named(&cell.text).ok_or_else(|| {
             let loads = self.study.columns.iter().map(|(n, _)| n.text.as_str());
@@ -235,7 +236,7 @@ impl Row<'_> {
     }
 }
 
-/// Returns the text of the table with the values from a virtual rig's own curves.
+/// Returns the text of the table with new values. `read` holds the channel values that a virtual rig has read, by case.
 pub fn written(table: &Table, measured: &Measurement, read: &[Vec<f64>]) -> String {
     let (name, value) = (table.column("name"), table.column("value"));
     let mut text = table.header_row();

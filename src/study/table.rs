@@ -4,22 +4,22 @@ use super::section::nearest;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// End of the message about a number with a point in a file with decimal commas.
+/// End of the message about a number with a point in a file whose other numbers have decimal commas.
 const BESIDE_COMMAS: &str =
     "may be thousands or a decimal point: other numbers of this file have decimal commas";
 
 /// One cell of a CSV file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Cell {
-    /// Text without quotes and surrounding blanks.
+    /// Text of the cell, without quotes and surrounding blanks.
     pub text: String,
-    /// Position in the file.
+    /// Position of the cell in the file.
     pub span: Span,
 }
 
-/// A CSV file as described in guide/study.md: one header line, `#` comment lines, columns found by header name, LF or CR LF. Cells are
-/// separated by commas, or by the semicolons or tabs of spreadsheets. With semicolons or tabs, numbers may have decimal commas. UTF-16 is
-/// accepted as well as UTF-8.
+/// A CSV file as described in guide/study.md, with one header line and `#` comment lines. Columns are found by their header names. Lines end
+/// with LF or CR LF. Cells are separated by commas, or by semicolons or tabs as spreadsheets write them. With semicolons or tabs, numbers may
+/// have decimal commas. UTF-8 and UTF-16 are accepted.
 #[derive(Clone, Debug)]
 pub struct Table {
     /// Source of the file.
@@ -32,7 +32,8 @@ pub struct Table {
 }
 
 impl Table {
-    /// Splits a file into cells. Malformed lines are reported, and assumptions about separators and decimal commas are noted.
+    /// Splits a file into cells. Malformed lines are reported. A note states which separators and decimal commas were assumed, unless cells are
+    /// separated by commas.
     pub fn read(source: Source, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let source = source.in_utf8();
         let bytes = source.bytes();
@@ -101,7 +102,7 @@ impl Table {
         table
     }
 
-    /// Returns a note about the assumed separators and decimal commas of a file without commas as separators.
+    /// Returns a note that states the assumed separators and decimal commas, for a file whose cells are separated by semicolons or tabs.
     fn dialect(&self, delimiter: u8) -> Diagnostic {
         let between = if delimiter == b';' {
             "semicolons"
@@ -126,12 +127,12 @@ impl Table {
             .any(|cell| !cell.text.is_empty())
     }
 
-    /// Returns the index of a column.
+    /// Returns the index of the column with this name, ignoring case.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.get(&name.to_lowercase()).copied()
     }
 
-    /// Returns the indices of required columns, or reports the missing ones.
+    /// Returns the indices of the required columns. If any is missing, the missing columns are reported and the result is `None`.
     pub fn columns<const N: usize>(
         &self,
         names: [&str; N],
@@ -168,7 +169,7 @@ impl Table {
         None
     }
 
-    /// Reports a column whose name occurs twice, because the choice between them would be arbitrary.
+    /// Reports an error if another column has the same name as this column, because the choice between them would be arbitrary.
     pub(crate) fn only(&self, column: usize, diagnostics: &mut Vec<Diagnostic>) {
         let Some(own) = self.header.get(column) else {
             return;
@@ -188,12 +189,12 @@ impl Table {
         );
     }
 
-    /// Returns the names of the header line as written.
+    /// Returns the column names as written in the header line.
     pub(crate) fn header(&self) -> Vec<String> {
         self.header.iter().map(|cell| cell.text.clone()).collect()
     }
 
-    /// Returns the column whose name differs from this one by few letters.
+    /// Returns the column name in the header line that is most similar to `name`, if they differ by only a few letters.
     fn slip(&self, name: &str) -> Option<&str> {
         let long = |cell: &&Cell| cell.text.len() > 2;
         let names = self.header.iter().filter(long);
@@ -208,23 +209,23 @@ impl Table {
         }
     }
 
-    /// Returns the rows below the header.
+    /// Returns the rows below the header line.
     pub fn rows(&self) -> &[Vec<Cell>] {
         &self.rows
     }
 
-    /// Returns the cell of a row, unless the row is too short or the cell empty.
+    /// Returns the cell of a row in a column; `None` if the row is too short or the cell is empty.
     pub(crate) fn cell<'a>(&self, row: &'a [Cell], column: usize) -> Option<&'a Cell> {
         row.get(column).filter(|cell| !cell.text.is_empty())
     }
 
-    /// Returns the text of the header line.
+    /// Returns the text of the header line, in the style of the file.
     pub(crate) fn header_row(&self) -> String {
         let cells: Vec<String> = self.header();
         cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
     }
 
-    /// Returns the text of a row to append, in the style of the file. It contains the given cells by column; all other cells are empty.
+    /// Returns the text of a new row in the style of the file. `cells` holds pairs of column and text; all other cells are empty.
     pub fn further_row(&self, cells: &[(usize, String)]) -> String {
         let of = |column: usize| {
             let own = cells.iter().find(|(at, _)| *at == column);
@@ -239,7 +240,7 @@ impl Table {
         cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
     }
 
-    /// Returns the position of a row.
+    /// Returns the position of a row in the file.
     pub fn row_span(&self, row: &[Cell]) -> Span {
         match (row.first(), row.last()) {
             (Some(first), Some(last)) => first.span.join(last.span),
@@ -247,12 +248,12 @@ impl Table {
         }
     }
 
-    /// Returns true if a column's name differs from this one by few letters only.
+    /// Returns true if the header line contains a name that differs from `name` by only a few letters.
     pub(crate) fn has_slip(&self, name: &str) -> bool {
         self.slip(name).is_some()
     }
 
-    /// Returns the finite number of a cell. `None` if the cell holds no number, or an ambiguous one (see [`Self::is_ambiguous`]).
+    /// Returns the finite number in a cell. Returns `None` if the cell holds no number, or an ambiguous number (see [`Self::is_ambiguous`]).
     pub(crate) fn value(&self, cell: &Cell) -> Option<f64> {
         let number = match cell.text.parse().ok() {
             None if self.decimal_commas => decimal(&cell.text),
@@ -262,12 +263,13 @@ impl Table {
         number.filter(|x: &f64| x.is_finite())
     }
 
-    /// Returns true for `1.500` in a file with decimal commas, which may mean 1500 or 1.5.
+    /// Returns true if the cell holds a number with a point although the file has decimal commas. For example, `1.500` may then mean 1500 or
+    /// 1.5.
     fn is_ambiguous(&self, cell: &Cell) -> bool {
         self.decimal_commas && cell.text.contains('.') && cell.text.parse::<f64>().is_ok()
     }
 
-    /// Reports a number with a point in a file with decimal commas, once per file. Returns true if the cell holds such a number.
+    /// Reports a number with a point in a file with decimal commas, at most once per file. Returns true if the cell holds such a number.
     pub(crate) fn complain_of_point(&self, cell: &Cell, out: &mut Vec<Diagnostic>) -> bool {
         if !self.is_ambiguous(cell) {
             return false;
@@ -287,8 +289,8 @@ impl Table {
         true
     }
 
-    /// Returns a number of a row. `None` for an empty cell (silently), for text that is no finite number (with a warning), and for a point in
-    /// a file with decimal commas (with an error).
+    /// Returns the number in a cell of a row. Returns `None` for an empty cell. Also returns `None` for text that is no finite number, with a
+    /// warning, and for a number with a point in a file with decimal commas, with an error.
     pub fn number(
         &self,
         row: &[Cell],
@@ -310,7 +312,8 @@ impl Table {
     }
 }
 
-/// Returns the separator of the header line: semicolon or tab if it occurs more often than the comma, otherwise the comma.
+/// Returns the separator of the cells, judged by the header line: semicolon or tab if it occurs there more often than the comma, otherwise the
+/// comma.
 fn delimiter(bytes: &[u8]) -> u8 {
     let line = &bytes[row_start(bytes, 0).min(bytes.len())..];
     let end = memchr::memchr2(b'\n', b'\r', line).unwrap_or(line.len());
@@ -330,7 +333,7 @@ fn delimiter(bytes: &[u8]) -> u8 {
     }
 }
 
-/// Parses a number with a decimal comma.
+/// Parses a number with a decimal comma; returns `None` for any other text.
 fn decimal(text: &str) -> Option<f64> {
     let (whole, fraction) = text.split_once(',')?;
     if whole.contains('.') || fraction.contains(',') {
@@ -339,7 +342,7 @@ fn decimal(text: &str) -> Option<f64> {
     format!("{whole}.{fraction}").parse().ok()
 }
 
-/// Skips the comment and blank lines before a record.
+/// Returns the position of the next record at or after `at`, behind comment lines and blank lines.
 fn row_start(bytes: &[u8], mut at: usize) -> usize {
     loop {
         let rest = &bytes[at.min(bytes.len())..];
@@ -355,8 +358,8 @@ fn row_start(bytes: &[u8], mut at: usize) -> usize {
     }
 }
 
-/// Locates each field of a record in the bytes it was read from. As in the CSV reader, a quote opens a quoted field only as its first byte and
-/// is an ordinary character elsewhere.
+/// Returns the cells of a record with their positions in the bytes of the file. As in the CSV reader, a quote opens a quoted field only as the
+/// first byte of the field, and is an ordinary character elsewhere.
 fn cells(
     bytes: &[u8],
     place: std::ops::Range<usize>,
@@ -377,7 +380,7 @@ fn cells(
             end -= 1;
         }
         at += 1;
-        // Some spreadsheets still write Latin-1; names in decks are read in the same way.
+        // Bytes that are not UTF-8 are read as Latin-1, which some spreadsheets still write. Names in decks are read in the same way.
         let text = std::str::from_utf8(field).map_or_else(
             |_| field.iter().map(|&byte| char::from(byte)).collect(),
             str::to_string,
@@ -441,7 +444,7 @@ mod tests {
         (table, diagnostics)
     }
 
-    /// A writer with decimal commas means 1500 by `1.500`, another writer 1.5. The file does not tell which.
+    /// In a file with decimal commas, `1.500` may mean 1500 or 1.5. The file does not tell which.
     #[test]
     fn a_point_beside_decimal_commas_is_refused_once() {
         let (table, mut out) = read("case;x;y\n1.1;0,5;1.500\n1.2;2;3.000\n1.3;7;-12\n");
@@ -465,7 +468,7 @@ mod tests {
             "{}",
             out[before].message
         );
-        // Without any decimal comma the points are decimal points.
+        // In a file without decimal commas, points are decimal points.
         let (table, mut out) = read("case;x\n1;1.500\n");
         let [x] = table.columns(["x"], &mut out).unwrap();
         assert_eq!(table.number(&table.rows()[0], x, &mut out), Some(1.5));
@@ -527,7 +530,7 @@ mod tests {
         };
         assert_eq!(numbers(0), (Some(1.5), Some(-2.25e-3)));
         assert_eq!(numbers(1), (Some(3.0), Some(4.0)));
-        // A number with a point and a comma is rejected.
+        // A number with both a point and a comma is rejected.
         assert_eq!(numbers(2), (None, Some(6.0)));
         assert_eq!(&table.source.text(table.rows()[0][1].span), "1,5");
         let (table, mut diagnostics) = read("case\tx\na\t1.5\n");

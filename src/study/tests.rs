@@ -1,4 +1,4 @@
-//! Tests of the data checks: each kind of bad data is planted in the shipped study.
+//! Tests of the checks of readings: each kind of fault is planted in the study that is shipped with the program.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_solver::model::{Header, Marker, Model, Orientation, Part, PartIx, PartKind};
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
-/// Returns a minimal model: ground, the marked parts, and markers at the marks.
+/// Returns a minimal model that contains ground, the parts with marks, and a marker at each mark.
 fn model(on_parts: &str) -> Model {
     let mut model = Model::default();
     let mut names = vec!["GROUND"];
@@ -76,7 +76,7 @@ fn as_shipped() -> Measurement {
     study("", str::to_string).0
 }
 
-/// Expects exactly one diagnostic of this code and returns its severity and message.
+/// Checks that there is exactly one diagnostic with this code, and returns its severity and message.
 fn only(diagnostics: &[Diagnostic], code: Code) -> (Severity, &str) {
     let found: Vec<&Diagnostic> = diagnostics.iter().filter(|d| d.code == code).collect();
     assert_eq!(found.len(), 1, "{code} in {diagnostics:#?}");
@@ -84,7 +84,7 @@ fn only(diagnostics: &[Diagnostic], code: Code) -> (Severity, &str) {
     (found[0].severity, &found[0].message)
 }
 
-/// Multiplies the last three columns of the lines that start with `prefix`.
+/// Multiplies the last three columns by `factor` in all lines that start with `prefix`.
 fn scaled(text: &str, prefix: &str, factor: f64) -> String {
     let line = |line: &str| {
         if !line.starts_with(prefix) || line.contains("mark") {
@@ -118,7 +118,7 @@ fn the_shipped_study_is_clean() {
             "../../corpus/pseudo-mcpherson/marks_on_parts.csv"
         )),
     );
-    // KNUCKLE of the reference equilibrium, within the noise of its origin.
+    // The pose of KNUCKLE must agree with the reference equilibrium, within the noise of its origin.
     let knuckle = poses[3].as_ref().unwrap();
     assert!((knuckle.pose.p - Vec3::new(2.165960, -685.397962, 256.535840)).norm() < 0.2);
 }
@@ -127,7 +127,7 @@ fn the_shipped_study_is_clean() {
 fn noise_is_estimated_when_not_given() {
     let (measured, _) = study("study.toml", |text| text.replace("sigma = 0.05", ""));
     assert!(measured.sigma_estimated);
-    // 5 parts with 4 marks in 13 cases give 360 degrees of freedom, so the relative standard error of sigma is 3.7 percent.
+    // Five parts with four marks in 13 cases give 360 degrees of freedom, so the relative standard error of sigma is 3.7 percent.
     assert!(
         (measured.sigma / 0.05 - 1.0).abs() < 0.12,
         "{}",
@@ -190,7 +190,7 @@ fn swapped_marks_are_put_right() {
     );
 }
 
-/// The readings of two parts are exchanged from case 8 on. Both parts are named.
+/// The readings of two parts are exchanged from case 8 on. Both parts must be reported.
 #[test]
 fn marks_of_another_part_are_told_from_a_wrong_reading() {
     let exchange = |text: &str| {
@@ -290,7 +290,7 @@ fn duplicated_cases() {
         text.to_string() + "13,4500,0,1000\n"
     });
     assert_eq!(only(&diagnostics, Code::DuplicateCase).0, Severity::Error);
-    // The readings of case 12 are filed a second time as case 13.
+    // The readings of case 12 appear a second time as case 13.
     let (measured, diagnostics) = study("marks_measured.csv", |text| {
         let kept: Vec<&str> = text
             .lines()

@@ -1,4 +1,4 @@
-//! Readings of `[wheel]`: its marker, and the rig's reading of it in each case.
+//! Readings of section `[wheel]`: the wheel marker, and the position and angles of the wheel in each load case.
 
 use super::measurement::{Grouped, Measurement, Wheel, wheel};
 use super::rows::{case_of, point};
@@ -59,7 +59,7 @@ pub(super) fn wheel_readings(
     grouped.finish(out);
 }
 
-/// Returns the marker that a study names, or reports that it does not exist.
+/// Returns the marker that a study names, or reports that the deck has no such marker.
 pub(super) fn marker_of(
     study: &Study,
     name: &SpannedText,
@@ -91,7 +91,7 @@ pub(super) fn marker_of(
     found
 }
 
-/// Returns the marker with this address (`MARKER/20`), id or view name.
+/// Returns the marker with this address (such as `MARKER/20`), id or view name.
 fn marker(name: &str, model: &Model) -> Option<MarkerIx> {
     let name = name.trim();
     let id = name.split_once('/').map_or(name, |(_, id)| id).trim();

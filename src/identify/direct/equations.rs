@@ -1,4 +1,4 @@
-//! Linearised equilibrium equations at the measured poses, one set per load case.
+//! Equilibrium equations linearised at the measured poses, one set per load case.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,28 +10,29 @@ use admire_solver::system::{NoValue, Parameters, Scratch, Slot, State, System};
 use admire_study::Measurement;
 use admire_study::orientation::absolute_orientation;
 
-/// Measured poses of all moving parts in one case, with the current estimate of their true values.
+/// Measured poses of all moving parts in one load case, with the current estimate of the true poses.
 #[derive(Clone)]
 pub(super) struct CaseState {
-    /// Index of the case.
+    /// Index of the load case.
     pub case: usize,
     measured: Vec<(PartIx, Pose)>,
-    /// Covariance of the poses over all part unknowns.
+    /// Covariance of the measured poses, over the unknowns of all parts.
     covariance: DMatrix<f64>,
     state: State,
 }
 
-/// Equations `residual + columns * dtheta + (noise) = 0`, with constraints and without joint reactions.
+/// Linearised equations `residual + columns * dtheta + (noise) = 0` of one load case. They contain the force balance without joint reactions,
+/// and the constraints.
 pub(super) struct Linearised {
-    /// Residual at the current poses and numbers; the difference to the measured poses is included to first order.
+    /// Residual at the measured poses and the current parameter values, extrapolated to first order from the current poses.
     pub residual: DVector<f64>,
-    /// Derivatives with respect to each number.
+    /// Derivatives with respect to each parameter.
     pub columns: DMatrix<f64>,
-    /// Covariance of the residual due to pose noise.
+    /// Covariance of the residual that the noise of the measured poses causes.
     pub covariance: DMatrix<f64>,
-    /// Pose covariance times the transposed derivative, which moves the poses onto the equations.
+    /// Covariance of the poses times the transposed derivative of the equations with respect to the poses.
     pub gain: DMatrix<f64>,
-    /// Measured minus current poses.
+    /// Measured minus current poses, as a change of the part unknowns.
     pub misfit: DVector<f64>,
 }
 
@@ -44,7 +45,7 @@ impl Sink for Entries {
 }
 
 impl CaseState {
-    /// Creates the state of a case; returns `None` if the pose of a moving part is not measured in this case.
+    /// Creates the state of a load case at the measured poses. Returns `None` if the pose of a moving part is not measured in this case.
     pub(crate) fn new(
         system: &System,
         model: &Model,
@@ -71,7 +72,7 @@ impl CaseState {
                 return None;
             }
             state.poses[part.0] = fit.pose;
-            // Converts the covariance of the origin to that of the part's reference point: dp + dphi x arm.
+            // The covariance refers to the part's origin. It is converted to the part's reference point by dp + dphi x arm.
             let mut moved = Mat6::identity();
             let by_turn = -skew(&system.reference_arm(&state, part.0));
             moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_turn);
@@ -88,7 +89,7 @@ impl CaseState {
         })
     }
 
-    /// Linearises at the current poses. The multipliers are set to the values that balance the parts best.
+    /// Linearises the equations at the current poses. The Lagrange multipliers are set to the values that balance the parts best.
     pub(crate) fn linearise(
         &mut self,
         system: &System,
@@ -102,7 +103,8 @@ impl CaseState {
         let mut g = vec![0.0; unknowns];
         let mut jacobian = Entries(DMatrix::zeros(unknowns, unknowns));
         system.assemble(parameters, &self.state, scratch, &mut g, &mut jacobian)?;
-        // Reactions enter linearly as G^T lambda: their orthogonal complement, and the reactions that balance the rest.
+        // The reactions enter linearly as G^T lambda. This gives a basis of their orthogonal complement, and the pseudo-inverse that yields the
+        // multipliers.
         let reactions = jacobian.0.view((0, parts), (parts, equations)).into_owned();
         let (basis, free) = split(&reactions);
         let balance = DVector::from_column_slice(&g[..parts]);
@@ -151,7 +153,7 @@ impl CaseState {
         })
     }
 
-    /// Returns measured minus current poses as changes of the part unknowns.
+    /// Returns measured minus current poses, as a change of the part unknowns.
     fn misfit(&self, system: &System) -> DVector<f64> {
         let mut misfit = DVector::zeros(self.covariance.nrows());
         for (part, measured) in &self.measured {
@@ -167,14 +169,14 @@ impl CaseState {
         misfit
     }
 
-    /// Resets the poses to the measured ones.
+    /// Resets the current poses to the measured poses.
     pub(crate) fn as_measured(&mut self) {
         for (part, measured) in &self.measured {
             self.state.poses[part.0] = *measured;
         }
     }
 
-    /// Moves the poses by a change of the part unknowns.
+    /// Moves the current poses by a change of the part unknowns.
     pub(crate) fn advance(&mut self, system: &System, change: &DVector<f64>) {
         for (part, _) in &self.measured {
             system.displace(&mut self.state, *part, change.as_slice());

@@ -1,11 +1,14 @@
-//! Direct solution: the equilibrium of the measured poses is linear in the stiffnesses, so that no solver run is needed.
+//! `method = "direct"`: the stiffnesses are computed from the equilibrium equations at the measured poses. These equations are linear in the
+//! stiffnesses, so no solver run is needed.
 //!
-//! In every load case, the forces on each part must balance at the measured pose. Joint reactions are eliminated by projection on their
-//! orthogonal complement. The remaining equations are linear in stiffnesses and preloads; an assembly offset is a preload, `p = K delta0`.
+//! In every load case, the forces on each part must balance at its measured pose. Joint reactions are eliminated by projecting the equations
+//! onto the orthogonal complement of the reactions. The remaining equations are linear in stiffnesses and preloads. An assembly offset `delta0`
+//! acts as a preload `p = K delta0`.
 //!
-//! Pose noise gives the equations the covariance `C = K_T Sigma K_T^T`, and they are weighted by its inverse. The noise also affects the
-//! deflections that multiply the stiffnesses, which biases this solution towards zero. Most of the bias is removed by repeatedly moving the
-//! poses onto the equations within their covariance.
+//! Noise of the poses with covariance `Sigma` gives the equations the covariance `C = K_T Sigma K_T^T`, where `K_T` is the tangent stiffness.
+//! The equations are weighted by the inverse of `C`. The noise also affects the deflections that multiply the stiffnesses, which biases the
+//! stiffnesses towards zero. Most of this bias is removed by repeatedly moving the poses, within their covariance, to positions that satisfy
+//! the equations.
 
 mod equations;
 mod report;
@@ -35,9 +38,9 @@ use admire_syntax::Address;
 /// Settings of the direct solution.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DirectSettings {
-    /// Maximum number of rounds in which the poses are moved onto the equations.
+    /// Maximum number of Levenberg-Marquardt steps in one attempt. In each step, the poses are corrected as well.
     pub rounds: usize,
-    /// If true, also solves with the poses as measured, to show the bias due to their noise.
+    /// If true, also solves with uncorrected poses, to show the bias due to their noise.
     pub show_bias: bool,
 }
 
@@ -53,29 +56,30 @@ impl Default for DirectSettings {
 /// Result of the direct solution.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DirectSolution {
-    /// Values, one per unknown of the problem.
+    /// Identified values, one per unknown of the problem.
     pub values: Vec<f64>,
-    /// Values with the poses as measured, as from plain weighted least squares; empty if not requested.
+    /// Values from plain weighted least squares with uncorrected poses; empty if not requested.
     pub uncorrected: Vec<f64>,
-    /// True for each unknown at the edge of its allowed range.
+    /// True for each unknown that is at a bound of its allowed range.
     pub at_bound: Vec<bool>,
-    /// Covariance matrix; its rows are the logarithms of the values, followed by the offsets in the order of `offsets`.
+    /// Covariance matrix of the logarithms of the values, followed by the offsets in the order of `offsets`.
     pub covariance: DMatrix<f64>,
-    /// Assembly offsets (bushing, axis, delta0) of equation 9 in J axes, lengths and radians; empty if offsets are disabled.
+    /// Assembly offsets of equation 9 of the paper, as (bushing, axis, delta0) in J axes. Axes 0 to 2 are lengths, axes 3 to 5 angles in
+    /// radians. Empty if offsets are disabled.
     pub offsets: Vec<(usize, usize, f64)>,
-    /// Number of rounds.
+    /// Number of weighted least-squares and Levenberg-Marquardt steps over all attempts.
     pub rounds: usize,
-    /// True if the solution converged.
+    /// True if the iteration converged.
     pub settled: bool,
-    /// Squared misfit of the corrected poses over their covariance, including the prior terms.
+    /// Chi-square of the pose corrections under the covariance of the poses, plus the prior terms.
     pub chi_square: f64,
-    /// Number of equations minus number of unknowns.
+    /// Degrees of freedom: number of equations minus number of identified parameters.
     pub dof: usize,
-    /// Cases that were used.
+    /// Indices of the load cases that were used.
     pub cases: Vec<usize>,
 }
 
-/// Solves for all unknowns of a problem.
+/// Computes the direct solution for all unknowns of a problem.
 ///
 /// # Errors
 /// Returns [`IdentifyError`] if no case has the poses of all moving parts, or if the model cannot be compiled.
@@ -106,7 +110,7 @@ pub fn solve(
     direct.run(settings, progress)
 }
 
-/// Final state of one attempt.
+/// Final state of one attempt at the direct solution.
 struct Attempt {
     x: DVector<f64>,
     information: DMatrix<f64>,
@@ -120,12 +124,12 @@ struct Direct<'a> {
     problem: &'a Problem<'a>,
     system: &'a System,
     cases: Vec<CaseState>,
-    /// Slots of each number: unknowns first, then preloads.
+    /// Slots of each unknown of the problem, followed by the slot of the preload of each offset.
     slots: Vec<Vec<Slot>>,
-    /// (bushing, axis) of each offset.
+    /// Bushing and axis of each offset.
     offsets: Vec<(usize, usize)>,
     loads: Vec<Slot>,
-    /// Logarithms of the unknowns, then offsets.
+    /// Logarithms of the identified parameters, followed by the offsets.
     x: DVector<f64>,
 }
 
@@ -249,7 +253,8 @@ impl<'a> Direct<'a> {
         })
     }
 
-    /// Approaches the solution by weighting rounds, then minimises the misfit of the corrected poses by the Levenberg-Marquardt method.
+    /// Makes one attempt at the solution. First takes `weighting` weighted least-squares steps with uncorrected poses. Then minimises the
+    /// chi-square of the pose corrections by the Levenberg-Marquardt method.
     fn attempt(
         &mut self,
         weighting: usize,
@@ -276,7 +281,8 @@ impl<'a> Direct<'a> {
             let (lower, upper) = self.bounds();
             let (step, _) = bounded::solve(&damped, &right, &lower, &upper);
             *rounds += 1;
-            // A negligible predicted decrease of the misfit: exact readings are limited by their last digit.
+            // A negligible predicted decrease of chi-square also counts as converged, because exact readings are limited by the rounding of
+            // their last digit.
             let unnoticed = step.dot(&right) < 1e-4 * (1.0 + 1e-2 * chi_square);
             let before = (self.x.clone(), self.cases.clone());
             self.x += &step;
@@ -316,7 +322,8 @@ impl<'a> Direct<'a> {
         })
     }
 
-    /// Moves the poses onto the equations of the current values; returns the equations there and the misfit.
+    /// Moves the poses to positions that satisfy the equations for the current parameter values. Returns the equations linearised there, and
+    /// chi-square.
     fn corrected(&mut self) -> Result<(Vec<Linearised>, f64), IdentifyError> {
         let nothing = DVector::zeros(self.x.len());
         for _ in 0..DIRECT_POSE_CORRECTIONS {
@@ -328,7 +335,7 @@ impl<'a> Direct<'a> {
         Ok((linear, misfit))
     }
 
-    /// Returns the squared misfit of the corrected poses over their covariance, plus the prior terms.
+    /// Returns the chi-square of the pose corrections under the covariance of the poses, plus the prior terms.
     fn misfit(&self, linear: &[Linearised]) -> f64 {
         let mut sum = 0.0;
         for case in linear {
@@ -341,7 +348,7 @@ impl<'a> Direct<'a> {
         sum
     }
 
-    /// Returns the prior mean and standard deviation of every number.
+    /// Returns the prior mean and standard deviation of every unknown: logarithms of the parameters, then offsets.
     fn priors(&self) -> Vec<(f64, f64)> {
         let settings = self.problem.settings;
         let unknowns = self.problem.unknowns.iter();
@@ -353,7 +360,7 @@ impl<'a> Direct<'a> {
         stiffnesses.chain(offsets).collect()
     }
 
-    /// Takes one weighted least-squares step from the current values and poses.
+    /// Updates the unknowns by one weighted least-squares step at the current poses.
     fn round(&mut self) -> Result<(), IdentifyError> {
         let linear = self.linearise()?;
         let (normal, right) = self.normal_equations(&linear);
@@ -362,7 +369,7 @@ impl<'a> Direct<'a> {
         Ok(())
     }
 
-    /// Returns the weighted least-squares values for the poses as measured, starting from the current values.
+    /// Returns the parameter values from plain weighted least squares with uncorrected poses, starting from the current values.
     fn as_measured(&mut self) -> Result<Vec<f64>, IdentifyError> {
         for case in &mut self.cases {
             case.as_measured();
@@ -373,7 +380,7 @@ impl<'a> Direct<'a> {
         Ok(self.values())
     }
 
-    /// Linearises every case with respect to (ln K, delta0). The preload of an offset is `F0 = K delta0`.
+    /// Linearises the equations of every load case with respect to ln K and delta0. An offset adds `K delta0` to the preload in the deck.
     fn linearise(&mut self) -> Result<Vec<Linearised>, IdentifyError> {
         let count = self.problem.unknowns.len();
         let values = self.values();
@@ -429,7 +436,7 @@ impl<'a> Direct<'a> {
         Ok(linear)
     }
 
-    /// Returns the normal equations of a step, including the priors.
+    /// Returns the matrix and right-hand side of the normal equations of a step, including the priors.
     fn normal_equations(&self, linear: &[Linearised]) -> (DMatrix<f64>, DVector<f64>) {
         let count = self.slots.len();
         let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
@@ -446,7 +453,7 @@ impl<'a> Direct<'a> {
         (normal, right)
     }
 
-    /// Returns the lower and upper bounds of a step.
+    /// Returns the lower and upper bounds of a step of each unknown.
     fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         let (mut lower, mut upper) = (Vec::new(), Vec::new());
         for (k, unknown) in self.problem.unknowns.iter().enumerate() {
@@ -459,7 +466,7 @@ impl<'a> Direct<'a> {
         (lower, upper)
     }
 
-    /// Moves the poses to their most probable positions: `misfit - Sigma H^T C^-1 (residual + columns step)`.
+    /// Moves the poses to their most probable positions after a parameter step: by `misfit - Sigma H^T C^-1 (residual + columns step)`.
     fn correct(&mut self, linear: &[Linearised], step: &DVector<f64>) {
         for (case, linear) in self.cases.iter_mut().zip(linear) {
             let open = &linear.residual + &linear.columns * step;
@@ -470,7 +477,7 @@ impl<'a> Direct<'a> {
     }
 }
 
-/// Computes `C^-1 X`, scaled so that the units of the rows do not matter.
+/// Computes `C^-1 X` for a covariance matrix `C`. Rows are scaled internally, so their units do not affect the accuracy.
 fn weigh(covariance: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let scale = covariance
         .diagonal()

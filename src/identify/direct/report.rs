@@ -1,4 +1,4 @@
-//! Result of the direct solution as `identification.json` shows it.
+//! Conversion of a direct solution to the result that `identification.json` shows.
 
 use std::collections::BTreeMap;
 use std::f64::consts::LN_10;
@@ -13,10 +13,11 @@ use crate::{
 use admire_session::backend::Backend;
 use admire_study::settings::Method;
 
-/// Identifies by the direct solution. The backend only evaluates it, in one sweep with the initial and one with the identified values.
+/// Identifies the parameters by the direct solution. The backend is used only to evaluate the result, in one sweep with the initial and one
+/// with the identified values.
 ///
 /// # Errors
-/// Returns [`IdentifyError`] if there is no direct solution or the backend solves nothing.
+/// Returns [`IdentifyError`] if there is no direct solution, or if a sweep of the backend fails as a whole.
 pub fn identify(
     problem: &Problem<'_>,
     backend: &mut dyn Backend,
@@ -74,7 +75,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
     let one = |(k, unknown): (usize, &crate::Unknown)| {
         let (value, sd) = (solution.values[k], sd_log(solution, k));
         let reach = NORMAL_QUANTILE_975 * sd;
-        // A bound three decades away is not stated.
+        // An interval end three decades away from the value is not stated.
         let side = |factor: f64| (reach < 3.0 * LN_10).then_some(value * factor);
         ParameterFit {
             address: unknown.address.to_string(),
@@ -140,7 +141,7 @@ fn directions(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Unidentif
         .collect()
 }
 
-/// Returns remarks on the bias of plain least squares, on excluded cases, and on missing convergence.
+/// Returns remarks on the bias of plain least squares, on load cases that were left out, and on missing convergence.
 fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
     let mut remarks = Vec::new();
     let mut worst: Option<(usize, f64)> = None;

@@ -1,4 +1,4 @@
-//! Sensitivities of a study's scalar sensors (channels) with respect to the unknowns of a fit.
+//! Sensitivities of the channels (scalar sensors) of a study with respect to the unknowns of a fit.
 
 use nalgebra::DMatrix;
 
@@ -20,7 +20,7 @@ pub struct StateSensitivities<'a> {
 /// Computes the changes of all channels in a load case along each direction, one column per direction.
 ///
 /// # Errors
-/// [`NoValue`] if a function is undefined at the state.
+/// Returns [`NoValue`] if the function of a channel is undefined at the state.
 pub fn channel_changes(
     channels: Channels,
     system: &System,
@@ -50,7 +50,8 @@ pub fn channel_changes(
                 .sum();
         }
     }
-    // Explicit dependence with all parts fixed: a spring force depends on the stiffness, a point of a part on its marker.
+    // Direct effect of the parameters while all parts are fixed: a spring force depends on the stiffness, the position of a point on its
+    // marker.
     let mut near = theta.clone();
     for (mut changes, direction) in out.column_iter_mut().zip(directions) {
         if !reads(channels, system, direction, case) {
@@ -74,7 +75,7 @@ pub fn channel_changes(
     Ok(out)
 }
 
-/// Returns true if a channel may change along a direction while all parts are fixed.
+/// Returns true if any channel may change along a direction while all parts are fixed.
 fn reads(channels: Channels, system: &System, direction: &Direction, case: usize) -> bool {
     let mut numbers = direction.in_case(case).filter(|(_, weight)| *weight != 0.0);
     let mut requests = channels.first..channels.first + channels.count;

@@ -1,4 +1,4 @@
-//! Uncertainty of the unknowns of a fit: posterior covariance and poorly determined directions.
+//! Uncertainty of the unknowns of a fit: their posterior covariance and the directions that the readings determine poorly.
 
 use nalgebra::DMatrix;
 
@@ -6,7 +6,8 @@ use super::gauss_newton::Minimum;
 use crate::settings::NAMED_COMPONENT;
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Computes the posterior covariance of all unknowns, the inverse of data plus prior information. Held unknowns get zero variance.
+/// Computes the posterior covariance of all unknowns: the inverse of the information of readings and priors together. Held unknowns get zero
+/// variance.
 pub fn covariance(minimum: &Minimum, held: &[bool]) -> DMatrix<f64> {
     let mut information = minimum.information.clone();
     for (k, held) in held.iter().enumerate() {
@@ -26,7 +27,7 @@ pub fn covariance(minimum: &Minimum, held: &[bool]) -> DMatrix<f64> {
     covariance
 }
 
-/// Inverts an information matrix; directions without information get a very large variance.
+/// Returns the inverse of an information matrix. Directions without information get a very large variance.
 fn invert(information: &DMatrix<f64>) -> DMatrix<f64> {
     let mut jitter = 0.0;
     loop {
@@ -44,16 +45,18 @@ fn invert(information: &DMatrix<f64>) -> DMatrix<f64> {
     }
 }
 
-/// A linear combination of unknowns that the data do not determine.
+/// A linear combination of unknowns that the readings do not determine.
 #[derive(Clone, PartialEq, Debug)]
 pub struct OpenDirection {
-    /// Weight of each unknown with a magnitude above 0.15, largest first; the squares of all weights sum to one.
+    /// Indices of the unknowns with their weights in the combination, largest magnitude first. The combination is a unit vector; weights of
+    /// magnitude 0.15 or less are omitted.
     pub weights: Vec<(usize, f64)>,
-    /// Standard deviation along the direction.
+    /// Posterior standard deviation of the combination.
     pub sd: f64,
 }
 
-/// Returns the eigenvectors of the covariance of the first `count` unknowns whose standard deviation exceeds `limit`, largest first.
+/// Returns the poorly determined directions among the first `count` unknowns: eigenvectors of their covariance whose standard deviation exceeds
+/// `limit`, largest standard deviation first.
 pub(crate) fn open_directions(
     covariance: &DMatrix<f64>,
     count: usize,

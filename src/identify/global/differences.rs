@@ -1,4 +1,4 @@
-//! Predictor for any backend: sensitivities by central differences of whole sweeps.
+//! Predictor for any backend, with sensitivities by central differences of whole sweeps.
 
 use super::predictor::{CaseChange, CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::prepared::Prepared;
@@ -13,7 +13,7 @@ use admire_solver::system::{Parameters, Scratch, System};
 use admire_study::Channels;
 use admire_syntax::Address;
 
-/// Predictor for a backend that returns poses only; channels are evaluated from the poses.
+/// Predictor for a backend that returns only the poses of the parts. Channels are evaluated from these poses.
 pub(crate) struct DifferencePredictor<'a> {
     problem: &'a Problem<'a>,
     system: &'a System,
@@ -26,18 +26,19 @@ pub(crate) struct DifferencePredictor<'a> {
     failure: Failure,
 }
 
-/// Poses of the parts in one case and the channel values there.
+/// Poses of the parts in one case, and the channel values at these poses.
 #[derive(Clone, Debug)]
 struct CaseValues {
     poses: Vec<Pose>,
     channels: Vec<f64>,
 }
 
-/// Error of the last sweep that failed as a whole, if any; a lasting error is kept.
+/// Shared record of the last error that made a whole sweep fail, if any. A lasting error, which other parameter values would not avoid, is
+/// kept.
 pub(super) type Failure = std::rc::Rc<std::cell::RefCell<Option<BackendError>>>;
 
 impl<'a> DifferencePredictor<'a> {
-    /// Creates the predictor from a study's problem, its compiled deck and the backend.
+    /// Creates the predictor for a problem with its compiled deck, a backend, and the parts to observe.
     pub(crate) fn new(
         problem: &'a Problem<'a>,
         prepared: &'a Prepared,
@@ -58,12 +59,12 @@ impl<'a> DifferencePredictor<'a> {
         }
     }
 
-    /// Returns the shared cell in which failures of whole sweeps are recorded.
+    /// Returns the shared record of failed sweeps.
     pub(super) fn failure(&self) -> Failure {
         self.failure.clone()
     }
 
-    /// Solves every case at each set of numbers; the backend may run the sets in parallel.
+    /// Solves every load case for each set of parameter values in `all`. The backend may run the sets in parallel.
     fn sweep(&mut self, all: &[Numbers]) -> Vec<Vec<Option<CaseValues>>> {
         let cases = self.problem.programme.cases.len();
         let lasting =
@@ -123,7 +124,7 @@ impl<'a> DifferencePredictor<'a> {
         out
     }
 
-    /// Evaluates the channels at the poses of a case; returns `None` if a channel has no value.
+    /// Evaluates the channels at the poses of a case. Returns `None` if a channel has no value there.
     fn read(
         &mut self,
         numbers: &Numbers,
@@ -132,7 +133,7 @@ impl<'a> DifferencePredictor<'a> {
     ) -> Option<CaseValues> {
         let mut theta = numbers.theta.clone();
         for (load, value) in programme.loads.iter().zip(&programme.cases[case].values) {
-            // A load without a slot in the built-in solver affects none of the channels.
+            // A load on a parameter that the built-in solver does not have affects none of the channels.
             if let Ok(slot) = slot(self.system, &load.target) {
                 theta.set(slot, *value);
             }
@@ -144,7 +145,7 @@ impl<'a> DifferencePredictor<'a> {
         Some(CaseValues { poses, channels })
     }
 
-    /// Returns the study's programme with the per-case contributions of the unknowns added.
+    /// Returns the load programme of the study with the per-case contributions of `numbers` added to the load values.
     fn programme(&self, numbers: &Numbers) -> LoadProgramme {
         let mut programme = self.problem.programme.clone();
         for (slot, values) in &numbers.per_case {
@@ -173,7 +174,7 @@ impl<'a> DifferencePredictor<'a> {
     }
 }
 
-/// Returns the numbers displaced along a direction.
+/// Returns the parameter values after a step of the given length along a direction.
 fn moved(numbers: &Numbers, direction: &Direction, step: f64) -> Numbers {
     let mut next = numbers.clone();
     for (slot, factor) in &direction.always {
@@ -243,7 +244,7 @@ impl Predictor for DifferencePredictor<'_> {
                 }
             }
         }
-        // Without an equilibrium on both sides, a case has no derivatives and is dropped.
+        // A case without an equilibrium on both sides of a difference has no derivatives, so it counts as unsolved.
         let usable = |p: &CasePrediction| {
             let values = |c: CaseChange<'_>| {
                 let mut all = c.parts.iter().flatten().chain(c.channels);

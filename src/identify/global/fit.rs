@@ -1,4 +1,4 @@
-//! `method = "gauss-newton"`: from the problem of a study to its result.
+//! `method = "gauss-newton"`: set-up of the fit of a study, the fit itself, and its result.
 
 use std::collections::BTreeMap;
 
@@ -32,35 +32,35 @@ use admire_study::settings::{Loss, Method};
 /// Starting values of a fit.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct StartValues {
-    /// One value per unknown of the problem.
+    /// Starting values of the identified parameters, in the order of [`Problem::unknowns`].
     pub values: Vec<f64>,
-    /// Assembly offsets as (bushing, axis, delta0); all others start at zero.
+    /// Starting values of assembly offsets, as (bushing, axis, delta0). Offsets that are not listed start at zero.
     pub offsets: Vec<(usize, usize, f64)>,
 }
 
-/// A fit together with its problem, for further evaluations.
+/// Result of a fit, together with its least-squares problem.
 pub struct GlobalFit<'a> {
-    /// Result as `identification.json` shows it.
+    /// Result of the fit, as `identification.json` shows it.
     pub fit: Fit,
-    /// Problem, ready for further evaluations.
+    /// Least-squares problem of the fit, ready for further evaluations.
     pub problem: GlobalProblem<'a>,
-    /// Minimum of the objective.
+    /// Final state of the minimisation.
     pub minimum: Minimum,
     /// Posterior covariance of all unknowns.
     pub covariance: DMatrix<f64>,
 }
 
-/// A fit without the problem it solved.
+/// Result of a fit, without its least-squares problem.
 pub struct Found {
-    /// Result as `identification.json` shows it.
+    /// Result of the fit, as `identification.json` shows it.
     pub fit: Fit,
-    /// Minimum of the objective.
+    /// Final state of the minimisation.
     pub minimum: Minimum,
     /// Posterior covariance of all unknowns.
     pub covariance: DMatrix<f64>,
 }
 
-/// Returns the unknowns of a study's fit: ln K of each number to identify, then the assembly offsets of the bushings.
+/// Returns the unknowns of a study's fit: first the logarithm of each parameter to identify, then the assembly offsets of the bushings.
 pub fn fit_unknowns(
     problem: &Problem<'_>,
     system: &System,
@@ -100,7 +100,7 @@ pub fn fit_unknowns(
                 })
             })
             .collect();
-        // A stiffness of zero has no logarithm; it starts at 1 in its own unit.
+        // A stiffness of zero has no logarithm. It starts at 1 in its own unit.
         let usable = |value: f64| if value > 0.0 { libm::log(value) } else { 0.0 };
         let mean = usable(unknown.initial);
         for (component, axis) in components.iter().zip(&axes) {
@@ -135,7 +135,7 @@ pub fn fit_unknowns(
     FitUnknowns::new(list)
 }
 
-/// Assembles the global problem of a study from its observations, unknowns and predictor.
+/// Assembles the least-squares problem of a study from its readings, unknowns and predictor.
 pub fn global_problem<'a>(
     problem: &Problem<'a>,
     observations: Observations<'a>,
@@ -162,15 +162,16 @@ pub fn global_problem<'a>(
     }
 }
 
-/// Fits all readings of the cases that are not held out. If `profile` is true, intervals may be refined by profile likelihood, which costs
+/// Fits all readings of the cases that are not held out. If `profile` is true, wide intervals are refined by profile likelihood, which costs
 /// solver runs.
 ///
-/// If a fit from other starting values does not converge, it is repeated from the initial values. Cases without an equilibrium at the start
-/// are left out and named in a remark, unless they have one at the stiffnesses found.
+/// The fit starts from the starting values in `global`. If it does not converge, it is repeated from the initial values of the study. Cases
+/// without an equilibrium at the start are left out and named in a remark. If they have an equilibrium at the identified parameters, the fit is
+/// repeated with them.
 ///
 /// # Errors
-/// [`IdentifyError::NoUnknowns`] without unknowns, or [`IdentifyError::NoCases`] if there are no readings or no case can be solved at the
-/// start.
+/// Returns [`IdentifyError::NoUnknowns`] if there are no unknowns. Returns [`IdentifyError::NoCases`] if there are no readings, or if no case
+/// can be solved at the start.
 pub fn identify<'a>(
     problem: &Problem<'a>,
     global: &mut GlobalProblem<'a>,
@@ -200,7 +201,7 @@ pub fn identify<'a>(
                 |cases: &[usize]| Observations::fitted(problem.measurement, problem.model, cases);
             global.observations = see(&kept(&left_out));
             best = attempt(global, &starts);
-            // At the stiffnesses found, more cases may have an equilibrium.
+            // At the identified parameters, more cases may have an equilibrium.
             if let Some(found) = best.take() {
                 let still = unreached(global, &found.x, &left_out);
                 let more = still.len() < left_out.len();
@@ -234,7 +235,7 @@ pub fn identify<'a>(
         .map(|x| x[..count].iter().map(|x| libm::exp(*x)).collect())
         .collect();
     fit.history.dedup();
-    // The written deck contains the identified numbers and no other fitted unknowns.
+    // The written deck contains the identified parameters and no other fitted unknowns.
     let mut end = initial.clone();
     end[..count].copy_from_slice(&minimum.x[..count]);
     let [before, after] = [&initial, &end].map(|x| swept(global, x));
@@ -269,8 +270,8 @@ pub fn identify<'a>(
     })
 }
 
-/// Fits from each start in turn until a fit converges, and returns the best minimum. If the readings are missed by far, a further fit starts
-/// from the result of [`homotopy_start`].
+/// Fits from each start in turn until a fit converges, and returns the best minimum. If the residuals are still much larger than the noise, a
+/// further fit starts from the result of [`homotopy_start`].
 fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimum> {
     let mut best: Option<Minimum> = None;
     for (at, start) in starts.iter().enumerate() {
@@ -297,7 +298,8 @@ fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimu
     best
 }
 
-/// Minimises from a start and returns the lower of this minimum and the known one; the history follows the returned minimum.
+/// Minimises the objective from `start`. Returns the better of the new minimum and the known minimum. The history in `global` belongs to the
+/// returned minimum.
 fn better(
     global: &mut GlobalProblem<'_>,
     start: &[f64],
@@ -320,7 +322,7 @@ fn better(
     }
 }
 
-/// Returns the given cases that have no equilibrium at x.
+/// Returns the cases among `cases` that have no equilibrium at the unknowns `x`.
 fn unreached(global: &mut GlobalProblem<'_>, x: &[f64], cases: &[usize]) -> Vec<usize> {
     let numbers = global.unknowns.numbers(&global.deck, x);
     let prediction = global.predictor.predict(&numbers, None);
@@ -328,7 +330,7 @@ fn unreached(global: &mut GlobalProblem<'_>, x: &[f64], cases: &[usize]) -> Vec<
     cases.filter(|case| prediction[*case].is_none()).collect()
 }
 
-/// Solves all load cases at these unknowns.
+/// Solves all load cases at the unknowns `x`.
 fn swept(global: &mut GlobalProblem<'_>, x: &[f64]) -> Sweep {
     let numbers = global.unknowns.numbers(&global.deck, x);
     let of = |prediction: Option<CasePrediction>| match prediction {
@@ -358,7 +360,7 @@ fn answer(
     let count = problem.unknowns.len();
     let (priors, scale, held) = (global.priors(), global.scale(), global.held());
     let mut parameters = Vec::with_capacity(count);
-    // Numbers whose value or interval a complete run would still have changed.
+    // Parameters whose value or interval a complete run would still have changed.
     let mut unrefined = Vec::new();
     for (k, unknown) in problem.unknowns.iter().enumerate() {
         let (x, sd) = (minimum.x[k], covariance[(k, k)].max(0.0).sqrt());
@@ -441,7 +443,7 @@ fn answer(
     }
 }
 
-/// Collects the assembly offsets by bushing.
+/// Returns the fitted assembly offsets of each identified bushing; empty if the fit has no offsets.
 fn offsets(
     problem: &Problem<'_>,
     global: &GlobalProblem<'_>,
@@ -479,7 +481,7 @@ fn offsets(
     if any { found } else { Vec::new() }
 }
 
-/// Returns the fit statistics of the marks; the degrees of freedom are distributed evenly over all rows.
+/// Returns the residual statistics of the marks. The degrees of freedom of the fit are distributed evenly over all rows.
 fn marks(global: &GlobalProblem<'_>, minimum: &Minimum) -> Option<Marks> {
     let observations = &global.observations;
     let of_marks = |row: &Row| matches!(row, Row::Mark { .. });
@@ -503,7 +505,7 @@ fn marks(global: &GlobalProblem<'_>, minimum: &Minimum) -> Option<Marks> {
     })
 }
 
-/// Computes the chi-square test of all rows of a fit. Under a loss that allows for outliers, these are excluded and counted in a remark.
+/// Computes the chi-square test of all residuals of a fit. With Huber's loss, outliers are excluded from the test and counted in a remark.
 fn tested(
     global: &GlobalProblem<'_>,
     minimum: &Minimum,
@@ -568,7 +570,8 @@ fn tested(
     FitTest::new(chi2, dof, tally.kinds(measurement))
 }
 
-/// Returns the number of rows minus the effective number of unknowns. The latter is the trace of data information over total information.
+/// Returns the degrees of freedom of a fit: the number of rows minus the effective number of unknowns. The effective number of unknowns is the
+/// trace of the information of the readings times the posterior covariance.
 pub(crate) fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
     let rows = (global.observations.rows.len() - minimum.evaluation.free.len()) as f64;
     let covariance = covariance(minimum, &global.held());

@@ -1,11 +1,11 @@
-//! Treatment of free motions: zero-stiffness motions such as the spin of a link with a ball joint at each end.
+//! Treatment of free motions in a fit. A free motion is a motion without stiffness, such as the spin of a link with a ball joint at each end.
 //!
-//! A model does not determine the position along a free motion; on a rig, friction does. The position is a nuisance parameter of each load
-//! case. Predictions are placed where they fit the readings of the case best, and the remaining residual is compared.
+//! The model does not determine the position along a free motion; on a rig, friction determines it. The position is a nuisance parameter of
+//! each load case. The prediction is placed where it fits the readings of the case best, and only the remaining residual is compared.
 //!
-//! Let `F` hold the derivatives of the rows with respect to the free motions of a case. Residuals and derivatives become `r - F F+ r` and
-//! `J - F F+ J` with `F+ = (F'WF)^-1 F'W`. This is variable projection (Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413) with
-//! Kaufman's derivative.
+//! Let `F` hold the derivatives of the residuals of a case with respect to its free motions. The residuals `r` and their Jacobian `J` are
+//! replaced by `r - F F+ r` and `J - F F+ J` with `F+ = (F'WF)^-1 F'W`. This is variable projection (Golub and Pereyra, SIAM J. Numer. Anal. 10
+//! (1973) 413) with Kaufman's approximation of the derivative.
 
 use crate::settings::{
     FREE_MAX_PASSES, FREE_MAX_STEP, FREE_OUTLIER_RATIO, FREE_PLACED_STEP, FREE_ROUND_OFF,
@@ -20,22 +20,22 @@ use admire_solver::mechanics::{Pose, Vec3};
 pub struct SeenMark {
     /// Index into [`Observed::parts`](super::Observed::parts).
     pub part: usize,
-    /// Position in the part's frame.
+    /// Position of the mark in the part's frame.
     pub local: Vec3,
-    /// Measured position in ground.
+    /// Measured position of the mark in ground.
     pub x: Vec3,
 }
 
-/// Readings of a case that its free motions affect, as rows.
+/// Rows of a load case that its free motions affect.
 #[derive(Clone, Debug)]
 pub(super) struct FreeRows {
-    /// Derivatives of the rows, one column per motion.
+    /// Derivatives of the rows, one column per free motion.
     F: DMatrix<f64>,
-    /// Rows that form one reading: the first row and their number.
+    /// First row and number of rows of each reading.
     readings: Vec<(usize, usize)>,
 }
 
-/// Projection that removes the free motions from rows.
+/// Projection that removes the effect of the free motions from the rows.
 pub(super) struct Projection<'a> {
     F: &'a DMatrix<f64>,
     /// Weighted pseudo-inverse `(F'WF)^-1 F'W`.
@@ -43,12 +43,13 @@ pub(super) struct Projection<'a> {
 }
 
 impl FreeRows {
-    /// Creates the rows from their derivatives; `readings` lists the first row and the number of rows of each reading.
+    /// Creates the rows from their derivatives `F` with respect to the free motions. `readings` lists the first row and the number of rows of
+    /// each reading.
     pub(super) fn new(F: DMatrix<f64>, readings: Vec<(usize, usize)>) -> Self {
         Self { F, readings }
     }
 
-    /// Returns the weighted projection that fits these residuals (prediction minus reading) best.
+    /// Returns the projection for these residuals (prediction minus reading), with lower weights for outliers.
     pub(super) fn projection(&self, residual: &DVector<f64>) -> Projection<'_> {
         let mut weights = DVector::from_element(residual.len(), 1.0);
         let mut out = Projection::new(&self.F, &weights);
@@ -74,7 +75,7 @@ impl FreeRows {
         out
     }
 
-    /// Returns an orthonormal basis of the columns of `F`.
+    /// Returns an orthonormal basis of the column space of `F`.
     pub(super) fn basis(&self) -> DMatrix<f64> {
         let eigen = symmetric_eigen(self.F.tr_mul(&self.F));
         let largest = eigen.eigenvalues.max();
@@ -107,23 +108,23 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// Returns the amounts of each motion in the best fit of a residual.
+    /// Returns the amount of each free motion that fits these residuals best.
     fn amounts(&self, residual: &DVector<f64>) -> DVector<f64> {
         &self.inverse * residual
     }
 
-    /// Removes the free motions from columns of these rows.
+    /// Removes the effect of the free motions from each column of a matrix with these rows.
     pub(super) fn apply(&self, columns: &mut DMatrix<f64>) {
         let along = &self.inverse * &*columns;
         *columns -= self.F * along;
     }
 }
 
-/// Returns the steps along the free motions that fit the marks of a case best; `None` if no motion affects a mark or the steps are
+/// Returns the step along each free motion that fits the marks of a case best. Returns `None` if no free motion affects a mark or all steps are
 /// negligible.
 ///
-/// `poses` returns the poses of the observed parts. `motions` holds their twists along each motion: velocity of the origin and angular
-/// velocity, ground axes.
+/// `poses` returns the pose of an observed part. `motions` holds, for each free motion, the twist of each observed part: velocity of the origin
+/// and angular velocity in ground axes.
 pub(crate) fn step(
     marks: &[SeenMark],
     poses: &dyn Fn(usize) -> Pose,

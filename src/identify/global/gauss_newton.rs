@@ -1,6 +1,6 @@
-//! Gauss-Newton minimiser with a trust region for whitened residuals and Gaussian priors.
+//! Gauss-Newton minimiser with a trust region, for whitened residuals and Gaussian priors.
 //!
-//! Independent of decks and marks: the problem is only a function that returns residuals and their derivatives.
+//! This module is independent of decks and marks: a problem is a function that returns residuals and their derivatives.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,39 +14,42 @@ use crate::settings::{
     TRUST_REGION_SHRINKAGE,
 };
 
-/// A least-squares problem: minimise `1/2 |r(x)|^2 + 1/2 sum ((x - mean)/sd)^2`.
+/// A least-squares problem with Gaussian priors: minimise `1/2 |r(x)|^2 + 1/2 sum ((x - mean)/sd)^2` over `x`.
 pub trait LeastSquares {
-    /// Evaluates the residuals and, on request, the Jacobian; returns `None` where the model has no solution.
+    /// Evaluates the residuals at `x` and, on request, the Jacobian. Returns `None` if the model has no solution there.
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation>;
 
-    /// Stores the solver state of the last evaluation as the starting point of later ones.
+    /// Stores the solver state of the last evaluation as the starting point of later evaluations.
     fn checkpoint(&mut self) {}
 
-    /// Restores the stored solver state for the next evaluation, because a trial may have reached another equilibrium.
+    /// Restores the solver state of the last checkpoint for the next evaluation. A rejected trial step may have reached a different
+    /// equilibrium.
     fn rollback(&mut self) {}
 
-    /// Returns the weight of each residual at these residuals; 1 for a Gaussian likelihood.
+    /// Returns the weight of each residual, given all residuals; 1 for a Gaussian likelihood.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
         DVector::from_element(residual.len(), 1.0)
     }
 
-    /// Returns the unknowns after a step of the linear model.
+    /// Returns the unknowns after a step from `x` in the step coordinates, in which the model is nearly linear.
     fn retract(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         x.iter().zip(step.iter()).map(|(x, s)| x + s).collect()
     }
 
-    /// Returns the step from one set of unknowns to another, the inverse of [`Self::retract`].
+    /// Returns the step that leads from the unknowns `from` to the unknowns `to`, the inverse of [`Self::retract`].
     fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
         DVector::from_iterator(from.len(), to.iter().zip(from).map(|(to, from)| to - from))
     }
 
-    /// Returns the lower and upper bounds of a step that moves no unknown by more than `reach` natural units.
+    /// Returns the lower and upper bounds of a step with which no unknown moves by more than `reach` natural units. `scale` is the natural unit
+    /// of each unknown.
     fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         let upper: Vec<f64> = scale.iter().map(|scale| reach * scale).collect();
         (upper.iter().map(|u| -u).collect(), upper)
     }
 
-    /// Reports an accepted step with its number, x and the objective; returns `false` to stop the fit.
+    /// Receives the state after an accepted step: the number of accepted steps, the unknowns and the objective. Returns `false` to stop the
+    /// fit.
     fn progress(&mut self, _iteration: usize, _x: &[f64], _objective: f64) -> bool {
         true
     }
@@ -55,14 +58,15 @@ pub trait LeastSquares {
 /// Gaussian prior of one unknown.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Prior {
-    /// Prior mean.
+    /// Mean of the prior.
     pub mean: f64,
-    /// Prior standard deviation; infinite for no prior, zero for a held unknown.
+    /// Prior standard deviation. It is infinite without a prior, and zero for a held unknown.
     pub sd: f64,
 }
 
 impl Prior {
-    /// Returns false for an unknown without prior and for a held one; neither contributes to the objective.
+    /// Returns true if the prior contributes to the objective. It does not if its standard deviation is infinite (no prior) or zero (held
+    /// unknown).
     fn has_width(self) -> bool {
         self.sd.is_finite() && self.sd > 0.0
     }
@@ -75,7 +79,7 @@ impl Prior {
         }
     }
 
-    /// Returns the derivative of the prior term of the objective.
+    /// Returns the derivative of the prior term of the objective at `x`.
     pub fn pull(self, x: f64) -> f64 {
         if self.has_width() {
             (x - self.mean) / (self.sd * self.sd)
@@ -84,20 +88,20 @@ impl Prior {
         }
     }
 
-    /// Returns the prior term of the objective.
+    /// Returns the prior term of the objective at `x`.
     pub fn cost(self, x: f64) -> f64 {
         0.5 * self.pull(x) * (x - self.mean)
     }
 }
 
-/// Termination criteria.
+/// Termination criteria of a fit.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Tolerances {
     /// Predicted decrease of the objective by the next step (Newton decrement) below which the fit has converged.
     pub decrement: f64,
-    /// Largest step of any unknown, in units of its scale, below which the fit has converged.
+    /// Step size below which the fit has converged: the largest change of any unknown, in units of its scale.
     pub step: f64,
-    /// Maximum number of trial steps, including rejected ones.
+    /// Maximum number of trial steps, including rejected steps.
     pub max_iterations: usize,
 }
 
@@ -114,22 +118,22 @@ impl Default for Tolerances {
 /// Reason why a fit ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ending {
-    /// A tolerance was met.
+    /// A convergence criterion was met.
     Converged,
-    /// The maximum number of iterations was reached.
+    /// The maximum number of trial steps was reached.
     MaxIterations,
-    /// No step reduces the objective although no tolerance is met.
+    /// No step reduces the objective, although no convergence criterion is met.
     Stalled,
     /// The caller stopped the fit.
     Stopped,
-    /// The model has no solution at the start.
+    /// The model has no solution at the starting values.
     NoAnswer,
 }
 
-/// Final state of a fit.
+/// Final state of a minimisation.
 #[derive(Clone, Debug)]
 pub struct Minimum {
-    /// Unknowns.
+    /// Values of the unknowns at the end of the fit.
     pub x: Vec<f64>,
     /// Objective at `x`.
     pub objective: f64,
@@ -137,25 +141,26 @@ pub struct Minimum {
     pub evaluation: Evaluation,
     /// Weights of the residuals at `x`.
     pub weights: DVector<f64>,
-    /// Information of the data plus information of the priors.
+    /// Information matrix of readings and priors: `J^T W J` plus the inverse prior variances.
     pub information: DMatrix<f64>,
     /// Predicted decrease of the objective by one more step.
     pub decrement: f64,
     /// Number of accepted steps.
     pub iterations: usize,
-    /// Reason why the fit ended.
+    /// Reason why the minimisation ended.
     pub ending: Ending,
 }
 
-/// Secant estimate of the second-order term `sum r_i H_i` of the Hessian, which Gauss-Newton neglects.
+/// Secant estimate of the second-order term `sum r_i H_i` of the Hessian, which the Gauss-Newton method neglects.
 ///
-/// Along poorly determined directions, this term can be as large as the information. Gauss-Newton steps then overshoot and oscillate. The
-/// observed change of the objective along a step reveals the missing curvature, which is attributed to the unknowns that moved most in
-/// natural units. Source: secant updates of NL2SOL (Dennis, Gay and Welsch, 1981), reduced to a positive semidefinite correction.
+/// Along poorly determined directions, this term can be as large as the information matrix, and Gauss-Newton steps then overshoot and
+/// oscillate. The observed change of the objective along a step reveals the missing curvature. The curvature is attributed to the unknowns that
+/// moved most in natural units. Source: secant updates of NL2SOL (Dennis, Gay and Welsch, 1981), reduced to a positive semidefinite correction.
 struct SecantCorrection(DMatrix<f64>);
 
 impl SecantCorrection {
-    /// Updates the correction from a step: its slope and curvature in the model, and the observed rise of the objective.
+    /// Updates the correction after a step. `slope` and `bend` are the slope and curvature of the quadratic model along the step, `rise` is the
+    /// observed change of the objective.
     fn update(&mut self, step: &DVector<f64>, scale: &[f64], (slope, bend): (f64, f64), rise: f64) {
         let seen = 2.0 * (rise - slope);
         if !(seen / bend).is_finite() {
@@ -171,7 +176,7 @@ impl SecantCorrection {
     }
 }
 
-/// An iterate with its residuals, objective, information and gradient.
+/// An iterate of the minimiser: unknowns, residuals, weights, objective, information matrix and gradient.
 struct Iterate {
     x: Vec<f64>,
     evaluation: Evaluation,
@@ -182,7 +187,8 @@ struct Iterate {
 }
 
 impl Iterate {
-    /// Returns the bounded step of the linear model and its predicted decrease.
+    /// Returns the step within the bounds that minimises the quadratic model of the objective, and its predicted decrease. `missing` is added
+    /// to the Hessian of the model if given.
     fn step(
         &self,
         missing: Option<&SecantCorrection>,
@@ -208,7 +214,7 @@ impl Iterate {
     }
 }
 
-/// Returns the objective of weighted residuals and priors.
+/// Returns the objective: half the weighted sum of squared residuals plus the prior terms.
 pub(super) fn objective(
     evaluation: &Evaluation,
     weights: &DVector<f64>,
@@ -228,7 +234,7 @@ pub(super) fn objective(
         .sum::<f64>()
 }
 
-/// Returns `J^T W J` plus the information of the priors, and the gradient.
+/// Returns the information matrix, `J^T W J` plus the inverse prior variances, and the gradient of the objective.
 fn normal_equations(
     evaluation: &Evaluation,
     weights: &DVector<f64>,
@@ -239,7 +245,7 @@ fn normal_equations(
     for (mut row, w) in weighted.row_iter_mut().zip(weights) {
         row *= w.sqrt();
     }
-    // A blocked product, about five times as fast as `tr_mul`.
+    // This product is blocked and about five times as fast as `tr_mul`.
     let mut information = weighted.transpose() * &weighted;
     let mut gradient = evaluation
         .jacobian
@@ -251,14 +257,15 @@ fn normal_equations(
     (information, gradient)
 }
 
-/// Minimises the objective from `start`. `scale` is the natural step of each unknown; `held` unknowns are fixed.
+/// Minimises the objective of a least-squares problem from `start`. `scale` is the natural unit of each unknown. Unknowns marked in `held` stay
+/// fixed.
 ///
-/// Each step minimises the linear model within a box of natural units, so that a poorly determined unknown does not restrict the others.
-/// Near the end, the second-order curvature is estimated from the steps, see `SecantCorrection`.
+/// Each step minimises the quadratic model within a box whose sides are multiples of the natural units. A poorly determined unknown therefore
+/// does not restrict the steps of the others. Near the minimum, the second-order curvature is estimated from the steps, see `SecantCorrection`.
 ///
-/// An uphill step is followed by up to three more before all of them are rejected (watchdog technique of Chamberlain, Powell and others,
-/// 1982). In a narrow curved valley, a long step climbs the wall and the next one returns to the floor further along, while short steps
-/// would progress slowly.
+/// After a step that increases the objective, up to three further steps are tried before all of them are rejected (watchdog technique of
+/// Chamberlain, Powell and others, 1982). In a narrow curved valley of the objective, a long step climbs the wall, and the next step returns to
+/// the floor further along. Short steps would progress slowly there.
 ///
 /// Returns `None` only if the model has no solution at the start.
 pub fn minimise(
@@ -351,7 +358,7 @@ pub fn minimise(
         problem.rollback();
         reach = TRUST_REGION_SHRINKAGE * reach.min(first);
         if reach < MIN_TRUST_REGION {
-            // Round-off hides any further decrease; at a minimum this counts as convergence.
+            // Round-off hides any further decrease. If the predicted decrease is small as well, the fit has converged.
             let (_, left) = best.step(
                 Some(&missing),
                 &problem.limits(scale, MAX_TRUST_REGION),
@@ -382,12 +389,12 @@ pub fn minimise(
     })
 }
 
-/// Returns a good starting point for a fit that initially misses the readings by much more than their noise.
+/// Returns a starting point for a fit whose initial residuals are much larger than the noise.
 ///
-/// Far from the solution, the linear model overstates the information of the readings: poorly determined unknowns would diverge by orders of
-/// magnitude. Each stage therefore takes the current misfit as the noise level and gives every unknown a prior of one natural unit about the
-/// start. As the misfit falls from stage to stage, the readings gain weight. Source: Levenberg damping proportional to the squared misfit
-/// (Yamashita and Fukushima, 2001).
+/// Far from the solution, the linear model overstates the information of the readings, so poorly determined unknowns would diverge by orders of
+/// magnitude. Each stage therefore takes the current rms residual as the noise level. Every unknown gets a prior centred at `start` with a
+/// standard deviation of one natural unit. As the residuals fall from stage to stage, the readings gain weight. Source: Levenberg damping
+/// proportional to the squared residual (Yamashita and Fukushima, 2001).
 pub fn homotopy_start(
     problem: &mut dyn LeastSquares,
     start: &[f64],
@@ -433,7 +440,7 @@ pub fn homotopy_start(
     x
 }
 
-/// A problem with its noise multiplied by `noise`.
+/// A least-squares problem with the noise multiplied by `noise`, so all residuals are divided by it.
 struct InflatedNoise<'a> {
     problem: &'a mut dyn LeastSquares,
     noise: f64,
@@ -474,7 +481,7 @@ impl LeastSquares for InflatedNoise<'_> {
     }
 }
 
-/// Returns the largest displacement between two points, in natural units.
+/// Returns the largest change of an unknown between two sets of unknowns, in natural units.
 fn longest(from: &[f64], to: &[f64], scale: &[f64]) -> f64 {
     from.iter()
         .zip(to)

@@ -1,4 +1,4 @@
-//! Comparison of held-out curves with the predictions of a model.
+//! Comparison of held-out channels with the predictions of a model.
 
 use nalgebra::DVector;
 
@@ -7,7 +7,8 @@ use super::problem::GlobalProblem;
 use crate::{CurveHeldOut, Problem};
 use admire_study::Channel;
 
-/// Returns the rms errors of two sets of unknowns on the held-out curves. The result is empty if a case has no equilibrium.
+/// Returns the rms prediction errors of the held-out channels for two sets of unknowns: before and after the identification. The result is
+/// empty if a case has no equilibrium.
 pub(super) fn held_curves(
     problem: &Problem<'_>,
     global: &mut GlobalProblem<'_>,

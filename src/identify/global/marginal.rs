@@ -1,10 +1,12 @@
-//! Fit of the identified numbers alone, with tolerances, mark positions and assembly offsets marginalised.
+//! Fit of the identified parameters alone, with tolerances, mark positions and assembly offsets marginalised.
 //!
-//! The small errors `t` of axle and rig have Gaussian priors `N(0, T)` and act linearly: `r(x, t) = r(x, t0) + J_t (t - t0)`. With rows of
-//! unit noise, the residual is `r(x) = r(x, t0) - J_t t0` with the covariance `V = I + A A'`, `A = J_t T^1/2`.
+//! The small errors `t` of axle and rig have Gaussian priors `N(0, T)` and act linearly: `r(x, t) = r(x, t0) + J_t (t - t0)`, where `t0` are
+//! their fitted values and `x` the identified parameters. With rows of unit noise, the residual is `r(x) = r(x, t0) - J_t t0`. Its covariance
+//! is `V = I + A A'` with `A = J_t T^1/2`.
 //!
-//! The symmetric root `V^-1/2 = I + A U f U' A'` makes the rows independent, with `A'A = U diag(l) U'` and `f = (1/sqrt(1 + l) - 1)/l`. It
-//! keeps each row close to the reading it came from. The identified numbers remain nonlinear, with exact derivatives.
+//! The symmetric root `V^-1/2 = I + A U f U' A'` makes the rows independent, with `A'A = U diag(l) U'` and `f = (1/sqrt(1 + l) - 1)/l`. Of all
+//! square roots of `V^-1`, the symmetric one changes the rows least, so each row still belongs to one reading. The residual remains a nonlinear
+//! function of the identified parameters, with exact derivatives.
 
 use std::sync::Arc;
 
@@ -25,49 +27,49 @@ use admire_solver::model::Model;
 use admire_solver::system::{Parameters, State};
 use admire_study::Measurement;
 
-/// A joint fit, from which the identified numbers are extracted.
+/// Result of a joint fit of all unknowns, from which the fit of the identified parameters alone is derived.
 #[derive(Clone, Debug)]
 pub struct Joint {
-    /// Compiled deck.
+    /// Compiled deck of the study.
     pub prepared: Arc<Prepared>,
-    /// Unknowns of the deck; the identified numbers come first.
+    /// Unknowns of the deck. The identified parameters come first.
     pub unknowns: FitUnknowns,
-    /// Unknowns of the measurement.
+    /// Layout of the unknowns of the measurement.
     pub layout: NuisanceLayout,
-    /// Values of all unknowns.
+    /// Values of all unknowns in the joint fit.
     pub x: Vec<f64>,
-    /// Prior of each unknown.
+    /// Prior of each unknown of the joint fit.
     pub priors: Vec<Prior>,
-    /// Number of identified numbers.
+    /// Number of identified parameters.
     pub sought: usize,
-    /// Cases whose readings are the rows.
+    /// Load cases whose readings form the rows.
     pub cases: Vec<usize>,
-    /// Equilibria of all load cases with the numbers they were solved at, where known.
+    /// Known equilibria of the load cases, each with the parameter values at which it was solved. Empty if none are known.
     pub starts: Vec<(State, Parameters)>,
-    /// Transformation to independent rows; `None` if the rows are independent.
+    /// Transformation of the readings to independent rows; `None` if the readings are independent already.
     pub whitening: Option<Arc<Whitening>>,
-    /// Reciprocal standard deviation of each whitened row; zero where it is not used.
+    /// Reciprocal standard deviation of each whitened row; zero for a row that is not used.
     pub weights: DVector<f64>,
     /// Derivatives of all rows with respect to all unknowns.
     pub jacobian: DMatrix<f64>,
 }
 
-/// Identified numbers with all other unknowns marginalised.
+/// Model of the identified parameters with all other unknowns marginalised.
 #[derive(Clone, Debug)]
 pub struct Marginal {
     joint: Joint,
-    /// Indices of the used rows, with their weights.
+    /// Indices of the rows that are used, each with its weight.
     used: Vec<(usize, f64)>,
-    /// Whitened effect of each small error of one standard deviation, the matrix `A`.
+    /// Matrix `A` of the module documentation: whitened effect of each small error of one prior standard deviation.
     small: DMatrix<f64>,
     /// Matrix `U f U'` of the module documentation.
     root: DMatrix<f64>,
-    /// Effect of the fitted small errors on the rows.
+    /// Effect of the fitted small errors on the whitened rows: `J_t t0` of the module documentation.
     found: DVector<f64>,
 }
 
 impl Marginal {
-    /// Extracts the identified numbers from a joint fit.
+    /// Derives the model of the identified parameters from a joint fit.
     pub fn new(joint: Joint) -> Self {
         let weights = joint.weights.iter().copied().enumerate();
         let used: Vec<(usize, f64)> = weights.filter(|(_, weight)| *weight > 0.0).collect();
@@ -76,7 +78,7 @@ impl Marginal {
             .collect();
         let mut columns = joint.jacobian.select_columns(&small);
         for (mut column, k) in columns.column_iter_mut().zip(&small) {
-            // An unknown without a prior gets a very wide one.
+            // An unknown without a prior gets a very wide prior.
             column *= joint.priors[*k].sd.min(FLAT_PRIOR_SD);
         }
         let columns = picked(&joint, &used, &columns);
@@ -108,7 +110,8 @@ impl Marginal {
         }
     }
 
-    /// Extracts the identified numbers from a fit in which all other unknowns have priors.
+    /// Derives the model of the identified parameters from a global fit. The first `sought` unknowns are the identified parameters; all other
+    /// unknowns must have priors.
     pub fn of(fit: &GlobalFit<'_>, prepared: Arc<Prepared>, sought: usize) -> Self {
         let global = &fit.problem;
         Self::new(Joint {
@@ -126,25 +129,25 @@ impl Marginal {
         })
     }
 
-    /// Returns the number of identified numbers.
+    /// Returns the number of identified parameters.
     #[expect(clippy::len_without_is_empty, reason = "a fit has unknowns")]
     pub fn len(&self) -> usize {
         self.joint.sought
     }
 
-    /// Iterates over the indices of the used rows among all rows of the cases.
+    /// Iterates over the rows that are used, as indices among all rows of the cases.
     pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
         self.used.iter().map(|(row, _)| *row)
     }
 
-    /// Returns the readings that correspond to the rows.
+    /// Returns the readings that the rows are computed from.
     pub fn observations<'m>(
         &self,
         measurement: &'m Measurement,
         model: &Model,
     ) -> Observations<'m> {
         let cases = &self.joint.cases;
-        // With whitening, unused rows have zero weight; without it, they do not exist.
+        // With whitening, rows that are not used have zero weight. Without whitening, they are left out from the start.
         if self.joint.whitening.is_some() {
             Observations::new(measurement, model, cases)
         } else {
@@ -152,17 +155,17 @@ impl Marginal {
         }
     }
 
-    /// Returns the values of the identified numbers in the joint fit.
+    /// Returns the values of the identified parameters in the joint fit.
     pub fn start(&self) -> Vec<f64> {
         self.joint.x[..self.len()].to_vec()
     }
 
-    /// Returns the priors of the identified numbers.
+    /// Returns the priors of the identified parameters.
     pub fn priors(&self) -> &[Prior] {
         &self.joint.priors[..self.len()]
     }
 
-    /// Returns the natural step of each identified number.
+    /// Returns the natural step of each identified parameter: its prior standard deviation, at most 1.
     pub fn scale(&self) -> Vec<f64> {
         self.priors()
             .iter()
@@ -170,10 +173,10 @@ impl Marginal {
             .collect()
     }
 
-    /// Creates a fit of the identified numbers with its own predictor, whose results are independent of other fits.
+    /// Creates a least-squares problem for the identified parameters. It has its own predictor, so its results do not depend on other fits.
     ///
     /// # Errors
-    /// Fails if the solver cannot change the number that a load drives.
+    /// Fails if the solver cannot change a parameter that a load drives.
     pub fn problem<'a>(
         &'a self,
         problem: &Problem<'a>,
@@ -203,7 +206,7 @@ impl Marginal {
     }
 }
 
-/// Returns the used rows after whitening and weighting.
+/// Returns the used rows of a matrix after whitening and weighting.
 fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<f64> {
     let turned = joint
         .whitening
@@ -215,24 +218,24 @@ fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<
     })
 }
 
-/// Least-squares problem of the identified numbers. The residuals are independent with unit variance if the model is right.
+/// Least-squares problem of the identified parameters alone. If the model is right, its residuals are independent with unit variance.
 pub struct MarginalProblem<'a> {
     marginal: &'a Marginal,
     unknowns: FitUnknowns,
     deck: Parameters,
     observations: Observations<'a>,
     predictor: NativePredictor<'a>,
-    /// Errors subtracted from the residuals, for simulated readings.
+    /// Vector subtracted from the residuals, to simulate other readings.
     shift: Option<DVector<f64>>,
 }
 
 impl MarginalProblem<'_> {
-    /// Simulates other readings by subtracting `shift` from the residuals.
+    /// Simulates other readings: `shift` is subtracted from the residuals of all later evaluations.
     pub fn shift(&mut self, shift: DVector<f64>) {
         self.shift = Some(shift);
     }
 
-    /// Fits the identified numbers from `start` with the given priors.
+    /// Fits the identified parameters from `start` with the given priors. Returns `None` if the model has no solution at the start.
     pub fn minimise(
         &mut self,
         start: &[f64],

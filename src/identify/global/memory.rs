@@ -1,7 +1,8 @@
-//! State carried from one load case to the next: the anchor of a friction or creep element, at which its spring is unstretched.
+//! State carried from one load case to the next: the anchor of a friction or creep element. The anchor is the displacement at which the spring
+//! of the element is unstretched.
 //!
-//! The force law itself is an ordinary FUNCTION of the deck. Only the anchor is carried along here, with its derivatives, so that a fit of a
-//! whole load sequence has exact sensitivities.
+//! The force law itself is an ordinary FUNCTION of the deck. This module advances only the anchor and its derivatives, so a fit of a whole load
+//! sequence has exact sensitivities.
 
 use nalgebra::DMatrix;
 
@@ -9,39 +10,39 @@ use super::unknown::Direction;
 use admire_solver::element::Slip;
 use admire_solver::system::{Parameters, Slot};
 
-/// Evolution of an anchor after a case with the displacement `u`.
+/// Evolution law of an anchor after a load case with displacement `u`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Evolution {
-    /// Return map of [`Slip`]; the parameter is the spring stretch at which the slider moves.
+    /// Return map of a slider, see [`Slip`]. The parameter is the stretch of the spring at which the slider moves.
     Slider,
-    /// Relaxation `c + r (u - c)` of the anchor `c`; the parameter `r` is a fraction between zero and one.
+    /// Relaxation: the anchor `c` moves to `c + r (u - c)`. The parameter `r` is a fraction between zero and one.
     Flow,
 }
 
-/// A spring of the deck with memory.
+/// A spring of the deck whose anchor depends on the load history.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HysteresisState {
-    /// Slot of the anchor, the displacement at which the spring is unstretched; the deck gives its value before the first case.
+    /// Slot of the anchor, the displacement at which the spring is unstretched. Its value in the deck is the anchor before the first case.
     pub anchor: Slot,
     /// Evolution law of the anchor.
     pub carries: Evolution,
     /// Slot of the parameter of the evolution law.
     pub by: Slot,
-    /// Index of the channel that measures the displacement.
+    /// Index of the channel that measures the displacement of the spring.
     pub channel: usize,
 }
 
-/// Anchors before a case and their derivatives with respect to the unknowns.
+/// Anchors before a load case and their derivatives with respect to the unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct Carried<'a> {
     memories: &'a [HysteresisState],
     anchors: Vec<f64>,
-    /// Derivatives of each anchor, one per direction.
+    /// Derivatives of each anchor, as `[anchor][direction]`.
     by: Vec<Vec<f64>>,
 }
 
 impl<'a> Carried<'a> {
-    /// Returns the anchors and derivatives before the first case.
+    /// Returns the anchors and their derivatives before the first case. `theta` holds the parameter values of the deck.
     pub(super) fn new(
         memories: &'a [HysteresisState],
         theta: &Parameters,
@@ -64,14 +65,14 @@ impl<'a> Carried<'a> {
         }
     }
 
-    /// Writes the anchors into the numbers of a case.
+    /// Writes the anchors into the parameter values `theta` of a case.
     pub(super) fn apply(&self, theta: &mut Parameters) {
         for (memory, anchor) in self.memories.iter().zip(&self.anchors) {
             theta.set(memory.anchor, *anchor);
         }
     }
 
-    /// Returns the directions of one case including the anchor derivatives; `room` is reused storage.
+    /// Returns the directions of one case, with the derivatives of the anchors included. `room` is reused storage.
     pub(super) fn directions<'d>(
         &self,
         directions: &'d [Direction],
@@ -96,8 +97,8 @@ impl<'a> Carried<'a> {
         room
     }
 
-    /// Advances the anchors after a case. `channels` holds the channel values, `changes` one column of channel changes per entry of
-    /// `directions`. `directions` and `changes` are empty if no derivatives are needed.
+    /// Advances the anchors and their derivatives after a case. `channels` holds the channel values; `changes` holds one column of channel
+    /// derivatives per entry of `directions`. Both `directions` and `changes` are empty if no derivatives are needed.
     pub(super) fn advance(
         &mut self,
         theta: &Parameters,
@@ -108,10 +109,10 @@ impl<'a> Carried<'a> {
         for (k, memory) in self.memories.iter().enumerate() {
             let (u, number) = (channels[memory.channel], theta.get(memory.by));
             let before = self.anchors[k];
-            // New anchor, and its derivatives with respect to the old anchor, to u and to the parameter.
+            // New anchor, and its derivatives with respect to the old anchor, the displacement u and the parameter.
             let (after, by_anchor, by_u, by_number) = match memory.carries {
                 Evolution::Slider => {
-                    // With unit stiffness, the slip force equals the slip stretch.
+                    // With a stiffness of 1, the slip force equals the stretch at which the slider moves.
                     let slip = Slip::at(u, &[1.0, number.abs(), before]);
                     if !slip.slides(before) {
                         continue;

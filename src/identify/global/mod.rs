@@ -1,7 +1,7 @@
-//! `method = "gauss-newton"`: a single fit of all readings.
+//! `method = "gauss-newton"`: one least-squares fit of all readings.
 //!
-//! The unknowns are logarithms of stiffnesses, assembly offsets, and errors of the measurement itself. Predictions come with exact
-//! sensitivities from the built-in solver, or with finite differences from any backend.
+//! The unknowns are logarithms of stiffnesses, assembly offsets, and errors of the measurement itself. The built-in solver gives predictions
+//! with exact sensitivities. For any other backend, the sensitivities are finite differences.
 
 mod channel;
 pub mod confidence;

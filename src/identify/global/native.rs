@@ -1,4 +1,4 @@
-//! Predictor based on the built-in solver: each case starts from its own last solution, extrapolated along the tangent.
+//! Predictor based on the built-in solver. Each load case is solved from its own last solution, extrapolated along the tangent.
 
 use super::channel::{StateSensitivities, channel_changes};
 use std::collections::BTreeMap;
@@ -18,24 +18,25 @@ use admire_solver::statics::{Balance, StaticSettings, Tangent, displace, twist};
 use admire_solver::system::{Parameters, Scratch, Slot, State, System};
 use admire_study::Channels;
 
-/// Last solution of one case: its numbers and its sensitivities.
+/// Last solution of one load case, with its parameter values and sensitivities.
 #[derive(Clone, Debug)]
 struct CaseSolution {
     theta: Parameters,
-    /// Unknowns of the fit at the solution.
+    /// Values of the unknowns of the fit at the solution.
     x: Vec<f64>,
-    /// Sensitivities: indices of unknowns of the fit, and the change of the system's unknowns per unit of each, one column per index.
+    /// Sensitivities: indices of the unknowns of the fit, and one column per index with the change of the solver's unknowns per unit of that
+    /// unknown.
     response: (Vec<usize>, DMatrix<f64>),
 }
 
-/// Stored solutions of all cases.
+/// Stored solutions of all load cases.
 #[derive(Clone, Debug, Default)]
 struct Checkpoint {
     states: Vec<Option<State>>,
     answers: Vec<Option<Arc<CaseSolution>>>,
 }
 
-/// Predictor that uses the built-in solver.
+/// Predictor of all load cases that uses the built-in solver.
 #[derive(Debug)]
 pub struct NativePredictor<'a> {
     system: &'a System,
@@ -43,12 +44,12 @@ pub struct NativePredictor<'a> {
     observed: Observed,
     channels: Channels,
     scratch: Scratch,
-    /// Reused storage for the directions of one case.
+    /// Reused storage for the directions of one load case.
     directions: Vec<Direction>,
     answers: Vec<Option<Arc<CaseSolution>>>,
     kept: Checkpoint,
     memories: Vec<HysteresisState>,
-    /// Weight forces of parts that spin freely.
+    /// Weight forces of freely spinning parts, which act on the parts that carry them.
     weights: Vec<HeldWeight>,
     /// True if the deck has free (zero-stiffness) motions.
     has_free_motions: bool,
@@ -57,7 +58,7 @@ pub struct NativePredictor<'a> {
 }
 
 impl<'a> NativePredictor<'a> {
-    /// Creates the predictor for a compiled deck, its loads and the observed parts.
+    /// Creates the predictor for a compiled deck with its loads, the parts to observe and the channels.
     pub(crate) fn new(
         system: &'a System,
         loads: Loads,
@@ -81,14 +82,15 @@ impl<'a> NativePredictor<'a> {
         }
     }
 
-    /// Adds elements with memory; their channels must be among the channels passed to [`Self::new`].
+    /// Adds elements with memory, such as friction. The channels that measure their displacements must be among the channels passed to
+    /// [`Self::new`].
     #[must_use]
     pub fn remembering(mut self, memories: Vec<HysteresisState>) -> Self {
         self.memories = memories;
         self
     }
 
-    /// Adds the free motions of the deck. The weight of a freely spinning part then acts on the parts that carry it.
+    /// Declares the free motions of the deck. The weight of a freely spinning part then acts on the parts that carry it.
     #[must_use]
     pub(crate) fn with_free_motions(mut self, free: &FreeMotions) -> Self {
         self.weights = free.held_weights(self.system);
@@ -99,7 +101,7 @@ impl<'a> NativePredictor<'a> {
         self
     }
 
-    /// Replaces the load values of the cases.
+    /// Replaces the load cases by cases with these load values.
     #[must_use]
     pub fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
         self.answers = vec![None; cases.len()];
@@ -107,7 +109,8 @@ impl<'a> NativePredictor<'a> {
         self
     }
 
-    /// Sets the state, of the same system, from which the first solve of a case starts.
+    /// Sets the state from which a case is solved first, and the parameter values `theta` of that state. The state must belong to the same
+    /// system.
     pub fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
         self.sweeper.keep(case, state);
         self.answers[case] = Some(Arc::new(CaseSolution {
@@ -117,13 +120,13 @@ impl<'a> NativePredictor<'a> {
         }));
     }
 
-    /// Returns the last solution of a case with the numbers it was solved at.
+    /// Returns the last solution of a case and the parameter values at which it was solved.
     pub fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
         let answer = self.answers[case].as_ref()?;
         Some((self.sweeper.answer(case)?, &answer.theta))
     }
 
-    /// Solves one case from its own last solution, extrapolated along its tangent.
+    /// Solves one load case from its own last solution, extrapolated along the tangent to the unknowns `x`.
     fn solve(&mut self, case: usize, theta: &Parameters, x: &[f64]) -> Option<State> {
         self.runs += 1;
         let mut own = self.sweeper.answer(case).cloned();
@@ -135,8 +138,8 @@ impl<'a> NativePredictor<'a> {
         self.sweeper.solve(self.system, theta, case, own).ok()
     }
 
-    /// Moves an equilibrium along its free motions to the best fit of the marks of its case. Returns the free motions there, one column
-    /// each, and the tangent if it was computed.
+    /// Moves an equilibrium along its free motions to the best fit of the marks measured in its case. Returns the free motions at the new
+    /// equilibrium, one column each, and the tangent there if it was computed.
     fn settle_free(
         &mut self,
         case: usize,
@@ -145,8 +148,8 @@ impl<'a> NativePredictor<'a> {
     ) -> (DMatrix<f64>, Option<Tangent>) {
         let (mut motions, mut last) = (Vec::new(), None);
         for taken in 0..=FREE_MAX_STEPS {
-            // The last Newton factorisation precedes the equilibrium and may miss a free motion, so that the deck's own flag is checked as
-            // well.
+            // The last Newton factorisation was made before the equilibrium was reached and may miss a free motion. The flag of the deck is
+            // therefore checked as well.
             if !(self.has_free_motions || self.sweeper.solver().has_free_motions()) {
                 break;
             }
@@ -182,7 +185,7 @@ impl<'a> NativePredictor<'a> {
         (motions, last)
     }
 
-    /// Returns the changes of the system's unknowns along each direction, one column each; uses `tangent` if given.
+    /// Returns the derivatives of the solver's unknowns along each direction, one column each. `tangent` is computed if it is not given.
     fn responses(
         &mut self,
         case: usize,
@@ -198,7 +201,8 @@ impl<'a> NativePredictor<'a> {
         let n = self.system.unknowns();
         let mut column = vec![0.0; n];
         let mut here = self.system.evaluate(theta, state, &mut self.scratch).ok()?;
-        // Directions may share slots, such as the coordinates of a marker on a rotated part, so that each slot is evaluated once.
+        // Several directions may contain the same slot, such as a coordinate of a marker. The derivative with respect to each slot is therefore
+        // computed only once.
         let mut known: BTreeMap<Slot, usize> = BTreeMap::new();
         let mut by_slot: Vec<f64> = Vec::new();
         let mut out = DMatrix::zeros(n, directions.len());
@@ -223,7 +227,7 @@ impl<'a> NativePredictor<'a> {
                 }
             }
         }
-        // Directions that act only in other cases have zero columns here.
+        // Directions that act only in other load cases have zero columns in this case and need no solution.
         let acting: Vec<usize> = (0..directions.len())
             .filter(|k| out.column(*k).iter().any(|value| *value != 0.0))
             .collect();
@@ -240,8 +244,8 @@ impl<'a> NativePredictor<'a> {
         Some(out)
     }
 
-    /// Solves the first `common` load cases in order, then independent sequences with the given numbers of cases. Each sequence starts from
-    /// the state after the common cases.
+    /// Solves the first `common` load cases in order, then several independent sequences of cases. `sequences` holds the number of cases of
+    /// each. Elements with memory start each sequence in their state after the common cases.
     pub fn predict_apart(
         &mut self,
         numbers: &Numbers,
@@ -272,7 +276,7 @@ impl<'a> NativePredictor<'a> {
         out
     }
 
-    /// Solves one load case with the hysteresis state `carried` from the preceding cases.
+    /// Solves one load case. `carried` holds the state of the elements with memory after the preceding cases, and is updated.
     fn case(
         &mut self,
         case: usize,
@@ -360,8 +364,8 @@ impl<'a> NativePredictor<'a> {
     }
 }
 
-/// Returns the first-order change of the system's unknowns since the last solution; `None` if the numbers of unknowns differ or a step is
-/// too large.
+/// Returns the first-order change of the solver's unknowns from the last solution of a case to the unknowns `x`. Returns `None` if there are no
+/// sensitivities, the number of unknowns differs, or a step is too large.
 fn predicted(answer: &CaseSolution, x: &[f64]) -> Option<Vec<f64>> {
     let (unknowns, responses) = &answer.response;
     if unknowns.is_empty() || answer.x.len() != x.len() {
@@ -370,7 +374,7 @@ fn predicted(answer: &CaseSolution, x: &[f64]) -> Option<Vec<f64>> {
     let mut correction = vec![0.0; responses.nrows()];
     for (unknown, response) in unknowns.iter().zip(responses.column_iter()) {
         let step = x[*unknown] - answer.x[*unknown];
-        // After a long step, the old solution is a better start than an extrapolation.
+        // After a long step, the last solution itself is a better start than an extrapolation.
         if !step.is_finite() || step.abs() > MAX_EXTRAPOLATED_STEP {
             return None;
         }
@@ -391,8 +395,8 @@ impl Predictor for NativePredictor<'_> {
         self.predict_apart(numbers, directions, all, &[])
     }
 
-    /// Computes the share `K c` of each spring. A unit force within the spring deflects it by `c = e^T T^-1 e`, where the tangent `T`
-    /// includes the spring itself. The first solved case is used, because shares hardly depend on the load.
+    /// Computes the load share `K c` of each spring. A pair of unit forces at its ends deflects the spring by `c = e^T T^-1 e`, where the
+    /// tangent `T` includes the spring itself. Only the first solved case is used, because the shares hardly depend on the load.
     fn shares(&mut self, springs: &[Component]) -> Option<Vec<f64>> {
         let case = self.answers.iter().position(Option::is_some)?;
         let theta = &self.answers[case].as_ref()?.theta;

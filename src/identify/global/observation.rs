@@ -1,7 +1,7 @@
 //! Comparison of readings with predictions: whitened residuals and their derivatives.
 //!
-//! Besides the unknowns of the deck, the residuals depend on unknowns of the measurement: a displacement of the measuring frame in each
-//! case, motions of the frame through all cases, and position errors of the marks on their parts. Independent of the solver.
+//! Besides the unknowns of the deck, the residuals depend on unknowns of the measurement. These are a displacement of the measuring frame in
+//! each case, motions of the frame over all cases, and position errors of the marks on their parts. This module is independent of the solver.
 
 use nalgebra::{DMatrix, DVector, Dyn, U1};
 
@@ -13,39 +13,39 @@ use admire_solver::model::Model;
 use admire_study::wheel::{camber_deg, steer_deg};
 use admire_study::{Case, Measurement, Over, Summary};
 
-/// Mutable row of a Jacobian.
+/// Mutable view of a row of a Jacobian.
 type RowViewMut<'a, T> = nalgebra::MatrixViewMut<'a, T, U1, Dyn, U1, Dyn>;
 
-/// Reading that a residual belongs to.
+/// Identifies the scalar reading that a row of residuals belongs to.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Row {
-    /// A mark coordinate.
+    /// A coordinate of a mark.
     Mark {
-        /// Index of the case.
+        /// Index of the load case.
         case: usize,
-        /// Index into the case's mark readings.
+        /// Index into the mark readings of the case.
         reading: usize,
-        /// Axis 0, 1, 2 for x, y, z in ground.
+        /// Ground axis: 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// A wheel reading.
+    /// A component of a wheel reading.
     Wheel {
-        /// Index of the case.
+        /// Index of the load case.
         case: usize,
-        /// Component: 0 to 2 position, 3 camber, 4 steer.
+        /// Component of the wheel reading: 0 to 2 for the position, 3 for camber, 4 for steer.
         component: usize,
     },
-    /// A channel reading.
+    /// A reading of a channel (scalar sensor).
     Channel {
-        /// Index of the case.
+        /// Index of the load case.
         case: usize,
-        /// Index into the measurement's channels.
+        /// Index into the channels of the measurement.
         channel: usize,
     },
 }
 
 impl Row {
-    /// Returns the index of the load case.
+    /// Returns the index of the load case that the row belongs to.
     pub const fn case(self) -> usize {
         match self {
             Self::Mark { case, .. } | Self::Wheel { case, .. } | Self::Channel { case, .. } => case,
@@ -53,39 +53,41 @@ impl Row {
     }
 }
 
-/// Motion of the measuring frame through the cases: a sum of motions, each with six unknowns and one factor per case.
+/// Displacement of the measuring frame over the load cases: a sum of rigid motions. Each motion has six unknowns and is multiplied by one known
+/// factor per case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FrameMotions {
-    /// Index of the first of six unknowns of the first motion: translation, then rotation vector.
+    /// Index of the first unknown. Each motion has six unknowns: three of the translation, then three of the rotation vector.
     pub first: usize,
-    /// Centre of rotation.
+    /// Centre of the rotations, in ground.
     pub centre: Vec3,
-    /// Rotation per unit of a rotation-vector unknown, in radians.
+    /// Rotation in radians per unit of a rotation-vector unknown.
     pub turn: f64,
-    /// Factors by motion and case.
+    /// Factor of each motion in each case, as `[motion][case]`.
     pub factors: Vec<Vec<f64>>,
 }
 
 impl FrameMotions {
-    /// Iterates over the motions in a case: index of the first unknown, and factor.
+    /// Iterates over the motions in a load case. Yields the index of the first unknown of each motion, and its factor.
     pub fn of(&self, case: usize) -> impl Iterator<Item = (usize, f64)> {
         let each = self.factors.iter().enumerate();
         each.map(move |(k, factors)| (self.first + 6 * k, factors[case]))
     }
 }
 
-/// Layout of the measurement's unknowns (nuisance parameters), which follow those of the deck.
+/// Layout of the unknowns of the measurement (nuisance parameters). In the vector of all unknowns they follow the unknowns of the deck.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct NuisanceLayout {
-    /// First of six unknowns per case: translation, and rotation vector about the centroid of the case's marks; `None` if absent.
+    /// Index of the first frame unknown; `None` if there are none. Each case has six: the translation of the frame, and its rotation vector
+    /// about the centroid of the marks read in the case.
     pub frames: Option<usize>,
-    /// Frame motions through all cases; `None` if absent.
+    /// Motions of the measuring frame over all cases; `None` if there are none.
     pub motions: Option<FrameMotions>,
-    /// First of three unknowns per mark of every part; `None` if absent.
+    /// Index of the first mark unknown; `None` if there are none. Each mark of every part has three: the error of its position on the part.
     pub marks: Option<usize>,
-    /// Index of the first mark of each marked part in that list.
+    /// Position of the first mark of each marked part in the list of all marks.
     pub first_mark: Vec<usize>,
-    /// Prior standard deviation of each unknown of the measurement.
+    /// Prior standard deviation of each unknown of the measurement, in order.
     pub sd: Vec<f64>,
 }
 
@@ -123,36 +125,37 @@ impl NuisanceLayout {
     }
 }
 
-/// Whitened residuals (prediction minus reading, over sigma) and their derivatives.
+/// Whitened residuals and their derivatives. A residual is prediction minus reading, divided by the standard deviation of the reading.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// One residual per row.
+    /// Whitened residual of each row.
     pub residual: DVector<f64>,
-    /// Derivatives, rows by unknowns; without columns unless derivatives were predicted.
+    /// Derivatives of the residuals, one row per residual and one column per unknown. The matrix has no columns if derivatives were not
+    /// requested.
     pub jacobian: DMatrix<f64>,
-    /// Orthonormal row directions along which free (zero-stiffness) motions move the readings, as pairs of row and weight. Residuals along
-    /// them are not compared.
+    /// Orthonormal directions in the space of rows along which free (zero-stiffness) motions move the readings. Each direction is a list of
+    /// pairs of row and weight. Residuals along these directions have been removed.
     pub free: Vec<Vec<(usize, f64)>>,
 }
 
-/// Readings of the cases that a fit uses, in a fixed order.
+/// Readings that a fit compares with predictions, in a fixed order.
 #[derive(Clone, Debug)]
 pub struct Observations<'a> {
     measurement: &'a Measurement,
-    /// Rows in order.
+    /// Rows of the residual vector, in order.
     pub rows: Vec<Row>,
-    /// Parts and marks that the predictor must report.
+    /// Parts and marks whose motion the predictor must report.
     pub observed: Observed,
-    /// Index into `observed.parts` of each marked part.
+    /// For each marked part of the measurement: its index in `observed.parts`.
     place: Vec<usize>,
     wheel_place: usize,
     wheel_frame: Pose,
-    /// Standard deviation of a mark coordinate as used in the fit; never zero.
+    /// Standard deviation of a mark coordinate that the fit uses; never zero.
     pub sigma: f64,
 }
 
 impl<'a> Observations<'a> {
-    /// Collects all readings of these cases.
+    /// Collects all readings of the given cases.
     pub fn new(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
         let mut observed = Observed::of(measurement);
         let parts = measurement.parts.iter();
@@ -200,8 +203,8 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// Collects the readings of these cases that a fit may use: without held-out curves and without summaries of cases that are not all
-    /// included.
+    /// Collects the readings of the given cases that a fit may use. Held-out channels are left out, and so are summaries over cases that are
+    /// not all among the given cases.
     pub fn fitted(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
         let mut new = Self::new(measurement, model, cases);
         let is_seen = |case: usize| cases.contains(&case);
@@ -212,7 +215,7 @@ impl<'a> Observations<'a> {
         new
     }
 
-    /// Returns the cases whose readings are compared, in their order.
+    /// Returns the cases whose readings are compared, in the order of the rows.
     pub(crate) fn cases(&self) -> Vec<usize> {
         let mut cases: Vec<usize> = self.rows.iter().map(|row| row.case()).collect();
         cases.dedup();
@@ -224,7 +227,8 @@ impl<'a> Observations<'a> {
         self.measurement
     }
 
-    /// Returns all cases with the marks at their predicted positions, given the residuals (prediction minus reading) of all rows.
+    /// Returns all cases with the mark readings replaced by their predictions. `residual` holds the whitened residuals (prediction minus
+    /// reading) of all rows.
     pub fn predicted(&self, residual: &DVector<f64>) -> Vec<Case> {
         let mut out = self.measurement.cases.clone();
         for (row, residual) in self.rows.iter().zip(residual.iter()) {
@@ -242,7 +246,7 @@ impl<'a> Observations<'a> {
 
     /// Computes the residuals of all rows and their derivatives with respect to the first `columns` unknowns of `x`.
     ///
-    /// The unknowns of the deck precede the nuisance parameters. Columns for which the prediction has no derivative stay zero. Returns
+    /// In `x`, the unknowns of the deck precede the unknowns of the measurement. Columns without a predicted derivative are zero. Returns
     /// `None` if a compared case has no prediction.
     pub fn evaluate(
         &self,
@@ -257,7 +261,7 @@ impl<'a> Observations<'a> {
             let case = row.case();
             let predicted = prediction[case].as_ref()?;
             match *row {
-                // All three rows of a mark are filled at the first one.
+                // All three rows of a mark are filled when the first of them is reached.
                 Row::Mark {
                     reading, axis: 0, ..
                 } => {
@@ -303,7 +307,7 @@ impl<'a> Observations<'a> {
         })
     }
 
-    /// Removes the effect of free motions from residuals and derivatives; returns the row directions concerned.
+    /// Removes the effect of free motions from residuals and derivatives. Returns the directions in the space of rows that were removed.
     fn without_free(
         &self,
         prediction: &[Option<CasePrediction>],
@@ -342,8 +346,8 @@ impl<'a> Observations<'a> {
         out
     }
 
-    /// Returns the rows of a case that its free motions move, with their derivatives; `None` if no row moves. Summaries over several cases
-    /// are not corrected.
+    /// Returns the rows of a case that its free motions affect, with their derivatives. `None` if no row is affected. Summaries over several
+    /// cases count as unaffected.
     fn free_rows(
         &self,
         rows: &[Row],
@@ -403,7 +407,7 @@ impl<'a> Observations<'a> {
         })
     }
 
-    /// Evaluates a quantity that summarises a channel over several cases.
+    /// Evaluates the residual and the derivatives of a summary of a channel over several cases. Returns `None` if a case has no prediction.
     fn summary(
         &self,
         summary: &Summary,
@@ -542,7 +546,7 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// Returns the whitened change of the five wheel rows due to a change of the parts.
+    /// Returns the whitened change of the five components of the wheel reading that a change of the part poses causes.
     fn wheel_change(&self, predicted: &CasePrediction, change: &CaseChange<'_>) -> [f64; 5] {
         let Some(wheel) = &self.measurement.wheel else {
             return [0.0; 5];
@@ -560,19 +564,21 @@ impl<'a> Observations<'a> {
         [dp.x, dp.y, dp.z, camber, steer]
     }
 
-    /// Returns the centroid of the marks read in a case. The frame rotates about it, so that rotation and translation remain uncorrelated.
+    /// Returns the centroid of the marks read in a case. The measuring frame rotates about it, so its rotation and translation remain
+    /// uncorrelated.
     fn centroid(&self, case: usize) -> Vec3 {
         let marks = &self.measurement.cases[case].marks;
         marks.iter().map(|m| m.x).sum::<Vec3>() / marks.len().max(1) as f64
     }
 }
 
-/// Returns the displacement of the point at `arm` from the origin of a part, given the part's translation and rotation vector.
+/// Returns the displacement of a point of a part. `six` holds the part's translation and rotation vector, `arm` the vector from the part's
+/// origin to the point.
 fn moved(six: &[f64; 6], arm: &Vec3) -> Vec3 {
     Vec3::new(six[0], six[1], six[2]) + Vec3::new(six[3], six[4], six[5]).cross(arm)
 }
 
-/// Wraps an angle difference to (-180, 180] degrees.
+/// Wraps an angle difference in degrees to (-180, 180].
 fn wrapped_deg(angle: f64) -> f64 {
     let wrapped = angle.rem_euclid(360.0);
     if wrapped > 180.0 {

@@ -1,6 +1,6 @@
-//! Predictions of a model for every load case, with their sensitivities to the unknowns.
+//! Predictions of a model for all load cases, with their sensitivities to the unknowns.
 //!
-//! Independent of fits.
+//! This module is independent of fits.
 
 use std::ops::Range;
 
@@ -14,29 +14,30 @@ use admire_solver::statics::Balance;
 use admire_solver::system::{State, System};
 use admire_study::{MarkReading, Measurement};
 
-/// Prediction for one load case at equilibrium.
+/// Equilibrium of the model in one load case, with the predicted channel values and the sensitivities.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CasePrediction {
-    /// Pose of each part of the model, by [`PartIx`].
+    /// Pose of each part of the model at equilibrium, indexed by [`PartIx`].
     pub poses: Vec<Pose>,
-    /// One value per channel.
+    /// Predicted value of each channel.
     pub channels: Vec<f64>,
-    /// Changes per unknown; empty unless derivatives were requested.
+    /// Derivatives of the results with respect to each unknown; empty unless derivatives were requested.
     pub by_unknown: CaseChanges,
-    /// Changes per free (zero-stiffness) motion.
+    /// Derivatives of the results with respect to each free (zero-stiffness) motion.
     pub free: CaseChanges,
 }
 
-/// Change of the results of one load case per unit of an unknown.
+/// Derivative of the results of one load case with respect to an unknown or a free motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CaseChange<'a> {
-    /// Translation of the part origin and rotation vector of each observed part, ground axes, in the order of [`Observed::parts`].
+    /// Derivative of the pose of each observed part, in the order of [`Observed::parts`]: translation of the part origin, then rotation vector,
+    /// both in ground axes.
     pub parts: &'a [[f64; 6]],
-    /// Change of each channel.
+    /// Derivative of each channel value.
     pub channels: &'a [f64],
 }
 
-/// Changes of the results of one load case, stored contiguously.
+/// Derivatives of the results of one load case with respect to several unknowns, stored contiguously.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct CaseChanges {
     count: usize,
@@ -45,7 +46,7 @@ pub struct CaseChanges {
 }
 
 impl CaseChanges {
-    /// Creates an empty list with room for `count` changes of `parts` parts and `channels` channels.
+    /// Creates an empty list with room for `count` derivatives of `parts` parts and `channels` channels.
     pub(crate) fn with_capacity(count: usize, parts: usize, channels: usize) -> Self {
         Self {
             count: 0,
@@ -54,7 +55,7 @@ impl CaseChanges {
         }
     }
 
-    /// Appends a change; all changes must have the same numbers of parts and channels.
+    /// Appends the derivative with respect to a further unknown. All entries must have the same number of parts and of channels.
     pub(crate) fn push(
         &mut self,
         parts: impl IntoIterator<Item = [f64; 6]>,
@@ -65,17 +66,17 @@ impl CaseChanges {
         self.channels.extend(channels);
     }
 
-    /// Returns the number of changes.
+    /// Returns the number of unknowns for which derivatives are stored.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Returns true if there are no changes.
+    /// Returns true if no derivatives are stored.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Returns the change of unknown `k`.
+    /// Returns the derivative with respect to unknown `k`.
     pub fn get(&self, k: usize) -> CaseChange<'_> {
         let (parts, channels) = self.each();
         CaseChange {
@@ -84,12 +85,12 @@ impl CaseChanges {
         }
     }
 
-    /// Iterates over the changes in the order of the unknowns.
+    /// Iterates over the derivatives in the order of the unknowns.
     pub fn iter(&self) -> impl Iterator<Item = CaseChange<'_>> {
         (0..self.count).map(|k| self.get(k))
     }
 
-    /// Returns a contiguous range of the changes.
+    /// Returns the derivatives with respect to a contiguous range of the unknowns.
     #[must_use]
     pub fn range(&self, range: Range<usize>) -> Self {
         let (parts, channels) = self.each();
@@ -100,25 +101,25 @@ impl CaseChanges {
         }
     }
 
-    /// Returns the numbers of parts and channels of each change.
+    /// Returns the number of parts and the number of channels in each derivative.
     fn each(&self) -> (usize, usize) {
         let count = self.count.max(1);
         (self.parts.len() / count, self.channels.len() / count)
     }
 }
 
-/// Parts and marks of a model that are compared with measurements.
+/// Parts and marks (measured points) of a model that are compared with measurements.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Observed {
-    /// Parts whose poses are observed.
+    /// Parts whose poses are compared, directly or through their marks.
     pub parts: Vec<PartIx>,
-    /// Marks of these parts by load case. Along free (zero-stiffness) motions, a prediction is placed where it fits these marks best. Cases
-    /// beyond the last entry have no marks.
+    /// Marks of these parts with their measured positions, by load case. Along free (zero-stiffness) motions, a prediction is placed where it
+    /// fits these marks best. Load cases beyond the last entry have no marks.
     pub marks: Vec<Vec<SeenMark>>,
 }
 
 impl Observed {
-    /// Returns the marked parts of a measurement with the readings of their marks.
+    /// Returns the parts of a measurement that carry marks, with the readings of the marks.
     pub fn of(measurement: &Measurement) -> Self {
         let mut new = Self::default();
         let place: Vec<usize> = measurement
@@ -138,7 +139,7 @@ impl Observed {
         new
     }
 
-    /// Returns the index of a part among the observed parts, and adds the part if it is missing.
+    /// Returns the index of a part in the list of observed parts. A part that is missing is added.
     pub(super) fn place(&mut self, part: PartIx) -> usize {
         let known = self.parts.iter().position(|own| *own == part);
         known.unwrap_or_else(|| {
@@ -147,7 +148,8 @@ impl Observed {
         })
     }
 
-    /// Converts changes of the system's unknowns at a state into changes of the observed parts and the channels; one column per change.
+    /// Converts derivatives of the solver's unknowns at a state to derivatives of the observed parts. Each column of `responses` is one
+    /// derivative; the matching column of `channels` is added unchanged.
     pub fn changes(
         &self,
         system: &System,
@@ -165,29 +167,30 @@ impl Observed {
     }
 }
 
-/// Predictions of all load cases in the order of application; `None` where a case has no equilibrium.
+/// Predictions of all load cases in the order of application. The entry of a case without an equilibrium is `None`.
 pub type Prediction = Vec<Option<CasePrediction>>;
 
-/// A predictor of all load cases: the built-in solver with exact sensitivities, or any backend with differences.
+/// Predictor of the results of all load cases: the built-in solver with exact sensitivities, or any backend with finite differences.
 pub trait Predictor {
-    /// Returns the system whose numbers are changed.
+    /// Returns the compiled system whose parameters are changed.
     fn system(&self) -> &System;
 
-    /// Solves every load case at these numbers, with sensitivities along `directions` if given.
+    /// Solves every load case for these parameter values, with sensitivities along `directions` if given.
     fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction;
 
-    /// Returns the load share of each spring at the last solutions; `None` if the backend cannot tell.
+    /// Returns the load share of each spring at the last solutions; `None` if the backend does not provide it.
     ///
     /// The load share is the fraction of a force along the spring that the spring itself carries. A spring in series has share 1, and its
-    /// deflection is proportional to 1/K. Where other elements impose the deflection, the share is nearly 0.
+    /// deflection is proportional to 1/K. If other elements impose the deflection, the share is nearly 0.
     fn shares(&mut self, _springs: &[Component]) -> Option<Vec<f64>> {
         None
     }
 
-    /// Stores the last solutions of all cases.
+    /// Stores the last solutions of all load cases.
     fn checkpoint(&mut self) {}
 
-    /// Restores the stored solutions as the starting points of the next solves, because a trial may have reached another equilibrium.
+    /// Restores the solutions of the last checkpoint as starting points of the next prediction. A rejected trial step may have reached a
+    /// different equilibrium.
     fn rollback(&mut self) {}
 
     /// Returns the number of sweeps over all load cases so far.
@@ -196,6 +199,6 @@ pub trait Predictor {
     /// Returns the number of equilibria solved so far.
     fn solver_runs(&self) -> usize;
 
-    /// Returns the largest force imbalance of a part over all solutions; `None` if the backend cannot tell.
+    /// Returns the largest force imbalance of a part over all solutions; `None` if the backend does not report it.
     fn balance(&self) -> Option<&Balance>;
 }

@@ -1,4 +1,4 @@
-//! A study's deck, compiled for a fit.
+//! The deck of a study, compiled for a fit.
 
 use super::native::NativePredictor;
 use super::predictor::Observed;
@@ -9,19 +9,19 @@ use admire_solver::system::{Scratch, System};
 use admire_study::{Channels, with_channels};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// A study's deck with its channels, compiled.
+/// The deck of a study with its channels (scalar sensors), compiled.
 #[derive(Debug)]
 pub struct Prepared {
     /// Model of the deck with one REQUEST per channel.
     pub model: Model,
-    /// Location of the channels among the requests of the model.
+    /// Range of the channels among the requests of the model.
     pub channels: Channels,
     /// Compiled model.
     pub system: System,
 }
 
 impl Prepared {
-    /// Compiles the deck of a study.
+    /// Compiles the deck of a study for the built-in solver.
     ///
     /// # Errors
     /// Fails if the built-in solver cannot solve the deck, or if the function of a channel cannot be parsed.
@@ -29,7 +29,7 @@ impl Prepared {
         Self::with(problem, &[])
     }
 
-    /// Compiles the deck of a study with channels for `further` functions, placed after the channels of the measurement.
+    /// Compiles the deck of a study with additional channels for the functions in `further`. They follow the channels of the measurement.
     ///
     /// # Errors
     /// See [`Self::new`].
@@ -44,8 +44,8 @@ impl Prepared {
         })
     }
 
-    /// Compiles the deck for another solver: elements unknown to the built-in solver are left to the other one. Channels are evaluated from
-    /// the poses of the parts, which every solver returns.
+    /// Compiles the deck of a study for the evaluation of channels when an external solver computes the equilibria. Elements that the built-in
+    /// solver does not support are ignored. Channels are evaluated from the poses of the parts, which every solver returns.
     ///
     /// # Errors
     /// Fails if the function of a channel cannot be parsed, or does not depend on the poses alone.
@@ -82,10 +82,10 @@ impl Prepared {
         })
     }
 
-    /// Creates the built-in solver as the predictor of a study.
+    /// Creates a predictor for the study that uses the built-in solver.
     ///
     /// # Errors
-    /// Fails if the solver cannot change the number that a load drives.
+    /// Fails if the solver cannot change a parameter that a load drives.
     pub fn native(
         &self,
         problem: &Problem<'_>,

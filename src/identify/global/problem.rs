@@ -1,4 +1,4 @@
-//! Least-squares problem of all unknowns of the deck and the measurement, given all readings.
+//! Least-squares problem of a fit, with all unknowns of the deck and of the measurement.
 
 use nalgebra::DVector;
 
@@ -10,31 +10,32 @@ use crate::settings::HUBER_THRESHOLD_SIGMA;
 use admire_solver::system::Parameters;
 use admire_study::settings::Loss;
 
-/// Callback that observes a fit and returns `false` to stop it. Arguments: accepted steps, sweeps over all load cases so far, objective.
+/// Callback that observes a fit and returns `false` to stop it. Its arguments are the number of accepted steps, the number of sweeps over all
+/// load cases so far, and the objective.
 pub type Watch<'a> = dyn FnMut(usize, usize, f64) -> bool + 'a;
 
-/// Unknowns of deck and measurement, the predictor, and the readings that are fitted.
+/// Least-squares problem of a fit: unknowns of deck and measurement, the predictor, and the readings.
 pub struct GlobalProblem<'a> {
-    /// Numbers of the deck before any unknown is applied.
+    /// Parameter values of the deck before any unknown is applied.
     pub deck: Parameters,
-    /// Unknowns of the deck; they come first in x.
+    /// Unknowns of the deck. They come first in the vector of all unknowns.
     pub unknowns: FitUnknowns,
-    /// Unknowns of the measurement; they come last in x.
+    /// Unknowns of the measurement. They come last in the vector of all unknowns.
     pub layout: NuisanceLayout,
-    /// Readings that are compared.
+    /// Readings that are compared with the predictions.
     pub observations: Observations<'a>,
     /// Predictor of the readings.
     pub predictor: Box<dyn Predictor + 'a>,
     /// Loss function of the residuals.
     pub loss: Loss,
-    /// Unknowns of the deck at the start and after every accepted step.
+    /// Values of the deck unknowns at the start and after every accepted step.
     pub history: Vec<Vec<f64>>,
     /// Callback that may stop the fit.
     pub watch: Option<Box<Watch<'a>>>,
 }
 
 impl GlobalProblem<'_> {
-    /// Returns the total number of unknowns.
+    /// Returns the number of unknowns of deck and measurement together.
     pub fn dimension(&self) -> usize {
         self.unknowns.len() + self.layout.sd.len()
     }
@@ -56,7 +57,7 @@ impl GlobalProblem<'_> {
         deck.chain(own).collect()
     }
 
-    /// Returns the natural step of each unknown: its prior standard deviation, at most 1, which for a stiffness is one e-fold.
+    /// Returns the natural unit of each unknown: its prior standard deviation, at most 1. For a stiffness, 1 is a change by a factor of e.
     pub fn scale(&self) -> Vec<f64> {
         let natural = |prior: Prior| {
             if prior.sd.is_finite() {
@@ -68,7 +69,7 @@ impl GlobalProblem<'_> {
         self.priors().into_iter().map(natural).collect()
     }
 
-    /// Calls the watch callback and returns whether work on a finished fit may continue.
+    /// Calls the watch callback after the fit has ended. Returns whether further work on the result may continue.
     pub(crate) fn goes_on(&mut self, minimum: &Minimum) -> bool {
         let sweeps = self.predictor.sweeps();
         self.watch
@@ -76,7 +77,7 @@ impl GlobalProblem<'_> {
             .is_none_or(|watch| watch(minimum.iterations, sweeps, minimum.objective))
     }
 
-    /// Returns true for each unknown without freedom, whose prior has zero width.
+    /// Returns for each unknown whether it is held, because its prior has zero width.
     pub fn held(&self) -> Vec<bool> {
         self.priors()
             .into_iter()
@@ -107,7 +108,8 @@ impl LeastSquares for GlobalProblem<'_> {
         self.predictor.rollback();
     }
 
-    /// Returns Huber's weights; they depend on the norm of each mark's residual, so that a wrong mark is downweighted as a whole.
+    /// Returns Huber's weights. All three coordinates of a mark get the same weight, from the norm of its residual, so a wrong mark is
+    /// downweighted as a whole.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
         let mut weights = DVector::from_element(residual.len(), 1.0);
         if self.loss == Loss::Gaussian {

@@ -1,11 +1,12 @@
-//! Intervals by profile likelihood. An interval ends where the objective, minimised over all other unknowns, has risen by 1.92.
+//! Profile-likelihood intervals. The interval of an unknown ends where the objective, minimised over all other unknowns, has risen by 1.92
+//! above its minimum.
 //!
-//! The path to the end of an interval uses the step coordinates of [`LeastSquares::retract`], in which the model is nearly linear. There,
-//! the quadratic approximation is accurate over a longer range than in ln K.
+//! The path to the end of an interval uses the step coordinates of [`LeastSquares::retract`]. The model is nearly linear in these, so the
+//! quadratic approximation is accurate over a longer range than in ln K.
 //!
-//! One evaluation without derivatives at the predicted end gives the rise. From this, the decrease that one constrained step with the
-//! Jacobian of the estimate would still achieve is subtracted. If the result is not 1.92, further steps follow with a Broyden-corrected
-//! Jacobian (Broyden 1965). A fit with derivatives is made only if these steps do not converge.
+//! At the predicted end, the objective is evaluated once without derivatives. A constrained step with the Jacobian of the estimate would lower
+//! the objective further; this predicted decrease is subtracted from the rise. If the decrease is not small, further steps follow with a
+//! Jacobian corrected by Broyden's method (Broyden 1965). A fit with derivatives is made only if these steps do not converge.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -18,10 +19,10 @@ use crate::settings::{
     PROFILE_STEP,
 };
 
-/// Computes the 95 percent interval of unknown `k` around a minimum with this posterior covariance.
+/// Computes the 95 percent profile-likelihood interval of unknown `k` around a minimum. `covariance` is the posterior covariance there.
 ///
-/// The prior of `k` itself is left out, so that a side that the data do not bound is `None`. A point near the end that took many evaluations
-/// is computed a second time from the estimate, and the lower of both objectives is used.
+/// The prior of unknown `k` itself is left out, so a side on which the readings set no bound is `None`. A profile point near the end that took
+/// many evaluations is computed a second time, starting from the estimate. The lower of the two objectives is used.
 pub fn profile_interval(
     problem: &mut dyn LeastSquares,
     minimum: &Minimum,
@@ -62,36 +63,36 @@ pub fn profile_interval(
     })
 }
 
-/// Profile of the objective over unknown `k`.
+/// Profile of the objective over unknown `k`: its minimum over all other unknowns.
 struct Profile<'a> {
     problem: &'a mut dyn LeastSquares,
     minimum: &'a Minimum,
     k: usize,
-    /// Step of each unknown per step of `k`, predicted by the covariance.
+    /// Predicted step of each unknown per unit step of unknown `k`, from the covariance.
     along: DVector<f64>,
-    /// Reciprocal variance of each unknown.
+    /// Reciprocal posterior variance of each unknown.
     metric: DVector<f64>,
     priors: Vec<Prior>,
     scale: &'a [f64],
     held: Vec<bool>,
-    /// Lowest objective so far, without the prior of `k`.
+    /// Lowest objective found so far, without the prior of unknown `k`.
     base: f64,
 }
 
-/// Constrained minimum of the objective at a given step of `k`.
+/// Point of the profile: minimum of the objective for a given step of unknown `k`.
 struct ProfilePoint {
     step: DVector<f64>,
-    /// Objective minus the predicted decrease of one more step.
+    /// Objective at the point minus the predicted decrease of one more step.
     value: f64,
-    /// Number of evaluations.
+    /// Number of model evaluations that the point took.
     rounds: usize,
 }
 
-/// Jacobian of the estimate with Broyden updates: `J = J0 + sum d v'`.
+/// Jacobian at the estimate with Broyden updates: `J = J0 + sum d v'`.
 struct BroydenJacobian<'a> {
     minimum: &'a Minimum,
     updates: Vec<(DVector<f64>, DVector<f64>)>,
-    /// `J' W J` plus the information of the priors.
+    /// Information matrix: `J' W J` plus the information of the priors.
     information: DMatrix<f64>,
 }
 
@@ -104,7 +105,7 @@ impl<'a> BroydenJacobian<'a> {
         }
     }
 
-    /// Computes `J s`.
+    /// Computes `J s`, the linear change of the residuals along a step `s`.
     fn times(&self, step: &DVector<f64>) -> DVector<f64> {
         let mut out = &self.minimum.evaluation.jacobian * step;
         for (d, v) in &self.updates {
@@ -113,7 +114,7 @@ impl<'a> BroydenJacobian<'a> {
         out
     }
 
-    /// Computes `J' r`.
+    /// Computes `J' r` with the updated Jacobian `J`.
     fn transposed(&self, r: &DVector<f64>) -> DVector<f64> {
         let mut out = self.minimum.evaluation.jacobian.tr_mul(r);
         for (d, v) in &self.updates {
@@ -122,7 +123,8 @@ impl<'a> BroydenJacobian<'a> {
         out
     }
 
-    /// Updates the Jacobian with the observed `change` of the residuals along a step.
+    /// Updates the Jacobian so that it reproduces the observed `change` of the residuals along a step. `metric` weighs the components of the
+    /// step.
     fn learn(&mut self, step: &DVector<f64>, change: &DVector<f64>, metric: &DVector<f64>) {
         let v = step.component_mul(metric);
         let size = v.dot(step);
@@ -145,21 +147,21 @@ impl Profile<'_> {
         self.problem.retract(&self.minimum.x, step)
     }
 
-    /// Returns a step that changes `k` only.
+    /// Returns a step that changes only unknown `k`, by `size`.
     fn alone(&self, size: f64) -> DVector<f64> {
         let mut step = DVector::zeros(self.along.len());
         step[self.k] = size;
         step
     }
 
-    /// Returns the step of `k` at the end of one side; `None` if that side is unbounded.
+    /// Returns the step of unknown `k` at which one side of the interval ends; `None` if that side is unbounded.
     fn side(&mut self, direction: f64, sd: f64) -> Option<f64> {
         let k = self.k;
         let (lower, upper) = self.problem.limits(self.scale, PROFILE_MAX_LN_DISTANCE);
         let farthest = if direction > 0.0 { upper[k] } else { -lower[k] };
         let target = HALF_CHI_SQUARE_95.sqrt();
         let mut learnt = BroydenJacobian::new(self.minimum);
-        // Step size and square root of the rise: the last point inside and the first point outside.
+        // Step of unknown `k` and square root of the rise, at the last point inside the interval and at the first point outside.
         let (mut inner, mut outer) = ((0.0, 0.0), None::<(f64, f64)>);
         let mut from = self.alone(0.0);
         let mut reach = (NORMAL_QUANTILE_975 * sd).min(farthest);
@@ -173,7 +175,7 @@ impl Profile<'_> {
             if found.as_ref().is_none_or(|point| {
                 point.rounds > PROFILE_FEW_EVALUATIONS && near_end(point, self.base)
             }) {
-                // A search from the estimate may find a lower objective than the continuation of the path.
+                // A search that starts from the estimate may find a lower objective than the continuation of the path.
                 let other = self.point(
                     direction * reach,
                     self.alone(0.0),
@@ -201,14 +203,14 @@ impl Profile<'_> {
                     from = point.step;
                 }
                 (Some(height), _) => outer = Some((reach, height)),
-                // Where the model has no solution, the interval has certainly ended.
+                // A point where the model has no solution lies outside the interval.
                 (None, _) => outer = Some((reach, 3.0 * target)),
             }
             let near = height.is_some_and(|height| {
                 (height * height - HALF_CHI_SQUARE_95).abs() < PROFILE_INTERPOLATION_NATS
             });
             reach = match outer {
-                // Close to the end, the straight line through the minimum and this point is accurate enough.
+                // Close to the end, extrapolation along the straight line through the minimum and this point is accurate enough.
                 None if near => {
                     let end = reach * target / inner.1;
                     return (end < farthest).then_some(direction * end);
@@ -220,8 +222,8 @@ impl Profile<'_> {
                     if near || outer.0 - inner.0 < 0.05 * outer.0 {
                         return Some(direction * next);
                     }
-                    // A steep rise outside moves the interpolated point too close to the inner one; the bracket therefore shrinks by at
-                    // least a quarter.
+                    // If the objective rises steeply outside, interpolation gives a point too close to the inner point. The next point
+                    // therefore lies at least a quarter of the bracket away from the inner point.
                     next.max(inner.0 + 0.25 * (outer.0 - inner.0))
                 }
             };
@@ -229,7 +231,8 @@ impl Profile<'_> {
         Some(direction * reach)
     }
 
-    /// Minimises over the other unknowns for a given step of `k`, from `start`. Returns `None` where the model has no solution.
+    /// Minimises the objective over the other unknowns for a step `size` of unknown `k`, starting from `start`. Returns `None` if the model has
+    /// no solution.
     fn point(
         &mut self,
         size: f64,
@@ -282,7 +285,7 @@ impl Profile<'_> {
         self.fitted(&at, least)
     }
 
-    /// Returns the step of the other unknowns that minimises the updated linear model, and its predicted decrease.
+    /// Returns the step of the other unknowns that minimises the objective of the updated linear model, and the predicted decrease.
     fn constrained(
         &self,
         at: &DVector<f64>,
@@ -310,7 +313,8 @@ impl Profile<'_> {
         (step, gain)
     }
 
-    /// Minimises over the other unknowns by a fit with derivatives.
+    /// Minimises the objective over the other unknowns by a fit with derivatives, starting from the step `from`. `least` is the lowest
+    /// objective known at this point.
     fn fitted(&mut self, from: &DVector<f64>, least: f64) -> Option<ProfilePoint> {
         let tolerances = Tolerances {
             decrement: PROFILE_DECREMENT_NATS,

@@ -1,4 +1,4 @@
-//! Fit of a study by any solver, from the most suitable start.
+//! Fit of a study with any solver, from the most suitable starting values.
 
 use std::ops::ControlFlow;
 
@@ -13,35 +13,35 @@ use crate::settings::{CONTRADICTION_SD, POOR_NORMAL_LN_SD};
 use crate::{Fit, IdentifyError, Problem};
 use admire_session::backend::Backend;
 
-/// Starting point of a fit.
+/// Choice of the starting values of a fit.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub enum Start {
-    /// The direct solution where it saves time.
+    /// The direct solution if it saves time, otherwise the initial values of the study.
     ///
-    /// With an external solver, sweeps are expensive and the direct solution saves most of them. With the built-in solver, a fit from the
-    /// initial values takes a tenth of the time of the direct solution. The latter is then only the second start, after a failed fit.
+    /// With an external solver, sweeps are expensive, and the direct solution saves most of them. With the built-in solver, a fit from the
+    /// initial values takes a tenth of the time of the direct solution. The direct solution is then used only if that fit fails.
     #[default]
     Auto,
-    /// The direct solution if it converged, else the study's initial values.
+    /// The direct solution if it converged, otherwise the initial values of the study.
     Direct,
-    /// The study's initial values.
+    /// The initial values of the study.
     Initial,
-    /// The given values.
+    /// Explicitly given values.
     At(StartValues),
 }
 
 /// Options of a fit.
 #[derive(Default)]
 pub struct Options<'a> {
-    /// Starting point.
+    /// Choice of the starting values.
     pub start: Start,
-    /// True if intervals may be refined by profile likelihood, which costs solver runs.
+    /// True if wide intervals are to be refined by profile likelihood, which costs solver runs.
     pub profile: bool,
     /// Callback that may stop the fit.
     pub watch: Option<Box<Watch<'a>>>,
 }
 
-/// Combines a fit with its problem and adds remarks from the comparison with the direct solution.
+/// Combines a fit with its least-squares problem, and adds remarks where the fit contradicts the direct solution.
 fn together<'a>(
     mut found: Found,
     problem: &Problem<'_>,
@@ -128,7 +128,7 @@ pub fn fit_study<'a>(
     }
 }
 
-/// Returns the direct solution as starting values.
+/// Converts a direct solution to starting values of a fit.
 fn start_at(solution: &DirectSolution) -> StartValues {
     StartValues {
         values: solution.values.clone(),
@@ -136,7 +136,7 @@ fn start_at(solution: &DirectSolution) -> StartValues {
     }
 }
 
-/// Returns the direct solution of the problem if it converged.
+/// Computes the direct solution of the problem. Returns `None` if it fails or does not converge.
 fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<DirectSolution> {
     let settings = DirectSettings {
         show_bias: false,
@@ -157,7 +157,8 @@ fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<
     solution.settled.then_some(solution)
 }
 
-/// Adds a remark for each number where the direct solution, which needs no solver run, contradicts the fit by more than chance.
+/// Adds a remark for each parameter whose direct solution differs from the fit by more than chance. The direct solution needs no solver run, so
+/// it is an independent check of the model.
 fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
     for (k, parameter) in fit.parameters.iter().enumerate() {
         let sd = solution.covariance[(k, k)].max(0.0).sqrt();

@@ -1,6 +1,6 @@
-//! Unknowns of a fit, their priors, and the numbers of the deck they set.
+//! Unknowns of a fit, their priors, and the deck parameters that they set.
 //!
-//! Independent of solvers and measurements.
+//! This module is independent of solvers and measurements.
 
 use crate::settings::MIN_LOAD_SHARE;
 use nalgebra::DVector;
@@ -10,61 +10,61 @@ use admire_solver::model::MarkerIx;
 use admire_solver::system::{Parameters, Slot};
 use admire_syntax::Address;
 
-/// A stiffness of a bushing with the preload along the same axis.
+/// Slots of a stiffness and of the preload along the same axis, for a bushing or another element.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Component {
-    /// Slot of K or KT.
+    /// Slot of the stiffness, K or KT.
     pub stiffness: Slot,
-    /// Slot of FORCE or TORQUE; `None` for stiffnesses of other elements.
+    /// Slot of the preload, FORCE or TORQUE; `None` for a stiffness that does not belong to a bushing.
     pub preload: Option<Slot>,
 }
 
-/// Numbers of the deck that an unknown sets.
+/// Deck parameters that an unknown `x` sets, and how they depend on `x`.
 #[derive(Clone, PartialEq, Debug)]
 pub enum UnknownTarget {
-    /// Stiffness: x = ln K of these components, several of them under a symmetry.
+    /// Stiffness: `x = ln K` of these components. There are several if a symmetry makes stiffnesses equal.
     Stiffness(Vec<Component>),
-    /// Assembly offset: x = delta0 of equation 9, in length units or radians. The two sides of the bushing are displaced by it in every load
-    /// case, so that `F = -K (delta - delta0)` and the preload in the deck becomes `FORCE + K delta0`.
+    /// Assembly offset: `x = delta0` of equation 9 of the paper, in length units or radians. The two sides of the bushing are displaced by
+    /// `delta0` in every load case, so `F = -K (delta - delta0)`. The preload in the deck becomes `FORCE + K delta0`.
     Offset(Component),
-    /// Additive change: `theta = deck + factor * x` for each of these slots.
+    /// Additive change: the parameter in each slot becomes its deck value plus `factor * x`.
     Number(Vec<(Slot, f64)>),
-    /// Additive change with one factor per load case, such as the gain of a load or a load along another direction.
+    /// Additive change with one factor per load case, such as the gain error of a load, or a load that also acts along another direction.
     PerCase(Vec<(Slot, Vec<f64>)>),
-    /// Rotation x, in radians, of markers on their parts, each about its own axis.
+    /// Rotation of markers on their parts by the angle `x` in radians, each marker about its given axis.
     Turn(Vec<(MarkerIx, Vec3)>),
 }
 
-/// One unknown of the deck.
+/// One unknown of a fit that sets parameters of the deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FitUnknown {
-    /// Addresses of the numbers that the unknown sets.
+    /// Addresses of the parameters that the unknown sets.
     pub addresses: Vec<Address>,
-    /// Numbers of the deck that the unknown sets, and how.
+    /// Parameters that the unknown sets, and how they depend on it.
     pub target: UnknownTarget,
-    /// Starting value; ln K for stiffnesses.
+    /// Starting value of the unknown; ln K for a stiffness.
     pub start: f64,
-    /// Prior mean.
+    /// Mean of the prior.
     pub mean: f64,
-    /// Prior standard deviation; infinite for no prior.
+    /// Prior standard deviation; infinite without a prior.
     pub sd: f64,
 }
 
-/// Derivative of theta with respect to one unknown.
+/// Derivative of the deck parameters with respect to one unknown.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Direction {
     /// Index of the unknown among the unknowns of the fit.
     pub unknown: usize,
-    /// Slots with the change per unit, the same in every load case.
+    /// Slots of the parameters that change equally in every load case, each with its change per unit of the unknown.
     pub always: Vec<(Slot, f64)>,
-    /// Slots with the change per unit in every load case.
+    /// Slots of the parameters whose change depends on the load case, each with its change per unit of the unknown in every case.
     pub per_case: Vec<(Slot, Vec<f64>)>,
-    /// Markers that rotate by one radian per unit, each about its own axis.
+    /// Markers that rotate by one radian per unit of the unknown, each about its given axis.
     pub turns: Vec<(MarkerIx, Vec3)>,
 }
 
 impl Direction {
-    /// Iterates over slots and changes in one load case.
+    /// Iterates over the slots that change in one load case, each with its change per unit of the unknown.
     pub fn in_case(&self, case: usize) -> impl Iterator<Item = (Slot, f64)> + '_ {
         let own = self
             .per_case
@@ -74,26 +74,26 @@ impl Direction {
     }
 }
 
-/// Numbers of a deck for all load cases, without the loads.
+/// Parameter values of a deck for all load cases, before the loads are set.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Numbers {
-    /// Numbers that are the same in every load case.
+    /// Parameter values that are the same in every load case.
     pub theta: Parameters,
-    /// Amounts added to a slot in each load case, after the loads are set.
+    /// Slots with the amount that is added in each load case after the loads are set.
     pub per_case: Vec<(Slot, Vec<f64>)>,
-    /// Unknowns that the numbers belong to; empty if unspecified.
+    /// Values of the unknowns from which the parameter values were computed; empty if unspecified.
     pub x: Vec<f64>,
 }
 
-/// Unknowns of a fit that set numbers of one deck.
+/// List of the unknowns of a fit that set parameters of the deck.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct FitUnknowns {
     list: Vec<FitUnknown>,
-    /// Load share of each unknown, if set; otherwise all springs count as being in series.
+    /// Load share of each unknown, see [`Self::moved`]. If the list is empty, all springs have share 1.
     shares: Vec<f64>,
 }
 
-/// Returns the step of a spring with load share `s` that changes its ln K by `change`.
+/// Returns the step coordinate of a spring with load share `s` for which its ln K changes by `change`.
 fn step_of(s: f64, change: f64) -> f64 {
     libm::expm1(change) / (1.0 + s * libm::expm1(change))
 }
@@ -107,7 +107,7 @@ impl FitUnknowns {
         }
     }
 
-    /// Returns all unknowns in order.
+    /// Returns all unknowns in the order of the list.
     pub fn list(&self) -> &[FitUnknown] {
         &self.list
     }
@@ -118,12 +118,12 @@ impl FitUnknowns {
         self.list.len()
     }
 
-    /// Returns the starting values.
+    /// Returns the starting values of all unknowns.
     pub(crate) fn start(&self) -> Vec<f64> {
         self.list.iter().map(|unknown| unknown.start).collect()
     }
 
-    /// Returns the springs of all stiffness unknowns in order.
+    /// Returns the springs of all stiffness unknowns, in the order of the unknowns.
     pub fn springs(&self) -> Vec<Component> {
         let of = |unknown: &FitUnknown| match &unknown.target {
             UnknownTarget::Stiffness(components) => components.clone(),
@@ -132,8 +132,8 @@ impl FitUnknowns {
         self.list.iter().flat_map(of).collect()
     }
 
-    /// Sets the load share of each of [`Self::springs`]; an unknown with several springs gets their mean. An empty list resets all springs
-    /// to being in series.
+    /// Sets the load shares, one per entry of [`Self::springs`]. An unknown with several springs gets the mean of their shares. An empty list
+    /// resets all shares to 1.
     pub fn set_load_shares(&mut self, shares: &[f64]) {
         if shares.is_empty() {
             self.shares.clear();
@@ -155,19 +155,19 @@ impl FitUnknowns {
         self.shares = self.list.iter().map(of).collect();
     }
 
-    /// Returns the load share of unknown `k`; `None` if it is no stiffness.
+    /// Returns the load share of unknown `k`; `None` if the unknown is no stiffness.
     fn share(&self, k: usize) -> Option<f64> {
         let unknown = self.list.get(k)?;
         let stiffness = matches!(unknown.target, UnknownTarget::Stiffness(_));
         stiffness.then(|| self.shares.get(k).copied().unwrap_or(1.0))
     }
 
-    /// Returns the unknowns after a step of the linear model; x may hold further unknowns.
+    /// Returns the unknowns after a step of the linear model. Unknowns in `x` beyond this list are moved linearly.
     ///
-    /// Under a given force, a spring parallel to the stiffness K_s of the rest of the model deflects by 1/(K + K_s). A step of ln K is
-    /// linear in this compliance. With the load share s = K/(K + K_s), the new stiffness is given by `K_new + K_s = (K + K_s)/(1 - s step)`.
-    /// For s = 1 (in series) the step is linear in 1/K, for s near 0 (imposed deflection) in K. This widens the range of the linear model
-    /// and saves half of the sweeps.
+    /// A spring of stiffness `K` acts in parallel to the stiffness `K_s` of the rest of the model, so a unit force deflects it by `1/(K +
+    /// K_s)`. Steps of a stiffness are linear in this compliance. With the load share `s = K/(K + K_s)`, the new stiffness is given by `K_new +
+    /// K_s = (K + K_s)/(1 - s step)`. For `s = 1` (spring in series) the step is linear in `1/K`; for `s` near 0 (imposed deflection) it is
+    /// linear in `K`. This widens the range of the linear model and saves half of the sweeps.
     pub fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         let to = |(k, (x, step)): (usize, (&f64, &f64))| match self.share(k) {
             Some(s) => x + libm::log1p(step / (1.0 - s * step)),
@@ -176,7 +176,7 @@ impl FitUnknowns {
         x.iter().zip(step.iter()).enumerate().map(to).collect()
     }
 
-    /// Returns the step by which [`Self::moved`] leads from one point to another.
+    /// Returns the step with which [`Self::moved`] goes from the unknowns `from` to the unknowns `to`.
     pub(crate) fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
         let of = |(k, (from, to)): (usize, (&f64, &f64))| match self.share(k) {
             Some(s) => step_of(s, to - from),
@@ -186,7 +186,7 @@ impl FitUnknowns {
         DVector::from_iterator(from.len(), steps)
     }
 
-    /// Returns the lower and upper bounds of a step that moves no unknown by more than `reach` natural units.
+    /// Returns the lower and upper bounds of a step with which no unknown moves by more than `reach` natural units.
     pub fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         let of = |(k, scale): (usize, &f64)| match self.share(k) {
             Some(s) => (step_of(s, -reach), step_of(s, reach)),
@@ -195,7 +195,7 @@ impl FitUnknowns {
         scale.iter().enumerate().map(of).unzip()
     }
 
-    /// Returns the deck's numbers at these unknowns.
+    /// Returns the parameter values of the deck for the values `x` of the unknowns. `deck` holds the values in the deck itself.
     pub fn numbers(&self, deck: &Parameters, x: &[f64]) -> Numbers {
         let mut theta = deck.clone();
         let mut per_case = Vec::new();
@@ -223,7 +223,7 @@ impl FitUnknowns {
                 UnknownTarget::Offset(_) => {}
             }
         }
-        // Preloads depend on the stiffnesses, which are all set by now.
+        // Offsets come last, because the preloads depend on the stiffnesses.
         for (unknown, value) in self.list.iter().zip(x) {
             if let UnknownTarget::Offset(Component {
                 stiffness,
@@ -240,7 +240,8 @@ impl FitUnknowns {
         }
     }
 
-    /// Returns the derivative of theta with respect to each unknown, at these unknowns.
+    /// Returns the derivative of the deck parameters with respect to each unknown, at the values `x` of the unknowns. `theta` holds the
+    /// parameter values there.
     pub fn directions(&self, theta: &Parameters, x: &[f64]) -> Vec<Direction> {
         let offset_of = |slot: Slot| {
             self.list

@@ -1,4 +1,5 @@
-//! Bushings and joints whose two markers are displaced or rotated against each other although the element constrains them.
+//! Detection of bushings and joints whose two markers are displaced or rotated relative to each other along directions that the element
+//! constrains.
 
 use crate::settings::{ASSEMBLY_ANGLE_DEG, ASSEMBLY_DISTANCE_MM, REPORTED_BUSHING_ANGLE_DEG};
 use crate::{LoadedStudy, Place};
@@ -6,23 +7,23 @@ use admire_solver::mechanics::{Mat3, Vec3, log};
 use admire_solver::model::lint::apart;
 use admire_solver::model::{MarkerIx, Model};
 
-/// Two markers of an element that do not coincide at design.
+/// A bushing or joint whose two markers do not coincide in the design position.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Displaced {
-    /// Description of the finding and of its correction.
+    /// Description of the displacement, and of its correction if there is one.
     pub why: String,
-    /// True if one exchange of coordinates or one change of sign corrects it.
+    /// True if exchanging two coordinates or changing one sign corrects the displacement.
     pub is_mended: bool,
 }
 
-/// Distance or rotation between the markers of one element.
+/// Distance or rotation between the two markers of a bushing or joint.
 #[derive(Clone, PartialEq, Debug)]
 struct Gap {
-    /// Name of the element.
+    /// Name of the bushing or joint.
     name: String,
     markers: (MarkerIx, MarkerIx),
     kind: ApartKind,
-    /// Length in the deck's unit, or angle in degrees.
+    /// Distance in the deck's length unit, or rotation angle in degrees.
     size: f64,
 }
 
@@ -32,7 +33,8 @@ enum ApartKind {
     Angle,
 }
 
-/// Returns the bushings whose markers are displaced, and all elements that one exchange or one change of sign corrects.
+/// Returns the bushings with a displacement or rotation that must be reported. Also returns all bushings and joints for which exchanging two
+/// coordinates or changing one sign corrects the displacement.
 pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
     let millimetre = 1e-3 / study.model.units.length.si;
     let mut out = Vec::new();
@@ -79,7 +81,7 @@ pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
     out
 }
 
-/// Returns the distances and rotations between the markers of active bushings and joints, along the constrained directions.
+/// Returns the distances and rotations between the two markers of all active bushings and joints. Only the constrained directions count.
 fn gaps(study: &LoadedStudy, model: &Model) -> Vec<Gap> {
     let mut out = Vec::new();
     for (at, bushing) in model.bushings.iter().enumerate() {
@@ -121,7 +123,8 @@ fn gaps(study: &LoadedStudy, model: &Model) -> Vec<Gap> {
     out
 }
 
-/// Returns the models with one exchange, sign change or mirroring at either marker, each with its description.
+/// Returns modified models, each with a description. In each model, one of the two markers has two coordinates exchanged, one sign changed, or
+/// its axes mirrored.
 fn changes(model: &Model, gap: &Gap) -> Vec<(Model, String)> {
     let mut out = Vec::new();
     for marker in [gap.markers.1, gap.markers.0] {
@@ -158,7 +161,8 @@ fn changes(model: &Model, gap: &Gap) -> Vec<(Model, String)> {
     out
 }
 
-/// Returns the position with two coordinates exchanged, or with the sign of one changed; `{}` is the placeholder for the marker's name.
+/// Returns the positions that differ from `x` by one slip: two coordinates exchanged, or the sign of one coordinate changed. Each has a
+/// description, in which `{}` is a placeholder for the marker's name.
 fn one_slip(x: &Vec3) -> Vec<(String, Vec3)> {
     const NAMES: [&str; 3] = ["x", "y", "z"];
     let mut out = Vec::new();
@@ -178,7 +182,8 @@ fn one_slip(x: &Vec3) -> Vec<(String, Vec3)> {
     out
 }
 
-/// Returns mirrorings of a frame in its coordinate planes, each with a mirroring of the marker that restores a right-handed frame.
+/// Returns the reflections of a frame in its coordinate planes. Each is paired with a reflection of the marker's own axes, so the result is
+/// again a right-handed frame.
 fn mirrors() -> Vec<(Mat3, Mat3)> {
     let flipped = |axis: usize| {
         let mut flip = Mat3::identity();

@@ -1,4 +1,4 @@
-//! Test bench for slips: a study, compiled once, on which changes are tried by short fits.
+//! Test bench for slips: a study is compiled once, and changes of its input are tried by short fits.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use crate::unknowns::bushing_number;
 use crate::{LoadedStudy, Problem};
 use admire_syntax::Address;
 
-/// A study and its compiled deck.
+/// A study and its compiled deck, on which changes of the input are tried.
 pub(super) struct Bench {
     study: LoadedStudy,
     prepared: Prepared,
@@ -30,23 +30,23 @@ pub(super) struct Bench {
 pub(super) struct Trial {
     /// Values of all unknowns.
     pub x: Vec<f64>,
-    /// Half the sum of squared residuals and prior terms.
+    /// Objective: half the sum of the squared residuals and the prior terms.
     pub objective: f64,
-    /// Whether it is a minimum.
+    /// True if the fit converged to a minimum.
     pub is_minimum: bool,
 }
 
-/// Residuals at a point and their derivatives.
+/// Residuals of a study at given unknowns, and their derivatives.
 struct Rows {
     residual: DVector<f64>,
-    /// Derivatives with respect to each unknown, times its prior standard deviation.
+    /// Derivatives with respect to each unknown, multiplied by its prior standard deviation.
     columns: DMatrix<f64>,
-    /// Derivatives with respect to the further unknowns of zero prior width.
+    /// Derivatives with respect to the additional unknowns whose prior has zero width.
     further: DMatrix<f64>,
 }
 
 impl Rows {
-    /// Computes `C^-1 rows`, where `C = I + columns columns'` is the covariance of the rows.
+    /// Computes `C^-1 rows`. Here `C = I + columns columns'` is the covariance of the residuals with all unknowns marginalised.
     fn beyond(&self, rows: &DVector<f64>) -> Option<DVector<f64>> {
         let count = self.columns.ncols();
         let information =
@@ -56,7 +56,7 @@ impl Rows {
     }
 }
 
-/// Returns an additional unknown with start and prior mean zero.
+/// Returns an additional unknown with starting value and prior mean zero.
 const fn unknown(meaning: UnknownTarget, sd: f64) -> FitUnknown {
     FitUnknown {
         addresses: Vec::new(),
@@ -78,7 +78,8 @@ impl Bench {
         })
     }
 
-    /// Runs `work` on the global problem of the changed study. The `further` unknowns follow those of the deck.
+    /// Runs `work` on the least-squares problem of the changed study. The unknowns that `further` returns are appended to the unknowns of the
+    /// deck.
     fn with<T>(
         &self,
         change: Option<&Change>,
@@ -123,8 +124,8 @@ impl Bench {
         self.solved.get()
     }
 
-    /// Fits the changed study in at most `steps` steps, from `start` or from the study's initial values. Returns `None` without an
-    /// equilibrium.
+    /// Fits the changed study in at most `steps` trial steps, from `start` or from the study's initial values. Returns `None` if a case has no
+    /// equilibrium at the start.
     pub(super) fn fit(
         &self,
         change: Option<&Change>,
@@ -160,13 +161,13 @@ impl Bench {
         )
     }
 
-    /// Returns the study.
+    /// Returns the unchanged study.
     pub(super) const fn study(&self) -> &LoadedStudy {
         &self.study
     }
 
-    /// Returns the rms residual at `x`, over the noise, that remains when tolerances and unknowns absorb as much as possible. The tolerances
-    /// have their largest allowed sizes.
+    /// Returns the rms of the residuals that remain when unknowns and tolerances absorb as much as possible, in units of the noise. The model
+    /// is linearised at `x`, and each tolerance has its largest allowed size.
     pub(super) fn beyond_tolerances(&self, change: Option<&Change>, x: &[f64]) -> Option<f64> {
         let sizes = self.sizes();
         let further = |problem: &Problem<'_>| self.members(problem, &sizes);
@@ -175,15 +176,15 @@ impl Bench {
         Some((left / at.residual.len().max(1) as f64).sqrt())
     }
 
-    /// Returns for each family the fraction of the squared residuals at `x` that a factor near one explains in addition to the unknowns.
-    /// Families without a factor get infinity.
+    /// Returns the predicted gain of each family: the fraction of the squared residuals at `x` that a factor near one explains beyond the
+    /// unknowns. For families without a factor, the gain is infinite.
     pub(super) fn gains(&self, families: &[Family], x: &[f64]) -> Option<Vec<f64>> {
         let by_factor = |problem: &Problem<'_>| -> Vec<FitUnknown> {
             let effects = families
                 .iter()
                 .filter_map(|family| family.by_factor.as_ref());
             let meaning = |effect| {
-                // An effect on numbers that the solver does not support changes nothing.
+                // An effect on parameters that the solver cannot change has no consequence.
                 let none = UnknownTarget::Number(Vec::new());
                 self.meaning(problem, effect).unwrap_or(none)
             };
@@ -207,8 +208,8 @@ impl Bench {
         families.iter().map(gain).collect()
     }
 
-    /// Evaluates the rows of the changed study at `x`, in which the unknowns of the measurement follow those of the deck. `further` unknowns
-    /// with a prior are treated like the others; those of zero prior width are returned separately.
+    /// Evaluates residuals and derivatives of the changed study at `x`, which holds the unknowns of the deck and then the unknowns of the
+    /// measurement. The additional unknowns that `further` returns are zero. Those with zero prior width go to [`Rows::further`].
     fn explained(
         &self,
         change: Option<&Change>,
@@ -243,7 +244,7 @@ impl Bench {
         })
     }
 
-    /// Returns the rms deviation of the readings from their mean, over their noise: the residual of a model that never moves.
+    /// Returns the rms variation of the readings over the cases, in units of their noise. This is the residual of a model that does not move.
     pub(super) fn movement(&self) -> f64 {
         let to = &self.study.measurement;
         let mut series: BTreeMap<[usize; 3], Vec<f64>> = BTreeMap::new();
@@ -295,7 +296,7 @@ impl Bench {
         )
     }
 
-    /// Returns the small errors of axle and rig as unknowns, each with the largest size that its group may have.
+    /// Returns the small errors of axle and rig as unknowns. The prior standard deviation of each is the largest size that its group may have.
     fn members(&self, problem: &Problem<'_>, sizes: &VarianceComponents) -> Vec<FitUnknown> {
         let is_sought = |address: &Address| {
             let mut unknowns = problem.unknowns.iter();

@@ -1,4 +1,4 @@
-//! Possible slips in a study, each as the change that would correct it.
+//! Possible slips in the input of a study, each represented by the change that would correct it.
 
 use super::unit_pairs::{UnitPair, angles, forces, lengths, stiffnesses, torsional};
 use crate::LoadedStudy;
@@ -10,21 +10,21 @@ use admire_solver::model::{MarkerIx, SpringKind};
 use admire_study::Measurement;
 use admire_syntax::Address;
 
-/// A change of the study.
+/// A change of the input of a study.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Change {
-    /// Multiplies load columns by a factor.
+    /// Multiplies the load columns with these indices by a factor.
     Loads(Vec<usize>, f64),
-    /// Exchanges two load columns.
+    /// Exchanges the two load columns with these indices.
     Exchange(usize, usize),
-    /// Sets numbers of the deck to these values.
+    /// Sets parameters of the deck to these values.
     Numbers(Vec<(Address, f64)>),
-    /// Multiplies the readings of a channel by a factor.
+    /// Multiplies the readings of the channel with this index by a factor.
     Channel(usize, f64),
 }
 
 impl Change {
-    /// Returns the loads after the change.
+    /// Returns the load programme after the change.
     pub(super) fn programme(&self, of: &LoadProgramme) -> LoadProgramme {
         let mut new = of.clone();
         for case in &mut new.cases {
@@ -41,7 +41,7 @@ impl Change {
         new
     }
 
-    /// Returns the readings after the change.
+    /// Returns the measurement after the change.
     pub(super) fn measurement(&self, of: &Measurement) -> Measurement {
         let mut new = of.clone();
         if let Self::Channel(channel, factor) = self {
@@ -54,7 +54,7 @@ impl Change {
         new
     }
 
-    /// Returns the numbers of the deck that the change sets.
+    /// Returns the deck parameters that the change sets, with their values; empty for other kinds of changes.
     pub(super) fn numbers(&self) -> &[(Address, f64)] {
         match self {
             Self::Numbers(numbers) => numbers,
@@ -63,7 +63,7 @@ impl Change {
     }
 }
 
-/// A possible slip.
+/// A possible slip in the input.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Candidate {
     /// Description of the correction, without a full stop.
@@ -72,18 +72,18 @@ pub(super) struct Candidate {
     pub change: Change,
 }
 
-/// Possible slips of one quantity.
+/// Possible slips that concern the same quantity, such as one load column.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Family {
-    /// Candidates in this family.
+    /// Possible slips of the quantity.
     pub candidates: Vec<Candidate>,
-    /// Effect of a factor near one; `None` for slips other than factors.
+    /// Effect on the deck of multiplying the quantity by a factor near one; `None` for slips that are not factors.
     pub by_factor: Option<Effect>,
-    /// True for stiffnesses of a bushing, of which a deck may have many.
+    /// True if the quantity is a stiffness of a bushing. A deck may have many of them, so their number is limited.
     pub is_of_a_bushing: bool,
 }
 
-/// Returns all slips that are searched for.
+/// Returns all possible slips of a study, grouped by quantity.
 pub(super) fn families(study: &LoadedStudy) -> Vec<Family> {
     let mut out = loads(study);
     out.extend(exchanges(study));
@@ -95,7 +95,7 @@ pub(super) fn families(study: &LoadedStudy) -> Vec<Family> {
     out
 }
 
-/// Formats a factor with four significant digits.
+/// Formats a positive factor with four significant digits.
 fn four_digits(factor: f64) -> String {
     let digits = 3 - libm::log10(factor).floor() as i32;
     let text = format!("{factor:.*}", digits.max(0) as usize);
@@ -105,7 +105,7 @@ fn four_digits(factor: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// Returns candidates that scale a quantity by the factors of unit pairs.
+/// Returns one candidate for each unit pair, which multiplies the quantity `what` by the factor of the pair.
 fn scaled(
     what: &str,
     pairs: &[UnitPair],
@@ -121,13 +121,13 @@ fn scaled(
     })
 }
 
-/// Returns the load columns that are not zero in every case.
+/// Returns the indices of the load columns that are nonzero in at least one case.
 pub(super) fn acting(programme: &LoadProgramme) -> Vec<usize> {
     let acts = |k: &usize| programme.cases.iter().any(|case| case.values[*k] != 0.0);
     (0..programme.loads.len()).filter(acts).collect()
 }
 
-/// Returns the slips of each acting load column, and of all force columns together.
+/// Returns the possible slips of each load column with nonzero loads, and of all force columns together.
 fn loads(study: &LoadedStudy) -> Vec<Family> {
     let (programme, units) = (&study.programme, &study.model.units);
     let columns = acting(programme);
@@ -172,7 +172,7 @@ fn loads(study: &LoadedStudy) -> Vec<Family> {
     out
 }
 
-/// Returns the exchanges of two force columns that act at the same point.
+/// Returns one candidate for each pair of force columns that act at the same point: the exchange of the two columns.
 fn exchanges(study: &LoadedStudy) -> Vec<Family> {
     let programme = &study.programme;
     let columns = acting(programme);
@@ -197,7 +197,7 @@ fn exchanges(study: &LoadedStudy) -> Vec<Family> {
     out
 }
 
-/// Returns true for a number that is identified.
+/// Returns true if the parameter at this address is identified.
 fn is_sought(study: &LoadedStudy, address: &Address) -> bool {
     let mut unknowns = study.unknowns.iter();
     unknowns.any(|unknown| unknown.address == *address || unknown.tied.contains(address))
@@ -212,7 +212,8 @@ fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address 
     }
 }
 
-/// Returns the slips of numbers that are scaled together; empty if one of them is identified or all are zero.
+/// Returns the possible slips of deck parameters that are scaled together. The result is empty if one of the parameters is identified or all
+/// are zero.
 fn of_numbers(
     study: &LoadedStudy,
     what: &str,
@@ -234,7 +235,7 @@ fn of_numbers(
     }
 }
 
-/// Returns the slips of spring rates and spring forces.
+/// Returns the possible slips of spring rates and spring forces.
 fn springs(study: &LoadedStudy) -> Vec<Family> {
     let units = &study.model.units;
     let of = |spring: &admire_solver::model::SpringDamper| {
@@ -257,7 +258,7 @@ fn springs(study: &LoadedStudy) -> Vec<Family> {
     springs.filter(|s| s.header.active).flat_map(of).collect()
 }
 
-/// Returns the slips of bushing stiffnesses that are not identified.
+/// Returns the possible slips of bushing stiffnesses that are not identified.
 fn bushings(study: &LoadedStudy) -> Vec<Family> {
     let units = &study.model.units;
     let of = |bushing: &admire_solver::model::Bushing| {
@@ -291,7 +292,7 @@ fn bushings(study: &LoadedStudy) -> Vec<Family> {
     bushings.filter(|b| b.header.active).flat_map(of).collect()
 }
 
-/// Returns the slips of load points that are mirrored in a coordinate plane of ground or of their part.
+/// Returns the possible slips of load points: positions mirrored in a coordinate plane of ground or of the part.
 fn load_points(study: &LoadedStudy) -> Vec<Family> {
     let model = &study.model;
     let mut seen: Vec<MarkerIx> = Vec::new();
@@ -339,7 +340,7 @@ fn load_points(study: &LoadedStudy) -> Vec<Family> {
     seen.into_iter().map(of).collect()
 }
 
-/// Returns the slips of channels with a wrong sign.
+/// Returns the possible slips of channels: readings with the wrong sign.
 fn channels(study: &LoadedStudy) -> Vec<Family> {
     let channels = study.measurement.channels.iter().enumerate();
     let read = channels.filter(|(_, channel)| channel.is_read_by_case());

@@ -1,4 +1,4 @@
-//! Search for the single change that corrects a study.
+//! Search for the single change of the input that makes a study fit its readings.
 
 use super::bench::{Bench, Trial};
 use super::candidate::{Candidate, Family, acting, families};
@@ -11,28 +11,28 @@ use crate::settings::{
     SLIP_ROUND_CANDIDATES, SLIP_ROUND_STEPS, SLIP_UNCHANGED_MAX_STEPS,
 };
 
-/// An input slip that explains readings which neither the unknowns nor tolerances can explain.
+/// A slip in the input that explains the residuals of a study. Neither the unknowns nor tolerances can explain these residuals.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Slip {
-    /// Descriptions of the correction; several if the readings do not distinguish them.
+    /// Descriptions of the correction. There are several if the readings do not distinguish between them.
     pub remedies: Vec<String>,
-    /// Rms of the residuals beyond tolerances, over their noise: for the unchanged study (`None` without equilibria), and for the corrected
-    /// one.
+    /// Rms of the residuals that tolerances cannot absorb, in units of their noise: first for the unchanged study (`None` without equilibria),
+    /// then for the corrected study.
     pub left: (Option<f64>, f64),
-    /// True if the slip is certain; otherwise it only improves the fit.
+    /// True if the slip is certain; false if its correction merely improves the fit.
     pub is_sure: bool,
 }
 
-/// Result of the search.
+/// Result of the search for a slip.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Search {
-    /// Slip that explains the readings, if there is one.
+    /// Slip that explains the residuals, if there is one.
     pub slip: Option<Slip>,
-    /// True if the unchanged study explains its readings; anomalies at its starting values are then irrelevant.
+    /// True if the unchanged study can explain its readings. Anomalies at its starting values are then irrelevant.
     pub is_explained: bool,
 }
 
-/// Searches for the slip of a study.
+/// Searches a study for a slip in its input.
 pub fn search(loaded: &LoadedStudy) -> Search {
     let cases = loaded.measurement.fitted_cases().count();
     if cases < acting(&loaded.programme).len() + 1 + SLIP_MIN_SPARE_CASES {
@@ -56,7 +56,8 @@ pub fn search(loaded: &LoadedStudy) -> Search {
     }
 }
 
-/// Returns the change that explains the residuals of the unchanged study; `before` is their rms beyond tolerances.
+/// Returns the slip whose correction explains the residuals of the unchanged study. `now` is the fit of the unchanged study, `before` the rms
+/// of its residuals that tolerances cannot absorb.
 fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip> {
     let candidates = promising(bench, now, before).into_iter();
     let mut tried: Vec<(Option<Trial>, Candidate)> = candidates.map(|c| (None, c)).collect();
@@ -85,7 +86,7 @@ fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip>
     let mut left: Vec<(f64, String)> = tried.into_iter().filter_map(left).collect();
     left.sort_by(|a, b| a.0.total_cmp(&b.0));
     let after = left.first()?.0;
-    // A fit that ended before its minimum may end elsewhere after any change.
+    // A fit that ended before its minimum may improve by chance after any change, so the corrected study must also fit in absolute terms.
     let is_minimum = now.is_some_and(|now| now.is_minimum);
     let fits = is_minimum || after < SLIP_FITS_MOVEMENT * bench.movement();
     let is_sure = fits
@@ -103,7 +104,8 @@ fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip>
     })
 }
 
-/// Returns the candidates that may explain the residuals of a fit; `before` is their rms beyond tolerances.
+/// Returns the candidates that may explain the residuals of the fit `now`, most promising first. `before` is the rms of these residuals that
+/// tolerances cannot absorb.
 fn promising(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Vec<Candidate> {
     let families = families(bench.study());
     let gains = now.and_then(|now| bench.gains(&families, &now.x));

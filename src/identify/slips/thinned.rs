@@ -1,11 +1,11 @@
-//! Reduction of a study to a few load cases that span the loads.
+//! Reduction of a study to a few load cases that span the range of the loads.
 
 use crate::LoadedStudy;
 use crate::settings::SLIP_MAX_CASES;
 use admire_study::Reference;
 
-/// Returns the study with at most [`SLIP_MAX_CASES`] of its fitted cases. A study with readings relative to the previous case, or with summaries
-/// over cases, keeps all of them.
+/// Returns the study with at most [`SLIP_MAX_CASES`] of its fitted cases. If a channel is read relative to the previous case or is a summary
+/// over several cases, the study keeps all its cases. The reference cases of channels are kept in addition.
 pub(super) fn thinned(of: &LoadedStudy) -> LoadedStudy {
     let mut study = of.clone();
     let to = &mut study.measurement;
@@ -37,8 +37,8 @@ pub(super) fn thinned(of: &LoadedStudy) -> LoadedStudy {
     study
 }
 
-/// Returns widely spaced cases: the one with the largest loads first, then always the one farthest from all previous ones. Loads are scaled
-/// by their largest values.
+/// Selects widely spaced load cases. The first is the case with the largest loads; each further one is the case farthest from all cases
+/// selected before. Each load is scaled by its largest value.
 fn spread(study: &LoadedStudy, cases: &[usize]) -> Vec<usize> {
     let values = |case: usize| &study.programme.cases[case].values;
     let largest = |load: usize| {

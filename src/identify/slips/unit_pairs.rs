@@ -1,16 +1,16 @@
-//! Conversion factors for numbers whose unit was mistaken.
+//! Conversion factors that correct numbers entered in a wrong unit.
 
 use crate::settings::EQUAL_UNIT_FACTOR_LN;
 use std::f64::consts::PI;
 
 use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, Unit, Units};
 
-/// Factor that corrects a number, and the unit the number was written in.
+/// Factor that corrects a number, and the unit in which the number was probably written.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct UnitPair {
-    /// Factor to multiply the number by.
+    /// Factor by which the number must be multiplied.
     pub factor: f64,
-    /// Unit that explains the factor.
+    /// Name of the unit that explains the factor.
     pub unit: String,
 }
 
@@ -23,7 +23,8 @@ fn named(units: &'static [Unit], names: &'static [&str]) -> impl Iterator<Item =
     units.iter().filter(|unit| names.contains(&unit.keyword))
 }
 
-/// Returns the distinct factors that differ from one, followed by their inverses, for numbers that were converted the wrong way.
+/// Returns the distinct factors that differ from one. Their reciprocals follow, for numbers that were multiplied where they should have been
+/// divided.
 fn pairs(all: impl IntoIterator<Item = (f64, String)>) -> Vec<UnitPair> {
     let mut out: Vec<UnitPair> = Vec::new();
     let mut add = |factor: f64, unit: String| {
@@ -42,24 +43,24 @@ fn pairs(all: impl IntoIterator<Item = (f64, String)>) -> Vec<UnitPair> {
     out
 }
 
-/// Returns the factors of force units.
+/// Returns the factors from commonly confused force units to the force unit of the deck.
 pub(super) fn forces(units: &Units) -> Vec<UnitPair> {
     let own = units.force.si;
     pairs(named(FORCE_UNITS, &FORCES).map(|unit| (unit.si / own, unit.word.to_string())))
 }
 
-/// Returns the factors of length units.
+/// Returns the factors from commonly confused length units to the length unit of the deck.
 pub(super) fn lengths(units: &Units) -> Vec<UnitPair> {
     let own = units.length.si;
     pairs(named(LENGTH_UNITS, &LENGTHS).map(|unit| (unit.si / own, unit.word.to_string())))
 }
 
-/// Returns the factors of angles, which the solver takes in radians.
+/// Returns the factors for angles in degrees, which the solver takes in radians.
 pub(super) fn angles() -> Vec<UnitPair> {
     pairs([(PI / 180.0, "degrees".to_string())])
 }
 
-/// Returns the factors of stiffness units.
+/// Returns the factors from commonly confused stiffness units to the stiffness unit of the deck.
 pub(super) fn stiffnesses(units: &Units) -> Vec<UnitPair> {
     let own = units.force.si / units.length.si;
     let of = [
@@ -78,7 +79,7 @@ pub(super) fn stiffnesses(units: &Units) -> Vec<UnitPair> {
     }))
 }
 
-/// Returns the factors of torsional stiffness units; the deck has them per radian.
+/// Returns the factors from commonly confused torsional stiffness units to the unit of the deck, which is per radian.
 pub(super) fn torsional(units: &Units) -> Vec<UnitPair> {
     let own = units.force.si * units.length.si;
     let per_degree = 180.0 / PI;

@@ -1,23 +1,23 @@
-//! Variance classes of rows, and blocks of rows that whitening transforms together.
+//! Variance classes of whitened rows, and blocks of rows that the whitening transforms together.
 
 use crate::settings::EQUAL_VARIANCE_RATIO;
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-/// Class of rows with equal variance: a weighted sum of the squared standard deviations of reading noise and of rigid-motion noise of marks.
+/// Variance shared by a class of rows: a weighted sum of squared standard deviations of reading noise and of rigid-motion noise of marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VarianceClass {
-    /// Part of the variance that depends on no variance component: 1 where the reading noise is known, else 0.
+    /// Known part of the variance: 1 if the noise of the readings is known, and 0 if it is estimated.
     pub known: f64,
-    /// Estimated components of the variance: index into [`VarianceComponents::ln`](super::group::VarianceComponents::ln), and coefficient of
-    /// the squared standard deviation.
+    /// Estimated parts of the variance. Each consists of an index into [`VarianceComponents::ln`](super::group::VarianceComponents::ln) and the
+    /// coefficient of that squared standard deviation.
     pub terms: Arc<[(usize, f64)]>,
 }
 
 impl VarianceClass {
-    /// Creates the class of a row. `scale` is the index of its noise scale, if that is estimated. `rigid` is the index of its rigid-motion
-    /// component and the squared norm of the rigid direction.
+    /// Creates the variance class of a row. `scale` is the index of its noise scale if the noise is estimated. For a rigid-motion direction of
+    /// marks, `rigid` holds the index of its variance component and the squared norm of the direction.
     pub(super) fn new(scale: Option<usize>, rigid: Option<(usize, f64)>) -> Self {
         let own = scale.map(|at| (at, 1.0));
         Self {
@@ -26,7 +26,7 @@ impl VarianceClass {
         }
     }
 
-    /// Returns the variance, given the log standard deviations `ln`.
+    /// Returns the variance of the rows, given the logarithms `ln` of all standard deviations.
     pub(crate) fn variance(&self, ln: &[f64]) -> f64 {
         let terms = self.terms.iter();
         terms.fold(self.known, |sum, (at, mu)| {
@@ -34,7 +34,8 @@ impl VarianceClass {
         })
     }
 
-    /// Returns the derivatives of the variance with respect to the log standard deviations, as pairs of index and derivative.
+    /// Returns the derivatives of the variance with respect to the log standard deviations, as pairs of index and derivative. Derivatives that
+    /// are zero are omitted.
     pub(crate) fn by_size(&self, ln: &[f64]) -> Vec<(usize, f64)> {
         let terms = self.terms.iter();
         terms
@@ -42,7 +43,7 @@ impl VarianceClass {
             .collect()
     }
 
-    /// Returns a key shared by classes whose coefficients agree to about a factor of [`EQUAL_VARIANCE_RATIO`].
+    /// Returns a key that is equal for classes whose coefficients differ by less than about a factor of [`EQUAL_VARIANCE_RATIO`].
     pub(super) fn key(&self) -> (u64, Vec<(usize, i64)>) {
         let bin = |mu: f64| (libm::log(mu) / libm::log(EQUAL_VARIANCE_RATIO)).round() as i64;
         let terms = self.terms.iter().map(|(at, mu)| (*at, bin(*mu)));
@@ -50,14 +51,15 @@ impl VarianceClass {
     }
 }
 
-/// Rows of readings that are rotated together.
+/// Rows that the whitening transforms together by an orthonormal change of directions.
 pub(super) struct RotatedBlock {
-    /// Indices of the rows among all rows.
+    /// Indices of the rows of this block among all rows.
     pub places: Vec<usize>,
-    /// Transformation matrix: one row per new direction, scaled by the square root of the precision. Rigid-motion directions come first.
+    /// Transformation matrix with one row per new direction; its columns are scaled by the square roots of the precisions. Rigid-motion
+    /// directions come first.
     pub matrix: DMatrix<f64>,
-    /// Number of rigid-motion directions.
+    /// Number of leading rows of `matrix` that are rigid-motion directions.
     pub rigid: usize,
-    /// Variance class of each new row; `None` where the row is not used.
+    /// Variance class of each new row; `None` if the row is not used.
     pub classes: Vec<Option<VarianceClass>>,
 }

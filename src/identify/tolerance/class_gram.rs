@@ -1,4 +1,4 @@
-//! Sufficient statistics of the rows of one variance class in a linear model: sums of squares and products.
+//! Sufficient statistics of one variance class of rows in a linear model: sums of squares and products.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,16 +6,17 @@ use super::class::VarianceClass;
 use super::columns::Columns;
 use super::product::{dot, gram, transposed};
 
-/// Gram matrix of the rows of one variance class: `A` holds their derivatives with respect to the unknowns, `z` the residual.
+/// Gram matrices of the rows of one variance class. `A` denotes the derivatives of these rows with respect to the unknowns, `z` their
+/// residuals.
 #[derive(Clone, Debug)]
 pub(super) struct ClassGram {
     /// Variance class of the rows.
     pub class: VarianceClass,
-    /// Number of rows.
+    /// Number of rows in the class.
     pub count: f64,
-    /// `z'z`.
+    /// Sum of squared residuals, `z'z`.
     pub q: f64,
-    /// Unknowns on which these rows depend, in ascending order.
+    /// Active unknowns: indices of the unknowns on which these rows depend, in ascending order.
     active: Vec<usize>,
     /// Lower triangle of `A'A` over the active unknowns, column by column.
     H: Vec<f64>,
@@ -23,11 +24,11 @@ pub(super) struct ClassGram {
     g: Vec<f64>,
 }
 
-/// Products of further columns `E` in the rows of one class.
+/// Products of additional columns `E` with themselves, with `A` and with `z`, over the rows of one class.
 pub(super) struct Block {
-    /// Indices of the non-zero columns within their set.
+    /// Indices of the nonzero columns of `E` within their set.
     pub places: Vec<usize>,
-    /// `E'A` over all unknowns of the model.
+    /// `E'A`, with one column for each unknown of the model.
     pub cross: DMatrix<f64>,
     /// Lower triangle of `E'E`.
     pub own: DMatrix<f64>,
@@ -36,7 +37,7 @@ pub(super) struct Block {
 }
 
 impl ClassGram {
-    /// Computes the products of the columns `A` and the residual `z` in the rows of a class.
+    /// Computes the products of the columns `A` and the residuals `z` over the rows of a class.
     pub(super) fn new(class: VarianceClass, A: &Columns, z: &DVector<f64>) -> Self {
         let full = gram(&A.values);
         let n = A.active.len();
@@ -54,7 +55,7 @@ impl ClassGram {
         }
     }
 
-    /// Returns the statistics with further columns appended, which become unknowns `before`, `before + 1` and so on.
+    /// Returns the statistics of the model with additional columns. These become the unknowns `before`, `before + 1` and so on.
     pub(super) fn with(&self, before: usize, further: &Block) -> Self {
         let k = further.places.len();
         let (n, all) = (self.active.len(), self.active.len() + k);
@@ -80,8 +81,8 @@ impl ClassGram {
         new
     }
 
-    /// Returns the statistics with a new residual `z` and with the columns listed in `changed` replaced by `own`, which holds the non-zero
-    /// ones.
+    /// Returns the statistics of the model with new residuals `z` and with new values of the columns listed in `changed`. `own` holds the new
+    /// columns that are not zero; `A` holds all columns, with old or new values of the changed ones.
     pub(super) fn moved(
         &self,
         A: &Columns,
@@ -95,7 +96,7 @@ impl ClassGram {
             .collect();
         let new = own.active.iter().map(|k| changed[*k]);
         if A.active != self.active || !new.eq(known.iter().map(|place| self.active[*place])) {
-            // The rows now depend on other unknowns than before.
+            // The rows depend on a different set of unknowns than before, so all products are computed again.
             return Self::new(self.class.clone(), &A.replaced(changed, own), z);
         }
         let mut cross = transposed(&A.values, &own.values);
@@ -124,7 +125,7 @@ impl ClassGram {
         }
     }
 
-    /// Subtracts the statistics of some of the rows.
+    /// Returns the statistics without some of the rows; `rows` holds the statistics of these rows.
     pub(super) fn less(&self, rows: &Self) -> Self {
         let mut rest = self.clone();
         rest.count -= rows.count;
@@ -147,7 +148,7 @@ impl ClassGram {
         rest
     }
 
-    /// Iterates over the columns of the triangle: the unknown of the column, the unknowns of its rows, and the values.
+    /// Iterates over the columns of the stored triangle. Yields the unknown of the column, the unknowns of its rows, and the values.
     fn columns(&self) -> impl Iterator<Item = (usize, &[usize], &[f64])> {
         let n = self.active.len();
         let mut rest = self.H.as_slice();
@@ -158,7 +159,7 @@ impl ClassGram {
         })
     }
 
-    /// Adds `A'A` times a precision to the lower triangle of the matrix `H` of all unknowns, and `A'z` times the precision to `g`.
+    /// Adds `precision * A'A` to the lower triangle of `H` and `precision * A'z` to `g`. Both cover all unknowns.
     pub(super) fn add_to(&self, precision: f64, H: &mut DMatrix<f64>, g: &mut DVector<f64>) {
         let all = H.nrows();
         let is_dense = self.active.len() == all;
@@ -179,8 +180,8 @@ impl ClassGram {
         }
     }
 
-    /// Returns the sum over all entries of the elementwise product of `A'A` with a symmetric matrix. Of `doubled`, only the lower triangle
-    /// is read; its off-diagonal entries must be doubled.
+    /// Returns the trace of the product of `A'A` with a symmetric matrix. `doubled` holds the lower triangle of that matrix with its
+    /// off-diagonal entries doubled.
     pub(super) fn product(&self, doubled: &DMatrix<f64>) -> f64 {
         let all = doubled.nrows();
         let is_dense = self.active.len() == all;
@@ -197,7 +198,7 @@ impl ClassGram {
         sum
     }
 
-    /// Computes `|z - A s|^2`, the squared residual after a step `s`.
+    /// Computes `|z - A s|^2`, the sum of squared residuals of the linear model after a step `s`.
     pub(super) fn left(&self, step: &DVector<f64>) -> f64 {
         let own: Vec<f64> = self.active.iter().map(|unknown| step[*unknown]).collect();
         let mut curved = 0.0;

@@ -1,35 +1,35 @@
-//! Columns of whitened rows, grouped by variance class.
+//! Matrices of whitened rows, split by variance class.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::whitening::Whitening;
 use crate::settings::ZERO_COLUMN_SHARE;
 
-/// A matrix of whitened rows (see [`Whitening::apply`]), split by variance class.
+/// A matrix of whitened rows (see [`Whitening::apply`]), split into the rows of each variance class.
 #[derive(Clone, Debug)]
 pub struct RowsByVarianceClass {
-    /// Number of columns of the whole matrix.
+    /// Number of columns of the whole matrix, including zero columns.
     pub(super) count: usize,
-    /// Rows of each class.
+    /// Nonzero columns in the rows of each class.
     pub(super) classes: Vec<Columns>,
 }
 
-/// Non-zero columns of a matrix, restricted to the rows of one class.
+/// Nonzero columns of a matrix, restricted to the rows of one variance class.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
-    /// Indices of these columns in the whole matrix, in ascending order.
+    /// Indices of the nonzero columns in the whole matrix, in ascending order.
     pub active: Vec<usize>,
-    /// Values: one row per row of the class, one column per entry of `active`.
+    /// Matrix entries: one row per row of the class, one column per entry of `active`.
     pub values: DMatrix<f64>,
 }
 
 impl RowsByVarianceClass {
-    /// Splits the whitened matrix `turned` by the classes of `whitening`.
+    /// Splits the whitened matrix `turned` by the variance classes of `whitening`.
     pub fn new(whitening: &Whitening, turned: &DMatrix<f64>) -> Self {
         Self::of_rows(&whitening.rows_of, turned)
     }
 
-    /// Splits the whitened matrix `turned` by the given rows of each class.
+    /// Splits the whitened matrix `turned`; `rows_of` lists the rows of each class.
     pub(super) fn of_rows(rows_of: &[Vec<usize>], turned: &DMatrix<f64>) -> Self {
         let height = turned.nrows();
         let column = |k: usize| &turned.as_slice()[k * height..(k + 1) * height];
@@ -68,7 +68,7 @@ impl Columns {
         }
     }
 
-    /// Returns these columns with the columns listed in `changed` replaced by `own`; `own.active` holds indices into `changed`.
+    /// Returns a copy in which the columns listed in `changed` are replaced by the columns of `own`. `own.active` holds indices into `changed`.
     pub(super) fn replaced(&self, changed: &[usize], own: &Self) -> Self {
         let kept = self.active.iter().enumerate();
         let kept = kept.filter(|(_, k)| changed.binary_search(k).is_err());
@@ -87,13 +87,13 @@ impl Columns {
         }
     }
 
-    /// Computes `A'z`.
+    /// Computes `A'z`, where `A` are these columns.
     pub(super) fn along(&self, z: &DVector<f64>) -> Vec<f64> {
         self.values.tr_mul(z).as_slice().to_vec()
     }
 }
 
-/// Returns the largest magnitude, compared in eight lanes so that the compiler can vectorise the loop.
+/// Returns the largest magnitude in a column. The comparison runs in eight lanes, so the compiler can vectorise the loop.
 fn largest(column: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; 8];
     let blocks = column.chunks_exact(8);

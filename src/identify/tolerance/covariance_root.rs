@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Returns `L` with `L L' = C`, by Cholesky factorisation if `C` is positive definite, otherwise from eigenvectors.
+/// Returns a matrix `L` with `L L' = C`. Uses the Cholesky factorisation if `C` is positive definite, otherwise the eigenvectors of `C`.
 pub fn covariance_root(C: &DMatrix<f64>) -> DMatrix<f64> {
     if let Some(factor) = Cholesky::new(C.clone()) {
         return factor.l();

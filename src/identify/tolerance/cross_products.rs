@@ -1,4 +1,5 @@
-//! Products of candidate columns with the columns of a linear model: the gain of each candidate follows without another pass over the rows.
+//! Products of candidate columns with the columns of a linear model. From these, the gain of appending a candidate follows without another pass
+//! over the rows.
 
 use std::ops::Range;
 
@@ -11,44 +12,45 @@ use super::product::{dot, transposed};
 use super::whitening::Whitening;
 use crate::settings::COLUMN_BLOCK;
 
-/// Products of further columns `E`, grouped in sets, with the columns `A` and the residual `z` of a linear model.
+/// Products of candidate columns `E`, grouped in sets, with the columns `A` and the residuals `z` of a linear model.
 pub struct CrossProducts {
-    /// Number of columns of `A` and of `E`.
+    /// Number of columns of `A`, and number of columns of `E`.
     count: [usize; 2],
     shares: Vec<FurtherShare>,
 }
 
-/// Products in the rows of one variance class.
+/// Products over the rows of one variance class.
 struct FurtherShare {
     class: VarianceClass,
-    /// Columns of `A` on which these rows depend.
+    /// Indices of the columns of `A` that are nonzero in these rows.
     known: Vec<usize>,
-    /// Sets of columns of `E`.
+    /// Locations of the sets of candidate columns.
     sets: Vec<Set>,
-    /// Columns of `E` on which these rows depend, set by set.
+    /// Indices of the columns of `E` that are nonzero in these rows, set by set.
     active: Vec<usize>,
-    /// `A'E` of the columns `known` and `active`, column by column.
+    /// `A'E` for the columns `known` of `A` and the columns `active` of `E`, stored column by column.
     cross: Vec<f64>,
-    /// `E'z` of the columns `active`.
+    /// `E'z` for the columns `active` of `E`.
     g: Vec<f64>,
-    /// `E'E` of each set, lower triangle row by row.
+    /// `E'E` of each set, stored as the rows of its lower triangle.
     own: Vec<f64>,
 }
 
 /// Location of one set within a [`FurtherShare`].
 struct Set {
-    /// First column of the set among all columns of `E`.
+    /// Index of the first column of the set among all columns of `E`.
     first: usize,
-    /// Range of the set in `active`.
+    /// Range of the entries of `active` that belong to the set.
     active: Range<usize>,
-    /// Index in `own` at which the triangle of the set starts.
+    /// Index in `own` at which the `E'E` of the set starts.
     own: usize,
 }
 
 impl CrossProducts {
-    /// Computes the products of whitened rows. `residual` is reading minus prediction; `sets` are consecutive ranges of further columns.
+    /// Computes all products over the whitened rows. `residual` is reading minus prediction; `sets` are consecutive ranges of candidate
+    /// columns.
     ///
-    /// `turned` returns the whitened columns of a range. It is called with consecutive ranges that cover each column once.
+    /// `turned` returns the whitened candidate columns of a range. It is called with consecutive ranges that together cover each column once.
     pub fn new(
         whitening: &Whitening,
         jacobian: &RowsByVarianceClass,
@@ -96,7 +98,8 @@ impl CrossProducts {
         }
     }
 
-    /// Returns `A'W E` and, after a step `s` of the unknowns, `E'W (z - A s)`, given the log standard deviations.
+    /// Returns `A'W E` and `E'W (z - A s)`. `W` holds the precisions of the rows at the log standard deviations `ln`, and `s` is a step of the
+    /// unknowns.
     pub fn at(&self, ln: &[f64], step: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
         let [n, m] = self.count;
         let (mut cross, mut g) = (DMatrix::<f64>::zeros(n, m), DVector::zeros(m));
@@ -124,7 +127,7 @@ impl CrossProducts {
         (cross, g)
     }
 
-    /// Returns `E'W E` of a set of `count` columns, given the log standard deviations.
+    /// Returns `E'W E` of a set of `count` candidate columns. `W` holds the precisions of the rows at the log standard deviations `ln`.
     pub fn own(&self, set: usize, count: usize, ln: &[f64]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(count, count);
         for share in &self.shares {
@@ -145,7 +148,7 @@ impl CrossProducts {
         out
     }
 
-    /// Returns the products of a set of columns, one block per class.
+    /// Returns the products of a set of candidate columns, one block per variance class.
     pub(super) fn blocks(&self, set: usize) -> impl Iterator<Item = Block> {
         self.shares.iter().map(move |share| {
             let set = &share.sets[set];
@@ -178,7 +181,7 @@ impl CrossProducts {
 }
 
 impl FurtherShare {
-    /// Adds a set to the share. Its columns lie among the latest ones, from the active column `before` on.
+    /// Adds a set of candidate columns. Its columns are among the entries of `active` from index `before` on.
     fn add(&mut self, set: &Range<usize>, E: &Columns, before: usize) {
         let place = |column: usize| self.active[before..].partition_point(|k| *k < column);
         let here = place(set.start)..place(set.end);

@@ -1,4 +1,4 @@
-//! Cholesky factor of a symmetric positive definite matrix, computed by faer.
+//! Cholesky factor of a symmetric positive definite matrix, computed by the library faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -9,15 +9,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::product::{dot, read, write};
 
-/// Cholesky factor `L` of `M = L L'`.
+/// Cholesky factor `L` of a symmetric positive definite matrix `M = L L'`.
 #[derive(Clone, Debug)]
 pub struct Factor {
-    /// Lower triangular factor; entries above the diagonal are undefined.
+    /// Lower triangular factor. Entries above the diagonal are undefined.
     L: DMatrix<f64>,
 }
 
 impl Factor {
-    /// Factorises a matrix, of which only the lower triangle is read; returns `None` if it is not positive definite.
+    /// Factorises the symmetric matrix `M`, of which only the lower triangle is read. Returns `None` if `M` is not positive definite.
     pub fn new(mut M: DMatrix<f64>) -> Option<Self> {
         let n = M.nrows();
         let params: Spec<llt::factor::LltParams, f64> = Spec::new(Auto::<f64>::auto());
@@ -71,7 +71,7 @@ impl Factor {
         (0..n).map(|k| of(k).powi(2)).sum()
     }
 
-    /// Computes `L^-1`.
+    /// Computes the inverse of the factor, `L^-1`.
     fn inverse_of_factor(&self) -> DMatrix<f64> {
         let n = self.L.nrows();
         let mut V = DMatrix::<f64>::zeros(n, n);
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
     use admire_study::noise::Noise;
 
-    /// Compares factor, solution and inverse with nalgebra's for the same matrix.
+    /// Compares determinant, solution and inverse with the results of nalgebra for the same matrix.
     #[test]
     fn factor_and_inverse_are_those_of_another_library() {
         for n in [0, 1, 2, 5, 40, 131] {

@@ -1,10 +1,10 @@
-//! Removal of row directions along which readings carry no information.
+//! Removal of the directions in the space of rows along which readings carry no information.
 //!
-//! A zero-stiffness motion moves the readings of its case along a direction `s` of the rows. Errors along `s` have infinite variance. The
-//! rows are rotated so that one of them is `s`, and that row is dropped.
+//! A free (zero-stiffness) motion moves the readings of its case along a direction `s` in the space of rows. Its amount is unknown, so errors
+//! along `s` have infinite variance. The rows are transformed so that one new row is the component along `s`, and this row is dropped.
 //!
-//! Without `s`, the remaining rigid-motion rows are no longer independent. They are replaced by the eigenvectors of their covariance
-//! orthogonal to `s`, computed at the prior medians of the variance components. At other values the variance of each row is exact, but
+//! Orthogonal to `s`, the remaining rigid-motion rows are no longer independent. They are replaced by the eigenvectors of their covariance,
+//! computed at the prior medians of the variance components. At other values of the variance components, the variance of each row is exact, but
 //! covariances between rows are neglected.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,7 +16,8 @@ use super::class::{RotatedBlock, VarianceClass};
 use crate::settings::{FREE_DIRECTION_ROUND_OFF, VARIANCE_TERM_ROUND_OFF};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Removes the directions `free`. All blocks and single rows that a direction involves are merged into one block.
+/// Removes the row directions listed in `free`. All blocks and single rows that one direction involves are merged into one block. `usual` holds
+/// the log standard deviations at the prior medians.
 pub(super) fn without(
     blocks: &mut Vec<RotatedBlock>,
     alone: &mut Vec<(usize, f64, VarianceClass)>,
@@ -43,7 +44,7 @@ pub(super) fn without(
     for (k, block) in blocks.iter().enumerate() {
         block_of.extend(block.places.iter().map(|place| (*place, k)));
     }
-    // Connected blocks, identified by the first block of each group.
+    // Group of each block, identified by the first block of the group. Blocks that share a free direction form a group.
     let mut with: Vec<usize> = (0..blocks.len()).collect();
     let reached: Vec<BTreeSet<usize>> = free
         .iter()
@@ -85,7 +86,7 @@ pub(super) fn without(
     }
 }
 
-/// Merges several blocks into one, rigid-motion directions first.
+/// Merges several blocks into one, with the rigid-motion directions of all blocks first.
 fn joined(blocks: Vec<RotatedBlock>) -> RotatedBlock {
     let count = blocks.iter().map(|block| block.places.len()).sum();
     let rigid = blocks.iter().map(|block| block.rigid).sum();
@@ -115,7 +116,7 @@ fn joined(blocks: Vec<RotatedBlock>) -> RotatedBlock {
     out
 }
 
-/// Rotates the rigid directions of a block so that the free directions come first, and marks these as unused.
+/// Rotates the rigid-motion directions of a block so that the free directions come first, and declares the rows of the free directions unused.
 fn turned<'a>(
     block: &RotatedBlock,
     free: impl Iterator<Item = &'a [(usize, f64)]>,
@@ -123,7 +124,7 @@ fn turned<'a>(
 ) -> RotatedBlock {
     let rigid = block.matrix.rows(0, block.rigid);
     let at: BTreeMap<usize, usize> = block.places.iter().copied().zip(0..).collect();
-    // Free directions, expressed in the rigid directions.
+    // Components of each free direction along the rigid-motion directions of the block.
     let columns: Vec<_> = free
         .map(|direction| {
             let mut own = nalgebra::DVector::zeros(block.places.len());
@@ -181,7 +182,7 @@ fn turned<'a>(
     out
 }
 
-/// Returns the class of a weighted sum of independent rows; the weights are the squared coefficients.
+/// Returns the variance class of a linear combination of independent rows. `parts` holds the squared coefficient and the class of each row.
 fn mixed(parts: &[(f64, &VarianceClass)], usual: &[f64]) -> VarianceClass {
     let known: f64 = parts.iter().map(|(share, class)| share * class.known).sum();
     let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
@@ -193,7 +194,7 @@ fn mixed(parts: &[(f64, &VarianceClass)], usual: &[f64]) -> VarianceClass {
     let size = |at: usize| libm::exp(2.0 * usual[at]);
     let whole = known + terms.iter().map(|(at, mu)| mu * size(*at)).sum::<f64>();
     terms.retain(|at, mu| *mu * size(*at) > VARIANCE_TERM_ROUND_OFF * whole);
-    // Weights of one noise that add up to nearly one are rounded to one.
+    // Coefficients that are one except for round-off are set to one.
     let settled = |x: f64| {
         if (x - 1.0).abs() < VARIANCE_TERM_ROUND_OFF {
             1.0
@@ -225,8 +226,8 @@ mod tests {
     use admire_study::ToleranceSettings;
     use admire_study::noise::Noise;
 
-    /// At the prior medians, the transformed rows have the density of all rows with infinite variance along the free directions. The cases
-    /// are one part that spins, and two parts that spin together with a channel that measures the spin.
+    /// At the prior medians, the transformed rows must have the density of the original rows with infinite variance along the free directions.
+    /// Tested are one part that spins, and two parts that spin together with a channel that measures the spin.
     #[test]
     fn nothing_along_a_free_direction_counts() {
         let mut sizes = VarianceComponents::new(&ToleranceSettings::default(), 0.0, [0.0; 2], 1.0);
@@ -283,7 +284,7 @@ mod tests {
             let z = whitening.apply_vector(z).component_mul(&weights);
             -0.5 * z.norm_squared()
         };
-        // Infinite variance along the free directions.
+        // The exact density has infinite variance along the free directions.
         let mut F = DMatrix::zeros(37, 2);
         for (k, direction) in free.iter().enumerate() {
             for (row, value) in direction {
@@ -297,7 +298,7 @@ mod tests {
         let exact = |z: &DVector<f64>| -0.5 * z.dot(&(&across * z));
         let moved = &residual + &F * DVector::from_vec(vec![3.0, -50.0]);
         for z in [&residual, &moved] {
-            // Classes merge variances that differ by a few percent.
+            // Variances that differ by a few percent share a class, so the densities agree only approximately.
             assert!((density(z) - exact(z)).abs() < 1e-3 * exact(z).abs());
         }
         assert!((density(&moved) - density(&residual)).abs() < 1e-6);

@@ -1,4 +1,4 @@
-//! Groups of random effects, the lognormal priors of their standard deviations, and the bounds of these.
+//! Groups of random effects (small errors of axle and rig), and the bounded lognormal priors of their standard deviations.
 
 use crate::priors::{
     ALIGNMENT_MAX_MM, ALIGNMENT_MEDIAN_MM, AXIS_MEDIAN_DEG, DECLARED_NOISE_LN_SD,
@@ -14,38 +14,40 @@ use crate::priors::{
 use crate::settings::{STRAINED_BOUND_LN, STRAINED_LN_SD};
 use admire_study::{PriorSetting, ToleranceSettings};
 
-/// A group of random effects with a common standard deviation, because they are manufactured or measured in the same way.
+/// A group of random effects that share one standard deviation, because the parts are manufactured or the readings are taken in the same way.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum EffectGroup {
-    /// Position errors of hardpoints (a length); all parts that meet at a hardpoint move together.
+    /// Position errors of hardpoints (a length). All parts that meet at a hardpoint have the same error.
     Hardpoints,
-    /// Position errors of the points at which the rig's loads act (a length).
+    /// Position errors of the points at which the loads of the rig act (a length).
     LoadPoints,
-    /// Relative displacements of the two sides of bushings and joints (a length).
+    /// Offsets between the two sides of bushings and joints (a length).
     Offsets,
     /// Direction errors of the axes of bushings and joints, in radians.
     Axes,
-    /// Relative gain errors of loads, the same in all cases.
+    /// Relative gain errors of loads, constant over the cases.
     LoadGains,
-    /// Errors of loads in single cases in which they act, relative to the largest value of each load.
+    /// Errors of loads that vary from case to case, in cases where the load is not zero; relative to the largest value of the load.
     LoadRepeatability,
-    /// Errors of loads in single cases in which they are zero, relative to the largest value of each load.
+    /// Errors of loads that vary from case to case, in cases where the load is zero; relative to the largest value of the load.
     IdleLoads,
-    /// Cross-talk of loads: fraction of one load that acts along another.
+    /// Crosstalk of loads: fraction of one load that also acts along another load.
     LoadDirections,
     /// Position errors of marks on their parts (a length).
     Marks,
-    /// Misalignment of the measuring frame, the same in all cases: a translation (a length) and a rotation in a fixed ratio to it.
+    /// Misalignment of the measuring frame, constant over the cases. The size is the standard deviation of the translation (a length). The
+    /// standard deviation of the rotation has a fixed ratio to the size.
     FrameAlignment,
-    /// Translations of the measuring frame in each case, common to all marks (a length).
+    /// Translation of the measuring frame in each case, common to all marks (a length).
     FrameShifts,
-    /// Rotations of the measuring frame in each case about the centroid of the marks, in radians.
+    /// Rotation of the measuring frame in each case about the centroid of the marks, in radians.
     FrameTurns,
-    /// Drift of the measuring frame as a random walk over the cases: standard deviation of the step between successive cases (a length).
+    /// Drift of the measuring frame, a random walk over the cases. The size is the standard deviation of the change from one case to the next
+    /// (a length).
     FrameDrifts,
-    /// Displacement of the axle's mount on the rig under each load at its largest value (a length).
+    /// Displacement of the axle's mount on the rig at the largest value of each load (a length).
     MountYield,
-    /// Relative errors of spring forces at design.
+    /// Relative errors of spring forces in the design position.
     Preloads,
     /// Relative errors of spring rates.
     SpringRates,
@@ -53,31 +55,31 @@ pub enum EffectGroup {
     KnownStiffnesses,
 }
 
-/// Estimated noise components: rigid-motion noise of marks, and factors on stated noise levels.
+/// Noise levels that are estimated: rigid-motion noise of the marks of a part, and factors on stated noise levels.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum NoiseScale {
-    /// Rigid translation of all marks of a part in a case.
+    /// Standard deviation of a common translation of all marks of a part in a case (a length).
     PoseShift,
-    /// Rigid rotation of all marks of a part in a case.
+    /// Standard deviation of a common rotation of all marks of a part in a case, in radians.
     PoseTurn,
-    /// Factor on the stated noise of mark coordinates, used where the marks alone do not determine their noise.
+    /// Factor on the stated noise of mark coordinates. It is used if the scatter of the marks alone does not determine their noise.
     Marks,
     /// Factor on the declared noise of the wheel position.
     WheelPosition,
     /// Factor on the declared noise of the wheel angles.
     WheelAngles,
-    /// Factor on the noise of a channel, given by its index.
+    /// Factor on the noise of the channel with this index.
     Channel(usize),
 }
 
-/// Prior of a standard deviation ("size"): a lognormal distribution with bounds.
+/// Prior of a standard deviation ("size") of errors or noise: a lognormal distribution with bounds.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ScalePrior {
-    /// Median of the prior, in the unit of the size.
+    /// Median of the prior of the size.
     pub median: f64,
-    /// Standard deviation of the natural logarithm.
+    /// Standard deviation of the natural logarithm of the size.
     pub ln_sd: f64,
-    /// Lower and upper bound of the natural logarithm.
+    /// Lower and upper bound of the natural logarithm of the size.
     pub bounds: (f64, f64),
 }
 
@@ -94,8 +96,8 @@ impl ScalePrior {
         }
     }
 
-    /// Returns the prior of a size that the user may state, in units of `unit`; returns `usual` if it is not stated, and `None` if it is
-    /// stated as zero, which switches the group off.
+    /// Returns the prior of a size that the study may state, in multiples of `unit`. Returns `usual` if the size is not stated. Returns `None`
+    /// if it is stated as zero, which switches the group off.
     fn of(stated: PriorSetting, unit: f64, usual: Self) -> Option<Self> {
         match stated {
             PriorSetting::Estimate => Some(usual),
@@ -104,22 +106,23 @@ impl ScalePrior {
         }
     }
 
-    /// Returns the prior for the misalignment of a measuring frame that was aligned with the axle. `millimetre` is one millimetre in the
-    /// deck's unit.
+    /// Returns the prior of the misalignment of a measuring frame that was aligned with the axle. `millimetre` is one millimetre in the deck's
+    /// length unit.
     pub fn of_alignment(stated: PriorSetting, millimetre: f64) -> Option<(EffectGroup, Self)> {
         let usual = Self::new(ALIGNMENT_MEDIAN_MM * millimetre, USUAL_LN_SD);
         Self::of(stated, millimetre, usual).map(|size| (EffectGroup::FrameAlignment, size))
     }
 
-    /// Returns the prior for the misalignment of a measuring frame that evidently differs from the deck's frame: its upper bound is 20 mm.
+    /// Returns the prior of the misalignment of a measuring frame that evidently differs from the deck's frame. Its upper bound is
+    /// [`ALIGNMENT_MAX_MM`]. `millimetre` is one millimetre in the deck's length unit.
     pub fn of_another_frame(millimetre: f64) -> (EffectGroup, Self) {
         let mut size = Self::new(ALIGNMENT_MEDIAN_MM * millimetre, USUAL_LN_SD);
         size.bounds.1 = libm::log(ALIGNMENT_MAX_MM * millimetre);
         (EffectGroup::FrameAlignment, size)
     }
 
-    /// Returns the priors of load errors in single cases, due to load cells and load control: one for loads that act, one for loads that are
-    /// zero.
+    /// Returns the priors of load errors that vary from case to case, due to load cells and load control. The first is for cases where the load
+    /// acts, the second for cases where it is zero.
     pub fn of_load_errors() -> [(EffectGroup, Self); 2] {
         [
             (
@@ -134,8 +137,8 @@ impl ScalePrior {
         ]
     }
 
-    /// Returns the priors for frame errors that vary between cases: translation, rotation and random walk. `millimetre` is one millimetre in
-    /// the deck's unit.
+    /// Returns the priors of the errors of the measuring frame that vary between cases: translation, rotation and random walk. `millimetre` is
+    /// one millimetre in the deck's length unit.
     pub fn of_frames(millimetre: f64) -> [(EffectGroup, Self); 3] {
         let shift = Self::new(FRAME_SHIFT_MEDIAN_MM * millimetre, WIDE_LN_SD)
             .at_most(FRAME_SHIFT_MAX_MM * millimetre);
@@ -149,8 +152,8 @@ impl ScalePrior {
         ]
     }
 
-    /// Returns the prior for the displacement of an axle's mount at the largest value of a load. `millimetre` is one millimetre in the
-    /// deck's unit.
+    /// Returns the prior of the displacement of an axle's mount at the largest value of a load. `millimetre` is one millimetre in the deck's
+    /// length unit.
     pub fn of_a_mount(millimetre: f64) -> [(EffectGroup, Self); 1] {
         [(
             EffectGroup::MountYield,
@@ -158,13 +161,14 @@ impl ScalePrior {
         )]
     }
 
-    /// Returns the ratio of the median rotation to the median translation of a measuring frame, in radians per unit length of the deck.
+    /// Returns the ratio of the rotation to the translation of a measuring frame, from their prior medians. The unit is radians per length unit
+    /// of the deck; `millimetre` is one millimetre in that unit.
     pub const fn turn_by_shift(millimetre: f64) -> f64 {
         FRAME_TURN_MEDIAN_RAD / (FRAME_SHIFT_MEDIAN_MM * millimetre)
     }
 
-    /// Returns true if a size is implausibly large under its prior or at its upper bound. The group may then have absorbed an effect that
-    /// the model lacks.
+    /// Returns true if the size `exp(ln)` is implausibly large: far above the prior median, or at the upper bound. The group may then have
+    /// absorbed an effect that the model lacks.
     pub fn is_strained(&self, ln: f64) -> bool {
         let above = ln - libm::log(self.median);
         above > STRAINED_LN_SD * self.ln_sd || ln > self.bounds.1 - STRAINED_BOUND_LN
@@ -175,29 +179,31 @@ impl ScalePrior {
         self
     }
 
-    /// Returns the logarithm of the prior density without constants.
+    /// Returns the logarithm of the prior density at the log size `ln`, without additive constants.
     pub fn ln_prior(&self, ln: f64) -> f64 {
         let z = (ln - libm::log(self.median)) / self.ln_sd;
         -0.5 * z * z - libm::log(self.ln_sd)
     }
 }
 
-/// Standard deviations of all groups and noise scales, with their priors; [`VarianceComponents::ln`] holds the current values.
+/// Standard deviations of all groups of random effects and of all noise scales, with their priors. [`VarianceComponents::ln`] holds the current
+/// values.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VarianceComponents {
-    /// Groups with their priors. In `ln` they precede the scales.
+    /// Groups of random effects with the priors of their standard deviations.
     pub groups: Vec<(EffectGroup, ScalePrior)>,
-    /// Noise scales with their priors.
+    /// Noise scales with the priors of their standard deviations or factors.
     pub scales: Vec<(NoiseScale, ScalePrior)>,
-    /// Natural logarithms of the current standard deviations: groups first, then scales.
+    /// Natural logarithms of the current standard deviations: first of `groups`, then of `scales`.
     pub ln: Vec<f64>,
 }
 
 impl VarianceComponents {
-    /// Creates the default groups and scales of a study, without those that the user switched off.
+    /// Creates the default groups and noise scales of a study at their prior medians, without groups that the study switches off.
     ///
-    /// `millimetre` is one millimetre in the deck's unit. `sigma_on_parts` and the first entry of `frames` are lengths in the deck's unit.
-    /// The second entry of `frames` is the rotation of the measuring frame in radians.
+    /// `millimetre` is one millimetre in the deck's length unit. `sigma_on_parts` is the stated standard deviation of a mark coordinate on its
+    /// part. `frames` holds the stated standard deviations of the measuring frame in a case: translation and rotation. Lengths are in the
+    /// deck's length unit, rotations in radians.
     pub fn new(
         settings: &ToleranceSettings,
         sigma_on_parts: f64,
@@ -219,7 +225,7 @@ impl VarianceComponents {
         };
         let stated = known_to_be(s.load_repeatability);
         let mount = known_to_be(s.mount).map(|size| ScalePrior::new(size * mm, STATED_LN_SD));
-        // If only one of translation and rotation of the frame is stated, the other one gets a negligible size.
+        // If the study states only one of translation and rotation of the frame, the other gets a negligible size.
         let has_frames = frames.iter().any(|size| *size > 0.0);
         let known = |size: f64, least: f64| {
             has_frames.then(|| ScalePrior::new(size.max(least), STATED_LN_SD))
@@ -333,8 +339,8 @@ impl VarianceComponents {
         new
     }
 
-    /// Adds a noise scale with median 1, a factor on the declared noise. If no noise is declared, it is a factor on a guess and has a wide
-    /// prior.
+    /// Adds a noise scale that is a factor on a noise level, with prior median 1. `declared` tells whether the study declares the noise level.
+    /// If the level is only a guess, the factor has a wide prior.
     pub fn add_scale(&mut self, scale: NoiseScale, declared: bool) {
         let ln_sd = if declared {
             DECLARED_NOISE_LN_SD
@@ -346,7 +352,7 @@ impl VarianceComponents {
         self.ln.push(libm::log(size.median));
     }
 
-    /// Returns these components with one more group, at the median of its prior.
+    /// Returns these components with one additional group, at the median of its prior.
     #[must_use]
     pub fn with_group(&self, group: EffectGroup, size: ScalePrior) -> Self {
         let mut new = self.clone();
@@ -355,42 +361,42 @@ impl VarianceComponents {
         new
     }
 
-    /// Returns the logarithms of the prior medians.
+    /// Returns the logarithms of the prior medians, in the order of `ln`.
     pub(crate) fn usual(&self) -> Vec<f64> {
         self.each().map(|size| libm::log(size.median)).collect()
     }
 
-    /// Returns the priors in the order of `ln`.
+    /// Iterates over the priors in the order of `ln`.
     pub fn each(&self) -> impl Iterator<Item = &ScalePrior> {
         let groups = self.groups.iter().map(|(_, size)| size);
         groups.chain(self.scales.iter().map(|(_, size)| size))
     }
 
-    /// Returns the index of a group in `ln`.
+    /// Returns the index of a group in `ln`; `None` if the study has no such group.
     pub fn group(&self, group: EffectGroup) -> Option<usize> {
         self.groups.iter().position(|(of, _)| *of == group)
     }
 
-    /// Returns the index of a noise scale in `ln`.
+    /// Returns the index of a noise scale in `ln`; `None` if the scale is not estimated.
     pub fn scale(&self, scale: NoiseScale) -> Option<usize> {
         let at = self.scales.iter().position(|(of, _)| *of == scale)?;
         Some(self.groups.len() + at)
     }
 
-    /// Returns the standard deviation of a group.
+    /// Returns the current standard deviation of a group; `None` if the study has no such group.
     pub fn of(&self, group: EffectGroup) -> Option<f64> {
         self.group(group).map(|at| libm::exp(self.ln[at]))
     }
 
-    /// Returns the same components with other values.
+    /// Returns these components with the log standard deviations `ln`.
     #[must_use]
     pub fn at(&self, ln: Vec<f64>) -> Self {
         Self { ln, ..self.clone() }
     }
 
-    /// Returns the log standard deviations, each limited to `over` above the logarithm of its prior median.
+    /// Returns the log standard deviations, each limited to the logarithm of its prior median plus `over`.
     ///
-    /// Candidate models start from these values, so that groups release any model deficiency they have absorbed.
+    /// Candidate models start from these values. A group that has absorbed a deficiency of the previous model can thus release it.
     pub fn capped_above_median(&self, over: f64) -> Vec<f64> {
         let each = self.ln.iter().zip(self.each());
         each.map(|(ln, size)| ln.min(libm::log(size.median) + over))
@@ -424,7 +430,7 @@ impl EffectGroup {
 }
 
 impl NoiseScale {
-    /// Returns the name of the noise in `diagnosis.json`; empty for a noise that is not written there.
+    /// Returns the name of the noise scale in `diagnosis.json`; empty for a scale that is not written there.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::PoseShift => "pose-noise",
@@ -443,7 +449,7 @@ mod tests {
         let size = ScalePrior::new(0.003, 1.5);
         let times = |factor: f64| size.is_strained(libm::log(0.003 * factor));
         assert!(!times(1.0) && !times(0.01) && !times(20.0));
-        // 2.5 standard deviations: a factor of e^3.75.
+        // The limit is 2.5 standard deviations, a factor of e^3.75 = 42.5.
         assert!(!times(42.0) && times(43.0));
         let bounded = ScalePrior::new(0.003, 0.5).at_most(0.01);
         assert!(!bounded.is_strained(libm::log(0.0095)) && bounded.is_strained(libm::log(0.01)));

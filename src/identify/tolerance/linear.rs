@@ -1,11 +1,11 @@
-//! Evidence of a linear model with Gaussian priors of unknown standard deviations.
+//! Evidence of a linear model with Gaussian priors whose standard deviations are unknown.
 //!
-//! Rows are independent and fall into a few classes of equal variance, so that one Gram matrix per class is a sufficient statistic. A change
-//! of the standard deviations ("sizes") then costs additions and one factorisation.
+//! The rows are independent and fall into a few classes of equal variance. One Gram matrix per class is then a sufficient statistic. A new
+//! evaluation at other standard deviations ("sizes") costs only additions and one factorisation.
 //!
-//! Let `A` be the Jacobian, `W` the reciprocal variances of the rows, `H = A'W A` and `S` the prior standard deviations. At the
-//! linearisation point, `z` is the residual and `x0` the deviation of the unknowns from their prior means. With `M = I + S H S` and
-//! `b = S A'W z - x0/S`, the log evidence is, up to constants,
+//! Let `A` be the Jacobian, `W` the reciprocal variances of the rows, `H = A'W A`, and `S` the prior standard deviations of the unknowns. At
+//! the linearisation point, `z` is the residual (reading minus prediction) and `x0` the deviation of the unknowns from their prior means. With
+//! `M = I + S H S` and `b = S A'W z - x0/S`, the log evidence is, up to constants,
 //!
 //! `ln Z = -(z'W z + |x0/S|^2 - b'M^-1 b)/2 - ln det M / 2 - sum ln var / 2 + sum ln p(sizes)`.
 //!
@@ -21,19 +21,20 @@ use super::group::{EffectGroup, VarianceComponents};
 use super::solution::Solution;
 use super::whitening::Whitening;
 
-/// Gaussian prior of one unknown.
+/// Gaussian prior of one unknown of a linear model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Coefficient {
-    /// Prior mean.
+    /// Mean of the prior.
     pub mean: f64,
-    /// Prior standard deviation of an unknown without a group. With a group, the two standard deviations add in quadrature.
+    /// Prior standard deviation of the unknown itself. If the unknown belongs to a group, the standard deviation of the group is added in
+    /// quadrature.
     pub sd: f64,
-    /// Group of random effects that the unknown belongs to.
+    /// Group of random effects that the unknown belongs to, if any.
     pub group: Option<EffectGroup>,
 }
 
 impl Coefficient {
-    /// Returns the prior of a random effect of a group: zero mean and the group's standard deviation.
+    /// Returns the prior of a random effect in a group: mean zero, and the standard deviation of the group.
     pub const fn member(group: EffectGroup) -> Self {
         Self {
             mean: 0.0,
@@ -42,27 +43,27 @@ impl Coefficient {
         }
     }
 
-    /// Returns the prior standard deviation, given the variance components.
+    /// Returns the prior standard deviation of the unknown at the variance components `sizes`.
     pub fn prior_sd(&self, sizes: &VarianceComponents) -> f64 {
         let tau = self.group.and_then(|group| sizes.of(group)).unwrap_or(0.0);
         libm::hypot(tau, self.sd)
     }
 }
 
-/// A model linearised at a point, as Gram matrices of its whitened rows.
+/// A linearised model, stored as the Gram matrices of its whitened rows.
 #[derive(Clone, Debug)]
 pub struct LinearModel {
     shares: Vec<ClassGram>,
-    /// Prior of each column.
+    /// Prior of each unknown, one per column of the Jacobian.
     pub unknowns: Vec<Coefficient>,
-    /// Values of the unknowns at the linearisation point.
+    /// Linearisation point: the values of the unknowns there.
     pub at: DVector<f64>,
 }
 
-/// Posterior of the unknowns of a linear model, given the variance components.
+/// Posterior of the unknowns of a linear model at given variance components.
 #[derive(Clone, Debug)]
 pub struct Posterior {
-    /// Logarithm of the evidence times the prior density of the variance components.
+    /// Log evidence plus the log prior density of the variance components.
     pub ln_z: f64,
     /// Step from the linearisation point to the posterior maximum.
     pub step: DVector<f64>,
@@ -70,26 +71,26 @@ pub struct Posterior {
     pub covariance: DMatrix<f64>,
     /// Sum of squared whitened residuals at the maximum, without prior terms.
     pub chi_square: f64,
-    /// Effective number of parameters: number of unknowns that the readings determine.
+    /// Effective number of parameters: number of unknowns that the readings rather than the priors determine.
     pub effective: f64,
-    /// Number of rows.
+    /// Number of rows that are used.
     pub count: f64,
-    /// Predicted decrease of the negative log posterior by the step, in nats.
+    /// Predicted decrease of the negative log posterior by `step`, in nats.
     pub gain: f64,
-    /// Log standard deviations at which the posterior was computed.
+    /// Logarithms of the standard deviations (variance components) at which the posterior was computed.
     pub ln: Vec<f64>,
 }
 
 impl Posterior {
-    /// Returns chi-square per degree of freedom, `count - effective`.
+    /// Returns chi-square per degree of freedom. The degrees of freedom are `count - effective`.
     pub fn chi_square_per_dof(&self) -> f64 {
         self.chi_square / (self.count - self.effective).max(1.0)
     }
 
-    /// Returns the variances that the unknowns in `kept` would have if all other unknowns were known exactly. If the others are the
-    /// tolerances, the difference to the full variance is the share of the tolerances.
+    /// Returns the variances that the unknowns in `kept` would have if all other unknowns were known exactly. If the other unknowns are the
+    /// tolerances, the difference to the full variance is the contribution of the tolerances.
     pub fn without(&self, kept: &[usize]) -> Vec<f64> {
-        // With the other unknowns fixed, the precision is the corresponding block of the inverse covariance.
+        // If the other unknowns are fixed, the precision of the kept unknowns is their block of the inverse covariance.
         let Some(all) = Cholesky::new(self.covariance.clone()) else {
             return kept.iter().map(|k| self.covariance[(*k, *k)]).collect();
         };
@@ -103,7 +104,8 @@ impl Posterior {
 }
 
 impl LinearModel {
-    /// Builds the model from whitened rows (see [`Whitening::apply`]); `residual` is reading minus prediction, `at` the linearisation point.
+    /// Builds the model from whitened rows (see [`Whitening::apply`]). `residual` is reading minus prediction, and `at` is the linearisation
+    /// point.
     pub fn new(
         whitening: &Whitening,
         jacobian: &RowsByVarianceClass,
@@ -122,7 +124,8 @@ impl LinearModel {
         }
     }
 
-    /// Returns the model with the `count` columns of a set of `further` appended, each linearised at zero with the prior `unknown`.
+    /// Returns the model with one set of `further` columns appended. The set has the index `set` and `count` columns. Each new unknown has the
+    /// prior `unknown` and is zero at the linearisation point.
     #[must_use]
     pub fn with(
         &self,
@@ -142,9 +145,9 @@ impl LinearModel {
         new
     }
 
-    /// Returns the model relinearised at `at`, with a new residual and new values of the columns listed in `changed`.
+    /// Returns the model linearised again at `at`, with a new residual and with new values of the columns listed in `changed`.
     ///
-    /// `changed` is in ascending order; `own` holds the new values of these columns, and `jacobian` the values of all others.
+    /// `changed` is in ascending order. `own` holds the new values of these columns; `jacobian` holds the values of all other columns.
     #[must_use]
     pub fn moved(
         &self,
@@ -167,7 +170,7 @@ impl LinearModel {
         }
     }
 
-    /// Returns the model without the rows marked in `left_out`. `turned` is the whitened Jacobian of all rows, `residual` reading minus
+    /// Returns the model without the rows marked in `left_out`. `turned` is the whitened Jacobian of all rows, and `residual` is reading minus
     /// prediction.
     #[must_use]
     pub fn without(
@@ -195,8 +198,8 @@ impl LinearModel {
         }
     }
 
-    /// Returns the information (lower triangle), `A'W z`, `z'W z` and the sum of the logarithms of all variances, given the log standard
-    /// deviations.
+    /// Returns the lower triangle of the information `A'W A`, then `A'W z`, `z'W z`, and the sum of the logarithms of the variances of all
+    /// rows, at the log standard deviations `ln`.
     fn sums(&self, ln: &[f64]) -> (DMatrix<f64>, DVector<f64>, f64, f64) {
         let n = self.unknowns.len();
         let (mut H, mut g) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -217,7 +220,8 @@ impl LinearModel {
         )
     }
 
-    /// Solves the linear model at these variance components; returns `None` if the information is not positive definite.
+    /// Solves the linear model at the variance components `sizes`. `damping` is added to the diagonal of `M`. Returns `None` if `M` is not
+    /// positive definite.
     fn solved(&self, sizes: &VarianceComponents, damping: f64) -> Option<Solved> {
         let S = self.prior_sds(sizes);
         let (mut M, g, q, logs) = self.sums(&sizes.ln);
@@ -258,15 +262,16 @@ impl LinearModel {
         })
     }
 
-    /// Returns the log evidence at these variance components.
+    /// Returns the log evidence at the variance components `sizes`.
     #[cfg(test)]
     fn ln_z(&self, sizes: &VarianceComponents) -> f64 {
         self.solved(sizes, 0.0)
             .map_or(f64::NEG_INFINITY, |solved| solved.ln_z)
     }
 
-    /// Returns the log evidence, its gradient with respect to the log standard deviations and, on request, the diagonal of their Fisher
-    /// information.
+    /// Returns the log evidence, its gradient with respect to the log standard deviations, and the diagonal of their Fisher information. The
+    /// contribution of the noise to the information is included only if `with_information` is true. Returns `None` if the model cannot be
+    /// solved.
     pub(crate) fn evidence(
         &self,
         sizes: &VarianceComponents,
@@ -294,7 +299,7 @@ impl LinearModel {
             information[at] += 2.0 * (phi * (1.0 - inverse[(k, k)])).powi(2);
         }
         let step = mu.component_mul(S);
-        // Lower triangle of the covariance with doubled off-diagonal entries: products with symmetric matrices read one triangle only.
+        // Lower triangle of the covariance with doubled off-diagonal entries, because products with symmetric matrices read only one triangle.
         for k in 0..n {
             let column = &mut inverse.as_mut_slice()[k * n..(k + 1) * n];
             for (value, s) in column[k..].iter_mut().zip(&S.as_slice()[k..]) {
@@ -325,7 +330,7 @@ impl LinearModel {
         Some((solved.ln_z, gradient, information))
     }
 
-    /// Returns the posterior at these variance components; `None` if the model has no finite solution.
+    /// Returns the posterior of the unknowns at the variance components `sizes`; `None` if the model has no finite solution.
     pub fn posterior(&self, sizes: &VarianceComponents) -> Option<Posterior> {
         let solved = self.solved(sizes, 0.0)?;
         let inverse = solved.factor.inverse();
@@ -361,13 +366,13 @@ impl LinearModel {
         })
     }
 
-    /// Returns the posterior maximum with Levenberg-Marquardt damping in units of the priors. The damping acts as an additional Gaussian
-    /// prior centred at the linearisation point, `1 / sqrt(damping)` times as wide as the unknown's own prior.
+    /// Returns the posterior maximum with Levenberg-Marquardt damping. The damping acts as an additional Gaussian prior of each unknown,
+    /// centred at the linearisation point. This prior is `1 / sqrt(damping)` times as wide as the unknown's own prior.
     pub fn solve(&self, sizes: &VarianceComponents, damping: f64) -> Option<Solution> {
         self.solved(sizes, damping)?.reached()
     }
 
-    /// Returns the objective `z'W z + |x/S|^2` at the linearisation point.
+    /// Returns the objective `z'W z + |x0/S|^2` at the linearisation point: chi-square plus the prior terms.
     pub fn objective(&self, sizes: &VarianceComponents) -> f64 {
         let S = self.prior_sds(sizes);
         let data: f64 = self
@@ -382,13 +387,13 @@ impl LinearModel {
         data + prior
     }
 
-    /// Returns the variance components of maximum evidence, searched from `sizes`.
+    /// Returns the variance components of maximum evidence. The search starts from `sizes`.
     pub fn maximise_evidence(&self, sizes: &VarianceComponents) -> VarianceComponents {
         super::maximise_evidence::climb(sizes, |sizes, first| self.evidence(sizes, first))
     }
 }
 
-/// Solution of a linear model at given variance components.
+/// Solution of a linear model at given variance components, in the notation of the module documentation.
 struct Solved {
     /// Cholesky factor of `M`.
     factor: Factor,

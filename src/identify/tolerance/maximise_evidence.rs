@@ -1,14 +1,15 @@
-//! Bound-constrained BFGS maximisation of the evidence over the log standard deviations.
+//! Maximisation of the evidence over the log standard deviations by the BFGS method with bounds.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::group::VarianceComponents;
 use crate::settings::{EVIDENCE_MAX_EVALUATIONS, EVIDENCE_MAX_LN_STEP, EVIDENCE_TOLERANCE_NATS};
 
-/// Maximises the evidence, starting from the standard deviations in `start`.
+/// Returns the variance components of maximum evidence within the bounds of their priors. The search starts from `start`.
 ///
-/// `evidence` returns the value, its gradient and, at the first call, the Fisher information of each component. The inverse Hessian is
-/// updated by BFGS. Components stay at a bound while the gradient points outwards.
+/// `evidence` returns the log evidence, its gradient with respect to the log standard deviations, and the Fisher information of each component.
+/// The information is needed only at the first call, where its reciprocal is the first inverse Hessian. Later, the inverse Hessian is updated
+/// by the BFGS formula. A component at a bound stays there while the gradient points outwards.
 pub(crate) fn climb(
     start: &VarianceComponents,
     mut evidence: impl FnMut(&VarianceComponents, bool) -> Option<(f64, Vec<f64>, Vec<f64>)>,

@@ -1,4 +1,5 @@
-//! Detection of marks whose position on the part differs from the listed one, while the other marks of the part agree with the list.
+//! Detection of misplaced marks: marks whose position on the part differs from the listed position, while the other marks of the part agree
+//! with the list.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,28 +16,29 @@ use nalgebra::DVector;
 /// A mark whose position on its part differs from the listed position.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Misplaced {
-    /// Index of its part.
+    /// Index of the marked part.
     pub part: usize,
     /// Index of the mark on the part.
     pub mark: usize,
-    /// Actual minus listed position in part axes: the median over the cases in which the mark is displaced.
+    /// Actual minus listed position in part axes, the median over the cases in which the mark is displaced.
     pub error: Vec3,
-    /// Standard deviation of one coordinate of `error`.
+    /// Standard error of one coordinate of `error`.
     pub sd: f64,
     /// Cases in which the mark is displaced, in ascending order.
     pub cases: Vec<usize>,
-    /// Number of cases in which the mark was read together with at least three others of its part.
+    /// Number of cases in which the mark was read together with at least three other marks of its part.
     pub read: usize,
 }
 
 impl Misplaced {
-    /// Returns true if the mark moved during the measurement: it is displaced in some of the cases only.
+    /// Returns true if the mark came loose during the measurement: it is displaced only in some of the cases in which it was read.
     pub fn is_loose(&self) -> bool {
         self.cases.len() < self.read
     }
 }
 
-/// Returns the marks that are displaced in their median over all cases, and the marks whose single wrong readings agree with each other.
+/// Returns the misplaced marks. These are the marks whose median residual over all cases contradicts the list, and the marks with several wrong
+/// readings that agree with each other.
 pub(super) fn misplaced(measurement: &Measurement, sorted: &RigidityScreen) -> BTreeSet<Mark> {
     let centre = centres(
         &residuals(measurement, &sorted.blocks, &BTreeMap::new()),
@@ -59,8 +61,8 @@ pub(super) fn misplaced(measurement: &Measurement, sorted: &RigidityScreen) -> B
     out
 }
 
-/// Returns the marks whose median residual contradicts the listed position. The listed positions of a part may otherwise be off by a common
-/// rigid motion and a small error of each mark.
+/// Returns the marks whose median residual contradicts the listed position. A common rigid motion of all listed positions of a part and a small
+/// error of each mark do not count.
 fn off_the_list(
     measurement: &Measurement,
     sorted: &RigidityScreen,
@@ -101,7 +103,8 @@ fn off_the_list(
     out
 }
 
-/// Measures the displacement of excluded marks against the part poses that the other marks determine.
+/// Returns the displacement of each mark in `left_out`, relative to the part poses that the other marks determine. Marks that were never read
+/// together with three other marks are omitted.
 pub(super) fn misplaced_marks(
     measurement: &Measurement,
     sorted: &RigidityScreen,
@@ -113,7 +116,7 @@ pub(super) fn misplaced_marks(
     );
     let mut out = Vec::new();
     for &(part, mark) in left_out {
-        // The blocks that contain this mark, while all other excluded marks stay out.
+        // Blocks of marks that contain this mark but no other excluded mark.
         let mut others = left_out.clone();
         others.remove(&(part, mark));
         let beside = part_marks(measurement, &others);
@@ -151,7 +154,7 @@ pub(super) fn misplaced_marks(
             off.clone_from(&errors);
         }
         let error = median(&off);
-        // If the displacement is clear, keep only the cases that show it.
+        // If the displacement is clear, only the cases that show it are kept.
         if error.amax() > far {
             off = errors;
             off.retain(|(_, e)| e.dot(&error) > 0.5 * error.norm_squared());
@@ -174,7 +177,7 @@ pub(super) fn misplaced_marks(
     out
 }
 
-/// Returns the median of each component.
+/// Returns the median of each component of the errors.
 fn median(errors: &[(usize, Vec3)]) -> Vec3 {
     Vec3::from_fn(|axis, _| {
         let mut values: Vec<f64> = errors.iter().map(|(_, e)| e[axis]).collect();

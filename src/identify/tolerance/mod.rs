@@ -1,17 +1,17 @@
-//! Error model of a measured axle: measurement noise and manufacturing or rig tolerances, without any fault hypothesis.
+//! Error model of a measured axle: measurement noise, manufacturing tolerances and rig tolerances. It contains no hypotheses about faults.
 //!
-//! - [`MarkNoise`] estimates the noise of the mark readings from the readings alone.
-//! - [`RandomEffects`] lists the small errors of hardpoints, loads, axes and marks as numbers of the deck with Gaussian priors.
+//! - [`MarkNoise`] estimates the noise of the marks (measured points on parts) from the readings alone.
+//! - [`RandomEffects`] lists the small errors of hardpoints, loads, axes and springs as changes of the deck with Gaussian priors.
 //! - [`EffectGroup`] names the groups of these errors; [`VarianceComponents`] holds the standard deviation of each group.
 //! - [`Whitening`] transforms the readings to independent rows.
-//! - [`LinearModel`] holds the linearised problem as Gram matrices, one `ClassGram` per variance class of rows.
-//! - [`CrossProducts`] holds the products of candidate columns with the columns of a [`LinearModel`].
+//! - [`LinearModel`] holds the linearised problem as Gram matrices, one `ClassGram` for each class of rows with equal variance.
+//! - [`CrossProducts`] holds the products of candidate columns, which may be appended, with the columns of a [`LinearModel`].
 //! - [`LinearModel::evidence`] returns the evidence and its gradient with respect to the log standard deviations.
-//! - [`LinearModel::maximise_evidence`] returns the standard deviations of maximum evidence, [`LinearModel::posterior`] the posterior at
-//!   given ones.
+//! - [`LinearModel::maximise_evidence`] returns the standard deviations of maximum evidence. [`LinearModel::posterior`] returns the posterior
+//!   of the unknowns at given standard deviations.
 //!
-//! To apply the error model to a fit, compute the Jacobian of all rows with respect to the unknowns and the [`RandomEffects`].
-//! [`Whitening::apply`] transforms residual and Jacobian. Build a [`LinearModel`] with one [`Coefficient`] per column and call
+//! To apply the error model to a fit, first compute the Jacobian of all rows with respect to the unknowns and the [`RandomEffects`]. Transform
+//! residual and Jacobian with [`Whitening::apply`]. Build a [`LinearModel`] with one [`Coefficient`] per column. Call
 //! [`LinearModel::maximise_evidence`], then [`LinearModel::posterior`]. `Posterior::covariance` gives the intervals with tolerances
 //! marginalised. [`Posterior::without`] gives the variances that would remain if the tolerances were known exactly.
 

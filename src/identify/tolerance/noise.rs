@@ -1,7 +1,7 @@
-//! Noise of mark readings without any model: the marks of a rigid part keep their distances.
+//! Estimation of the noise of mark readings without a model of the axle: the distances between the marks of a rigid part are constant.
 //!
-//! Of the 3 m coordinates of m marks, six determine the pose. The others contain the noise and the position errors of the marks on the part.
-//! The latter are the same in every case and are removed with the mean.
+//! The `m` marks of a part have `3 m` coordinates, of which the pose takes up six degrees of freedom. The others contain the noise and the
+//! position errors of the marks on the part. The position errors are constant over the cases and are removed by subtracting the mean.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,27 +17,28 @@ use crate::settings::{
 use admire_solver::mechanics::Vec3;
 use admire_study::{MarkReading, Measurement};
 
-/// Noise of mark coordinates, with outliers and misplaced marks.
+/// Noise of the mark coordinates of a measurement, with the outliers and misplaced marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MarkNoise {
-    /// Standard deviation of a coordinate as stated by the study; `None` if it states none.
+    /// Standard deviation of a coordinate as stated by the study; `None` if the study does not state it.
     pub declared: Option<f64>,
-    /// Standard deviation of a coordinate estimated from the marks of rigid parts; `None` with fewer than six degrees of freedom.
+    /// Standard deviation of a coordinate, estimated from the scatter of the marks of rigid parts; `None` with fewer than six degrees of
+    /// freedom.
     pub estimated: Option<f64>,
-    /// Standard deviation of the natural logarithm of the estimate.
+    /// Standard deviation of the natural logarithm of `estimated`.
     pub ln_sd: f64,
-    /// Gain in log-likelihood of Student's t over the Gaussian for the residuals of the marks, in nats.
+    /// Gain in log-likelihood of the Student t over the Gaussian distribution for the residuals of the marks, in nats.
     pub tails: f64,
-    /// Readings identified as outliers.
+    /// Single mark readings that are outliers.
     pub outliers: Vec<MarkOutlier>,
-    /// Marks that are not at their listed positions; none of their readings is used.
+    /// Marks that are not at their listed positions. None of their readings is used.
     pub misplaced: Vec<Misplaced>,
-    /// Case and part of marks of which some are wrong, where only a model can show which.
+    /// Case and part of sets of marks of which at least one is wrong. Only a model of the axle can show which one.
     pub suspects: Vec<(usize, usize)>,
 }
 
 impl MarkNoise {
-    /// Estimates the noise from the marks of a measurement.
+    /// Estimates the noise of the marks of a measurement, and finds outliers and misplaced marks.
     pub fn of(measurement: &Measurement) -> Self {
         let declared = (!measurement.sigma_estimated).then_some(measurement.sigma);
         let none = BTreeMap::new();
@@ -54,7 +55,8 @@ impl MarkNoise {
             left_out.extend(found);
         };
         let misplaced = misplaced_marks(measurement, &sorted, &left_out);
-        // A mark that is never read together with three others cannot be assessed. It is used and screened with the rest.
+        // A mark that is never read together with three other marks of its part cannot be assessed. It is used and screened like the other
+        // marks.
         if misplaced.len() < left_out.len() {
             left_out = misplaced.iter().map(|of| (of.part, of.mark)).collect();
             sorted = without(&left_out);
@@ -69,7 +71,8 @@ impl MarkNoise {
         let centre = centres(&clean, false);
         let left = coordinates(measurement, &clean, &centre);
         let squares: f64 = left.iter().map(|value| value * value).sum();
-        // Each block loses six degrees of freedom to its pose. Each part loses its remaining coordinates to the mean over the cases.
+        // In each block, the pose takes up six degrees of freedom. For each part, the mean over the cases takes up the remaining coordinates
+        // once.
         let mut dof: f64 = blocks
             .iter()
             .map(|b| 3.0 * b.readings.len() as f64 - 6.0)
@@ -94,7 +97,8 @@ impl MarkNoise {
         }
     }
 
-    /// Decides with a model which suspect readings are outliers; `misfit` is reading minus prediction for a case and a reading.
+    /// Decides with a model which readings of the suspect parts are outliers. `misfit` returns reading minus prediction of the model for a case
+    /// and a reading.
     pub fn judge(
         &mut self,
         measurement: &Measurement,
@@ -121,14 +125,14 @@ impl MarkNoise {
             .sort_by_key(|outlier| (outlier.case, outlier.reading));
     }
 
-    /// Returns true for a reading that is not used: it is an outlier, its mark is misplaced, or its block is under suspicion.
+    /// Returns true for a reading that is not used: it is an outlier, its mark is misplaced, or the marks of its part in this case are suspect.
     pub fn is_excluded(&self, case: usize, reading: usize, read: &MarkReading) -> bool {
         self.is_outlier(case, reading)
             || self.is_misplaced(read)
             || self.suspects.contains(&(case, read.part))
     }
 
-    /// Returns true for a reading known to be wrong: an outlier, or a reading of a misplaced mark.
+    /// Returns true for a reading that is known to be wrong: an outlier, or a reading of a misplaced mark.
     pub fn is_wrong(&self, case: usize, reading: usize, read: &MarkReading) -> bool {
         self.is_outlier(case, reading) || self.is_misplaced(read)
     }
@@ -143,16 +147,17 @@ impl MarkNoise {
         marks.any(|of| (of.part, of.mark) == (read.part, read.mark))
     }
 
-    /// Returns the standard deviation for a fit: the estimate, or the declared value where there is no estimate.
+    /// Returns the standard deviation of a mark coordinate for a fit: the estimate if there is one, otherwise the declared value.
     pub fn sigma(&self) -> Option<f64> {
         self.estimated.or(self.declared)
     }
 
-    /// Returns true if the declared noise disagrees with the estimate. `tailed` states that the noise may have heavy tails.
+    /// Returns true if the declared noise disagrees with the estimate. `tailed` is true if the noise may have heavy tails; the limit is then
+    /// wider.
     pub fn contradicts(&self, tailed: bool) -> bool {
         match (self.declared, self.estimated) {
             (Some(declared), Some(estimated)) if declared > 0.0 => {
-                // With heavy tails, a standard deviation says little.
+                // With heavy tails, an estimated standard deviation is uncertain.
                 let loose = if tailed {
                     HEAVY_TAILS_LN_ALLOWANCE
                 } else {
@@ -169,16 +174,19 @@ impl MarkNoise {
         self.tails > HEAVY_TAILS_NATS
     }
 
-    /// Returns true if the residuals may have heavier tails than a Gaussian; few readings cannot prove it.
+    /// Returns true if the residuals may have heavier tails than a Gaussian. The limit is lower than for [`Self::has_tails`], because a few
+    /// readings cannot prove heavy tails.
     pub fn may_have_tails(&self) -> bool {
         self.tails > POSSIBLE_HEAVY_TAILS_NATS
     }
 
-    /// Puts blocks with three usable marks under suspicion where a model contradicts them; returns true if there are any.
+    /// Adds to the suspects the parts with three usable marks in a case whose readings a model contradicts. Returns true if there are any.
     ///
-    /// Three marks still fit a rigid part if one of them is displaced across the other two, so that only a model reveals the error. `usual`
-    /// is the typical model residual of a mark. Unless another mark of the block is already an outlier, a single mark must stand out, and
-    /// only in few cases. A mark that stands out in many cases points to an error of the model.
+    /// Three marks still fit a rigid part if one of them is displaced perpendicular to their plane, so only a model reveals the error. `misfit`
+    /// returns reading minus prediction of the model, and `usual` is the typical size of its coordinates.
+    ///
+    /// If another mark of the part is already an outlier in the case, a large residual is sufficient. Otherwise a single mark must stand out,
+    /// and only in a few cases. A mark that stands out in many cases points to an error of the model.
     pub fn flag_three_mark_outliers(
         &mut self,
         measurement: &Measurement,

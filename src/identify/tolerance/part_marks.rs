@@ -1,4 +1,4 @@
-//! Marks of a rigid part in one case, checked against each other.
+//! Rigidity check of the marks of one part in one load case against each other.
 
 use crate::settings::{
     AGREEING_MARKS_CHI_SQUARE, CLEAR_OUTLIER_CHI_SQUARE, OUTLIER_MARK_SIGMA, SUSPECT_MARK_SIGMA,
@@ -11,20 +11,20 @@ use admire_solver::mechanics::{Pose, Vec3};
 use admire_study::Measurement;
 use admire_study::orientation::absolute_orientation;
 
-/// Index of a part and of a mark on it.
+/// A mark: index of its part, and index of the mark on the part.
 pub(super) type Mark = (usize, usize);
 
-/// Marks of one part in one case.
+/// Block of marks: the readings of the marks of one part in one load case.
 #[derive(Clone, PartialEq)]
 pub(super) struct PartMarks {
     pub case: usize,
     pub part: usize,
-    /// Indices of the readings in the case.
+    /// Indices into the mark readings of the case.
     pub readings: Vec<usize>,
 }
 
 impl PartMarks {
-    /// Returns the listed positions of the marks on the part, each plus its `shift`, and the measured positions.
+    /// Returns the listed positions of the marks on the part, each with its `shift` added, and the measured positions.
     pub(super) fn places(
         &self,
         measurement: &Measurement,
@@ -44,7 +44,7 @@ impl PartMarks {
     }
 }
 
-/// Returns the marks of each part in each case with at least three readings, without the marks in `left_out`.
+/// Returns the block of marks of each part in each case, without the marks in `left_out`. Blocks with fewer than three marks are omitted.
 pub(super) fn part_marks(measurement: &Measurement, left_out: &BTreeSet<Mark>) -> Vec<PartMarks> {
     let mut out = Vec::new();
     for (case, read) in measurement.cases.iter().enumerate() {
@@ -67,10 +67,10 @@ pub(super) fn part_marks(measurement: &Measurement, left_out: &BTreeSet<Mark>) -
     out
 }
 
-/// Case, reading, and mark.
+/// Key of a residual: index of the case, index of the reading in the case, and the mark.
 pub(super) type Key = (usize, usize, Mark);
 
-/// Groups residuals by case and part.
+/// Groups residuals of marks by case and part.
 fn by_block(residuals: &[(Key, Vec3)]) -> BTreeMap<(usize, usize), Vec<(Key, Vec3)>> {
     let mut out: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for (key, e) in residuals {
@@ -80,7 +80,7 @@ fn by_block(residuals: &[(Key, Vec3)]) -> BTreeMap<(usize, usize), Vec<(Key, Vec
     out
 }
 
-/// Returns the residuals of all blocks minus the centres, projected on the directions that no rigid motion changes.
+/// Returns the residuals of all blocks after subtracting the centre of each mark, projected on the directions that no rigid motion changes.
 pub(super) fn coordinates(
     measurement: &Measurement,
     residuals: &[(Key, Vec3)],
@@ -103,8 +103,8 @@ pub(super) fn coordinates(
     out
 }
 
-/// Projects residuals of marks on an orthonormal basis of the directions that no rigid motion changes. All results have the variance of one
-/// coordinate.
+/// Projects the residuals `e` of the marks of one block on an orthonormal basis of the directions that no rigid motion changes. Each result has
+/// the variance of one coordinate.
 pub(super) fn deformation_coordinates(places: &[Vec3], e: &DVector<f64>) -> Vec<f64> {
     let n = e.len();
     let centroid = places.iter().sum::<Vec3>() / places.len() as f64;
@@ -149,7 +149,7 @@ pub(super) fn deformation_coordinates(places: &[Vec3], e: &DVector<f64>) -> Vec<
         .collect()
 }
 
-/// Returns the residual of each reading after the best rigid motion of its block, in part axes.
+/// Returns the residual of each reading in part axes, after the best-fit rigid motion of its block. `centre` is added to the listed positions.
 pub(super) fn residuals(
     measurement: &Measurement,
     blocks: &[PartMarks],
@@ -170,8 +170,8 @@ pub(super) fn residuals(
     out
 }
 
-/// Returns the mean or median residual of each mark over the cases. The result is empty for fewer than three cases, where it would absorb
-/// most of the noise.
+/// Returns the centre of each mark: its mean or median residual over the cases. The result is empty for fewer than three cases, because the
+/// centres would then absorb most of the noise.
 pub(super) fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<Mark, Vec3> {
     let mut by_mark: BTreeMap<Mark, Vec<Vec3>> = BTreeMap::new();
     for (key, e) in residuals {
@@ -198,17 +198,17 @@ pub(super) fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<Mark,
         .collect()
 }
 
-/// Verdict on the rigidity of the marks of a part.
+/// Verdict on whether the marks of a block fit a rigid part.
 pub(super) enum RigidityVerdict {
     /// The marks are consistent with one rigid part.
     Fine,
-    /// One mark, given by its index, is wrong by this vector, while the others agree among themselves.
+    /// The mark with this index is wrong by this vector, while the other marks agree with each other.
     Wrong(usize, Vec3),
-    /// The marks are inconsistent, but no single one is the cause.
+    /// The marks are inconsistent, but no single mark can be named as the cause.
     Mixed,
 }
 
-/// Looks for a single wrong mark among the marks of a part.
+/// Looks for a single wrong mark in a block. `sigma` is the standard deviation of a coordinate.
 pub(super) fn find_single_outlier(
     on_part: &[Vec3],
     measured: &[Vec3],
@@ -224,7 +224,7 @@ pub(super) fn find_single_outlier(
     let largest = all.residuals.iter().map(Vec3::amax).fold(0.0, f64::max);
     let usual = sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt();
     if count == 3 {
-        // Three marks reveal an error in their plane, but not which of them is wrong.
+        // Three marks reveal an error in their plane, but not which mark is wrong.
         return if largest > 2.0 * SUSPECT_MARK_SIGMA * usual {
             RigidityVerdict::Mixed
         } else {
@@ -247,7 +247,7 @@ pub(super) fn find_single_outlier(
     let variance = sigma * sigma;
     let freedom = (3 * (count - 1) - 6) as f64;
     let agree = rest < AGREEING_MARKS_CHI_SQUARE * freedom * variance;
-    // For an error across the plane of four marks, any of them may be the wrong one.
+    // If four marks lie in a plane and one is displaced perpendicular to it, any of the four may be the wrong one.
     let is_clear = without
         .get(1)
         .is_none_or(|next| next.0 - rest > CLEAR_OUTLIER_CHI_SQUARE * variance);
@@ -255,7 +255,7 @@ pub(super) fn find_single_outlier(
     match (agree && is_far, is_clear) {
         (true, true) => RigidityVerdict::Wrong(at, error),
         (true, false) => RigidityVerdict::Mixed,
-        // Heavy-tailed noise produces such blocks as well, so that only large residuals are excluded from the fit.
+        // Heavy-tailed noise produces such blocks as well, so only blocks with large residuals are rejected.
         _ if !(agree && is_clear) && largest > 2.0 * SUSPECT_MARK_SIGMA * sigma => {
             RigidityVerdict::Mixed
         }
@@ -263,7 +263,7 @@ pub(super) fn find_single_outlier(
     }
 }
 
-/// Returns the pose that all marks but one determine, and the sum of their squared residuals.
+/// Returns the pose from all marks of a block except mark `out`, and the sum of the squared residuals of these marks.
 pub(super) fn pose_of_others(
     on_part: &[Vec3],
     measured: &[Vec3],

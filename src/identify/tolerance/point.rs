@@ -4,16 +4,16 @@ use crate::settings::SHARED_HARDPOINT_MM;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
 
-/// A hardpoint: a connection point of the axle with all markers that coincide there at design.
+/// A hardpoint: a connection point of the axle, with all markers that coincide there in the design position.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConnectionPoint {
-    /// Position at design, ground axes.
+    /// Position in the design position of the deck, in ground.
     pub place: Vec3,
-    /// Markers at the point, in the order of the deck.
+    /// Markers at the hardpoint, in the order of the deck.
     pub markers: Vec<MarkerIx>,
 }
 
-/// Returns the end points of all active joints, primitives, bushings and springs of a deck.
+/// Returns the hardpoints of a deck: the end points of all active joints, joint primitives, bushings and springs.
 pub(crate) fn points(model: &Model) -> Vec<ConnectionPoint> {
     let joints = model
         .joints

@@ -1,4 +1,4 @@
-//! Products of dense matrices, computed by faer, and the dot product.
+//! Products of dense matrices, computed by the library faer, and the dot product.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
@@ -39,7 +39,7 @@ pub fn transposed(A: &DMatrix<f64>, B: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
-/// Computes `a'b`, summed in eight lanes so that the compiler can vectorise the loop.
+/// Computes `a'b`. The sum runs in eight lanes, so the compiler can vectorise the loop.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a_blocks, b_blocks) = (a.chunks_exact(8), b.chunks_exact(8));
@@ -53,12 +53,12 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Returns a read-only faer view of a matrix.
+/// Returns a read-only view of a matrix for faer.
 pub(super) fn read(matrix: &DMatrix<f64>) -> MatRef<'_, f64> {
     MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
 }
 
-/// Returns a mutable faer view of a matrix.
+/// Returns a mutable view of a matrix for faer.
 pub(super) fn write(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
     let (rows, columns) = matrix.shape();
     MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)

@@ -1,4 +1,4 @@
-//! Small errors of an axle and its rig, expressed as numbers of the deck.
+//! Random effects: small errors of an axle and its rig, expressed as changes of deck parameters.
 
 use super::group::EffectGroup;
 use super::point::{ConnectionPoint, points};
@@ -10,52 +10,52 @@ use admire_syntax::Address;
 /// Change of the deck caused by one unit of a random effect.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Effect {
-    /// Numbers of the deck change by these amounts in every case.
+    /// Deck parameters change by these amounts in every case.
     Always(Vec<(Address, f64)>),
-    /// Numbers of the deck change by these amounts, one per case, after the loads are set.
+    /// Deck parameters change by these amounts, one per case, after the loads are set.
     PerCase(Vec<(Address, Vec<f64>)>),
-    /// Markers rotate on their parts by one radian, each about its own axis.
+    /// Markers rotate on their parts by one radian, each about its given axis.
     Turn(Vec<(MarkerIx, Vec3)>),
-    /// The two sides of a bushing are displaced relative to each other along this axis: its `FORCE` grows by `K` per unit length.
+    /// The two sides of a bushing are displaced relative to each other along one axis by a unit length. The preload `FORCE` changes by `K`.
     Offset {
         /// Index of the bushing.
         bushing: usize,
-        /// Axis, 0 to 2.
+        /// Axis of the displacement: 0, 1, 2 for x, y, z.
         axis: usize,
     },
 }
 
-/// One small error of the axle or its rig, with a Gaussian prior.
+/// A small error of the axle or its rig, with a Gaussian prior of mean zero.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RandomEffect {
-    /// Group of the effect, whose size is the prior standard deviation: in the deck's length unit, in radians, or relative.
+    /// Group of the effect. The size of the group is the prior standard deviation: in the deck's length unit, in radians, or relative.
     pub group: EffectGroup,
-    /// Address of the marker, load, bushing, joint or number that the effect belongs to.
+    /// Address of the marker, load, bushing, joint or parameter that the effect belongs to.
     pub address: String,
-    /// Axis 0 to 2 for x, y, z; 0 where there is only one.
+    /// Axis of the effect: 0, 1, 2 for x, y, z; 0 for an effect without an axis.
     pub axis: usize,
-    /// Change of the deck per unit of the effect.
+    /// Change of the deck per unit of the random effect.
     pub effect: Effect,
 }
 
-/// Inputs from which the random effects of a study are derived.
+/// Inputs from which the random effects of a study are built.
 pub struct LayerOf<'a> {
     /// Model of the deck.
     pub model: &'a Model,
-    /// Loads and cases of the study.
+    /// Loads and load cases of the study.
     pub programme: &'a LoadProgramme,
-    /// True if loads have errors in single cases.
+    /// True if the loads have errors that vary from case to case.
     pub load_errors: bool,
-    /// Returns true for a number that is identified.
+    /// Function that returns true for the address of an identified parameter.
     pub is_sought: &'a dyn Fn(&Address) -> bool,
 }
 
 /// All random effects of a deck and its loads.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct RandomEffects {
-    /// Effects in a fixed order.
+    /// Random effects in a fixed order.
     pub members: Vec<RandomEffect>,
-    /// Hardpoints. The address of a hardpoint is the address of its first marker.
+    /// Hardpoints of the deck. The effects of a hardpoint have the address of its first marker.
     pub points: Vec<ConnectionPoint>,
 }
 
@@ -78,8 +78,8 @@ impl RandomEffects {
         layer
     }
 
-    /// Turns effects on numbers that the study drives into per-case effects: driven numbers are set again in every case, so that the error
-    /// must be added each time.
+    /// Converts effects on parameters that a load drives to per-case effects. Such parameters are set again in every case, so the error must be
+    /// added each time.
     fn driven(&mut self, programme: &LoadProgramme) {
         let is_driven =
             |address: &Address| programme.loads.iter().any(|load| load.target == *address);
@@ -95,7 +95,7 @@ impl RandomEffects {
         }
     }
 
-    /// Returns the indices of the effects of a group at an address.
+    /// Iterates over the indices of the effects in a group that have the given address.
     pub fn at<'a>(
         &'a self,
         group: EffectGroup,
@@ -129,7 +129,7 @@ impl RandomEffects {
             };
             if !seen.contains(&marker) {
                 seen.push(marker);
-                // A load on a joint's marker moves with the joint.
+                // If a load acts at the marker of a hardpoint, its point already moves with the hardpoint.
                 let own = !self
                     .points
                     .iter()
@@ -169,7 +169,7 @@ impl RandomEffects {
         }
     }
 
-    /// Adds one error per load and case.
+    /// Adds one effect per applied load and case: the error of the load in that case.
     fn load_errors(&mut self, study: &LayerOf<'_>) {
         let cases = study.programme.cases.len();
         for (load, largest) in applied_loads(study.model, study.programme) {
@@ -224,7 +224,7 @@ impl RandomEffects {
 
     fn joints(&mut self, model: &Model) {
         for joint in model.joints.iter().filter(|joint| joint.header.active) {
-            // The axis of a sliding joint guides its motion, so that such joints get axis errors and no offsets.
+            // The axis of a sliding joint guides its motion, so sliding joints get axis errors but no offsets.
             let slides = matches!(
                 joint.kind,
                 JointKind::Cylindrical | JointKind::Translational
@@ -266,7 +266,7 @@ impl RandomEffects {
                 SpringKind::Translational => length - spring.reference,
                 SpringKind::Rotational => 0.0,
             };
-            // Force at design. A spring without load there counts as deflected by at least a tenth of its reference length.
+            // Spring force in the design position. A spring without load there counts as deflected by at least a tenth of its reference length.
             let force = (spring.preload - spring.stiffness * stretch).abs();
             let force = force.max(0.1 * spring.stiffness * spring.reference.abs());
             let address = match spring.kind {
@@ -302,8 +302,8 @@ impl RandomEffects {
     }
 }
 
-/// Returns the effect that moves markers on any parts together by one unit of `direction`, ground axes at design. Markers that are defined
-/// relative to another marker of the list move with that marker.
+/// Returns the effect of moving all `markers` together by `direction`, given in ground axes in the design position. The markers may belong to
+/// several parts. A marker that is defined relative to another marker of the list moves with that marker and is left out.
 pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Effect {
     let of = |marker: &MarkerIx| {
         let own = &model.markers[marker.0];
@@ -318,7 +318,7 @@ pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Ef
     Effect::Always(markers.iter().filter(first).flat_map(of).collect())
 }
 
-/// Returns the indices of the forces that the rig applies, each with its largest magnitude over the cases.
+/// Returns the indices of the loads that are nonzero forces or torques, each with its largest magnitude over the cases.
 pub fn applied_loads(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)> {
     let loads = programme.loads.iter().enumerate();
     let of = |(k, load): (usize, &Load)| {
@@ -330,7 +330,7 @@ pub fn applied_loads(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f6
     loads.filter_map(of).collect()
 }
 
-/// Returns the marker at which a driven force acts.
+/// Returns the marker at which the force with this address acts; `None` if the address is no force.
 pub fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
     let id = target.id?;
     match target.kind.as_str() {

@@ -1,4 +1,4 @@
-//! Screening of marks for consistency with rigid parts, without any model.
+//! Screening of marks for consistency with rigid parts, without a model of the axle.
 
 use std::collections::BTreeMap;
 
@@ -9,35 +9,36 @@ use crate::settings::{MARK_SCREENING_PASSES, SD_PER_MEDIAN_ABSOLUTE};
 use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;
 
-/// A single wrong reading of one mark.
+/// A single wrong reading of a mark.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MarkOutlier {
     /// Index of the load case.
     pub case: usize,
-    /// Index into the readings of the case.
+    /// Index into the mark readings of the case.
     pub reading: usize,
-    /// Measured position minus the position that the other marks of the part imply, ground axes.
+    /// Measured position minus the position that the other marks of the part imply, in ground axes.
     pub error: Vec3,
 }
 
 /// Result of the rigidity screen of all marks.
 #[derive(Default)]
 pub(super) struct RigidityScreen {
-    /// Marks that are consistent with rigid parts.
+    /// Blocks of marks (one part in one case) that are consistent with a rigid part, without outliers.
     pub blocks: Vec<PartMarks>,
-    /// Readings identified as outliers.
+    /// Readings that are outliers.
     pub outliers: Vec<MarkOutlier>,
-    /// Case and part of marks that contain an error, but do not show which mark is wrong.
+    /// Case and part of blocks that contain an error but do not show which mark is wrong.
     pub suspects: Vec<(usize, usize)>,
-    /// Robust standard deviation of a coordinate, from the median absolute value.
+    /// Robust standard deviation of a coordinate, from the median absolute residual.
     pub sigma: f64,
 }
 
 impl RigidityScreen {
-    /// Screens the marks of all parts in all cases.
+    /// Screens the blocks of marks in `all`, which hold the marks of each part in each case.
     pub(super) fn new(measurement: &Measurement, all: &[PartMarks]) -> Self {
         let none = BTreeMap::new();
-        // Robust estimates first, because outliers must not define the normal spread. With few cases they still do, until they are excluded.
+        // The first estimates are robust, so outliers do not define the normal spread. With few cases, outliers still affect the spread until
+        // they are excluded, so the screen is repeated.
         let mut sorted = Self {
             blocks: all.to_vec(),
             ..Self::default()
@@ -56,7 +57,7 @@ impl RigidityScreen {
         sorted
     }
 
-    /// Screens the marks with given centres and standard deviation of a coordinate.
+    /// Screens the blocks of marks with a given centre of each mark and a given standard deviation of a coordinate.
     fn at(
         measurement: &Measurement,
         mut blocks: Vec<PartMarks>,
@@ -92,7 +93,7 @@ impl RigidityScreen {
     }
 }
 
-/// Returns the standard deviation of values about zero, estimated from their median absolute value.
+/// Returns the standard deviation of values about zero, estimated robustly from the median of their absolute values.
 pub fn mad_sigma(mut values: Vec<f64>) -> f64 {
     values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
     SD_PER_MEDIAN_ABSOLUTE

@@ -1,34 +1,34 @@
-//! Posterior maximum of a linear model, and constrained steps towards it.
+//! Posterior maximum of a linear model, and constrained steps from the linearisation point towards it.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::factor::Factor;
 
-/// Posterior maximum of a linear model.
+/// Posterior maximum of a linear model at given variance components.
 pub struct Solution {
-    /// Logarithm of the evidence times the prior density of the variance components.
+    /// Log evidence plus the log prior density of the variance components.
     pub ln_z: f64,
-    /// Predicted decrease of the negative log posterior by the step, in nats.
+    /// Predicted decrease of the negative log posterior by `step`, in nats.
     pub gain: f64,
-    /// Step from the linearisation point to the maximum.
+    /// Step from the linearisation point to the posterior maximum.
     pub step: DVector<f64>,
-    /// Cholesky factor of the information in units of the priors.
+    /// Cholesky factor of the information matrix, scaled by the prior standard deviations.
     pub(super) factor: Factor,
-    /// Prior standard deviations.
+    /// Prior standard deviations of the unknowns.
     pub(super) S: DVector<f64>,
 }
 
 impl Solution {
-    /// Returns by how many nats the log posterior of the linear model is lower at another step than at the maximum.
+    /// Returns the difference in log posterior of the linear model between the maximum and the step `other`, in nats.
     pub fn nats_below_maximum(&self, other: &DVector<f64>) -> f64 {
         let off =
             (other - &self.step).zip_map(&self.S, |off, s| if s > 0.0 { off / s } else { 0.0 });
         0.5 * self.factor.quadratic(&off)
     }
 
-    /// Returns the step to the maximum with some unknowns limited to an interval. The unknown furthest beyond its limit, relative to the
-    /// limit, is fixed there first, and the others are re-optimised. If all were fixed at once, unknowns that the data determine only in sum
-    /// would leave the valley of the objective.
+    /// Returns the step to the maximum with the steps of some unknowns limited to intervals. First, the unknown that exceeds its limit by the
+    /// largest factor is fixed at the limit, and the others are optimised again. This is repeated until no limit is exceeded. If all were fixed
+    /// at once, unknowns that the readings determine only in sum would leave the valley of the objective.
     pub fn box_constrained_step(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
         let mut step = self.step.clone();
         let mut held: Vec<(usize, f64)> = Vec::new();
@@ -53,7 +53,7 @@ impl Solution {
         step
     }
 
-    /// Returns the step to the maximum with all unknowns that exceed their limits fixed there simultaneously.
+    /// Returns the step to the maximum with all unknowns that exceed their limits fixed at the limits at once.
     pub fn step_clamped(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
         let limited: Vec<(usize, f64)> = limits
             .iter()
@@ -67,11 +67,11 @@ impl Solution {
         step
     }
 
-    /// Returns the maximum of the objective with an additional term `x' bend x`, where `x` are the steps of the unknowns at `places`.
-    /// Returns `None` if there is no finite solution.
+    /// Returns the posterior maximum with an additional penalty `x' bend x / 2` in the negative log posterior. Here `x` are the steps of the
+    /// unknowns at `places`. Returns `None` if there is no finite solution.
     pub fn with_quadratic_penalty(&self, places: &[usize], bend: &DMatrix<f64>) -> Option<Self> {
         let across = self.across(places);
-        // (H + E B E')^-1 b = x - U B (1 + E'U B)^-1 E'x with U = H^-1 E and x = H^-1 b.
+        // Woodbury identity: (H + E B E')^-1 b = x - U B (1 + E'U B)^-1 E'x with U = H^-1 E and x = H^-1 b.
         let inner = across.select_rows(places) * bend;
         let inner = DMatrix::identity(places.len(), places.len()) + inner;
         let kept = inner.lu().solve(&self.step.select_rows(places))?;
@@ -85,7 +85,7 @@ impl Solution {
         })
     }
 
-    /// Returns the columns of the posterior covariance at `places`.
+    /// Returns the columns of the posterior covariance that belong to the unknowns at `places`.
     fn across(&self, places: &[usize]) -> DMatrix<f64> {
         let n = self.step.len();
         let mut across = DMatrix::zeros(n, places.len());
@@ -98,7 +98,7 @@ impl Solution {
         across
     }
 
-    /// Returns the step to the maximum with the steps of some unknowns prescribed.
+    /// Returns the step to the maximum with the steps of some unknowns prescribed, as pairs of index and step.
     fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
         if given.is_empty() {
             return self.step.clone();
@@ -120,7 +120,8 @@ impl Solution {
 mod tests {
     use super::*;
 
-    /// Solves the normal equations with the additional term for three unknowns with priors of different widths.
+    /// Compares the result with a direct solution of the normal equations that include the penalty, for three unknowns with priors of different
+    /// widths.
     #[test]
     fn a_held_step_is_that_of_the_whole_objective() {
         let jacobian =
@@ -139,7 +140,7 @@ mod tests {
             factor,
             S: S.clone(),
         };
-        // A rank-one, hence singular, matrix.
+        // The matrix has rank one and is therefore singular.
         let bend = DMatrix::from_row_slice(2, 2, &[4.0, -6.0, -6.0, 9.0]);
         let held = reached.with_quadratic_penalty(&[0, 2], &bend).unwrap();
         let mut whole = information;
@@ -154,8 +155,8 @@ mod tests {
         assert!(above > 0.0 && (above - reached.nats_below_maximum(&held.step)).abs() < 1e-12);
     }
 
-    /// The sum of the second unknown and half the first is known far better than each of them. With the first one at its limit, the second
-    /// one stays on that line and within its own limit.
+    /// The sum of the second unknown and half the first is known far better than either unknown. With the first unknown at its limit, the
+    /// second must keep this sum and stay within its own limit.
     #[test]
     fn a_step_within_limits_stays_in_its_valley() {
         let valley = DMatrix::from_row_slice(2, 2, &[0.25, 0.5, 0.5, 1.0]) * 1e6;

@@ -1,20 +1,20 @@
-//! Student's t distribution for heavy-tailed residuals.
+//! Student t distribution for heavy-tailed residuals.
 
 use crate::settings::{STUDENT_T_DOF, STUDENT_T_SCALE_ITERATIONS};
 use statrs::function::gamma::ln_gamma;
 
-/// Student's t distribution of residuals.
+/// Student t distribution of residuals with mean zero.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Tails {
-    /// Degrees of freedom.
+    /// Degrees of freedom of the t distribution.
     pub nu: f64,
-    /// Scale, in the unit of the residuals.
+    /// Scale of the t distribution, in the unit of the residuals.
     pub scale: f64,
 }
 
 impl Tails {
-    /// Returns the t distribution of maximum likelihood and its gain over the Gaussian in nats; `None` for fewer than 30 residuals or zero
-    /// variance.
+    /// Returns the t distribution of maximum likelihood, and its gain in log-likelihood over the Gaussian distribution in nats. Returns `None`
+    /// for fewer than 30 residuals or zero variance.
     pub fn best(residuals: &[f64]) -> Option<(Self, f64)> {
         let n = residuals.len() as f64;
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n;
@@ -48,9 +48,9 @@ impl Tails {
         Some((Self { nu, scale }, value - gauss))
     }
 
-    /// Returns the precision of a coordinate with this residual `r`: `kappa w / s^2` with the weight `w = (nu + 1)/(nu + (r/s)^2)`. The
-    /// factor `kappa = (nu + 1)/(nu + 3)` is Fisher's information. Without it, intervals would be too short by `sqrt((nu + 3)/(nu + 1))`.
-    /// Source: Lange, Little and Taylor, JASA 84 (1989) 881.
+    /// Returns the precision of a coordinate with residual `r`: `kappa w / s^2` with the weight `w = (nu + 1)/(nu + (r/s)^2)`. The factor
+    /// `kappa = (nu + 1)/(nu + 3)` accounts for the Fisher information of the t distribution. Without it, intervals would be too short by a
+    /// factor of `sqrt((nu + 3)/(nu + 1))`. Source: Lange, Little and Taylor, JASA 84 (1989) 881.
     pub fn precision(self, residual: f64) -> f64 {
         let (nu, s) = (self.nu, self.scale);
         let weight = (nu + 1.0) / (nu + (residual / s).powi(2));

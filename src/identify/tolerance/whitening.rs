@@ -1,9 +1,12 @@
 //! Transformation of the readings to independent rows.
 //!
-//! The mark coordinates of one part in one case share a small rigid-motion error that does not belong to the motion of the axle. It comes
-//! from fixtures, photogrammetry or temperature. With the precision `D` of the coordinates,
-//! `D^1/2 C D^1/2 = I + tau_t^2 T T' + tau_r^2 R R'`. `T` holds the three translations and `R` the three rotations, orthogonalised against
-//! the translations. An orthonormal basis of `T`, `R` and their complement makes this matrix diagonal for all `tau_t` and `tau_r`.
+//! The mark coordinates of one part in one case share a small rigid-motion error that is not part of the motion of the axle. It comes from
+//! fixtures, photogrammetry or temperature.
+//!
+//! Let `C` be the covariance of the coordinates and `D` their precision without this error. Then `D^1/2 C D^1/2 = I + tau_t^2 T T' + tau_r^2 R
+//! R'`, where `tau_t` and `tau_r` are the standard deviations of translation and rotation. `T` holds the effect of the three translations. `R`
+//! holds the effect of the three rotations, orthogonalised against the translations. An orthonormal basis of `T`, `R` and their complement
+//! makes this matrix diagonal for all values of `tau_t` and `tau_r`.
 
 use std::collections::BTreeMap;
 
@@ -19,38 +22,41 @@ use crate::settings::MARK_ROTATION_ROUND_OFF;
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Mark coordinates of one part in one case.
+/// Rows of the mark coordinates of one part in one case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MarkBlock {
-    /// Index of the first row of each mark; its other two coordinates follow.
+    /// Index of the first row of each mark. The rows of its other two coordinates follow.
     pub rows: Vec<usize>,
-    /// Vectors from a common point to each mark, ground axes.
+    /// Vector from a common point to each mark, in ground axes.
     pub levers: Vec<Vec3>,
-    /// Length that corresponds to one unit of a row.
+    /// Length that corresponds to a row value of 1.
     pub unit: f64,
 }
 
-/// Orthonormal change of rows, scaled by their precisions, with the variance class of each new row.
+/// Transformation of readings to independent rows: scaling by the square roots of their precisions, then an orthonormal change of directions.
+/// Each new row has a variance class.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    /// Blocks of rows that are transformed together: their indices and the matrix, one row per new direction.
+    /// Blocks of rows that are transformed together: the row indices and the transformation matrix of each block.
     blocks: Vec<(Vec<usize>, DMatrix<f64>)>,
-    /// Single rows with the square root of their precision.
+    /// Rows that are transformed alone, each with the square root of its precision.
     alone: Vec<(usize, f64)>,
-    /// Variance classes of the new rows.
+    /// Distinct variance classes of the new rows.
     pub classes: Vec<VarianceClass>,
-    /// Class of each new row; `None` where the row is not used.
+    /// Index of the variance class of each new row; `None` if the row is not used.
     pub class_of: Vec<Option<usize>>,
-    /// New rows of each class, in ascending order.
+    /// Indices of the new rows of each variance class, in ascending order.
     pub rows_of: Vec<Vec<usize>>,
-    /// Block of each row, `None` for a single row, with its index there; the whole entry is `None` where the row is not used.
+    /// Location of each row: index of its block, or `None` for a row transformed alone, and the position there. The whole entry is `None` if
+    /// the row is not used.
     place_of: Vec<Option<(Option<usize>, usize)>>,
 }
 
 impl Whitening {
-    /// Builds the transformation for blocks of marks and for single rows with their noise scales.
+    /// Builds the transformation for blocks of marks, and for `single` rows with their noise scales.
     ///
-    /// `precision` covers all rows and is zero where a row is not used. Readings carry no weight along the row directions listed in `free`.
+    /// `precision` holds the precision of every row; it is zero for a row that is not used. Along the row directions listed in `free`, readings
+    /// carry no weight.
     pub fn new(
         marks: &[MarkBlock],
         single: &[(usize, Option<NoiseScale>)],
@@ -122,7 +128,7 @@ impl Whitening {
         new
     }
 
-    /// Transforms the rows of a matrix; rows that are not used become zero.
+    /// Transforms the rows of a matrix. Rows that are not used become zero.
     pub fn apply(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let rows = columns.nrows();
         let mut out = DMatrix::zeros(rows, columns.ncols());
@@ -157,7 +163,7 @@ impl Whitening {
         out
     }
 
-    /// Transforms a single column; rows that are not used become zero.
+    /// Transforms a single column. Rows that are not used become zero.
     pub fn apply_vector(&self, column: &DVector<f64>) -> DVector<f64> {
         let out = self.apply(&DMatrix::from_column_slice(
             column.len(),
@@ -167,7 +173,7 @@ impl Whitening {
         out.column(0).into_owned()
     }
 
-    /// Transforms a sparse column, given as pairs of row and value; the result maps rows to values.
+    /// Transforms a sparse column, given as pairs of row and value. The result maps new rows to values.
     pub fn apply_sparse(&self, column: &[(usize, f64)]) -> BTreeMap<usize, f64> {
         let mut out = BTreeMap::new();
         for (row, value) in column {
@@ -187,7 +193,7 @@ impl Whitening {
         out
     }
 
-    /// Returns the reciprocal standard deviation of each new row, given the log standard deviations; zero where a row is not used.
+    /// Returns the reciprocal standard deviation of each new row at the log standard deviations `ln`; zero for a row that is not used.
     pub fn weights(&self, ln: &[f64]) -> DVector<f64> {
         let of: Vec<f64> = self
             .classes
@@ -203,8 +209,9 @@ impl Whitening {
     }
 }
 
-/// Returns the used rows of a block, the transformation matrix, and the squared norms of its leading rigid directions, each with true for a
-/// rotation. The rows of the matrix are the new directions times the square root of the precision.
+/// Returns the transformation of a block of marks: the rows that are used, the matrix, and one entry per leading rigid-motion direction. The
+/// entry tells whether the direction is a rotation, and holds its squared norm. The rows of the matrix are the new directions, multiplied by
+/// the square roots of the precisions.
 fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Vec<(bool, f64)>) {
     let mut places = Vec::new();
     let mut rigid: Vec<[f64; 6]> = Vec::new();

@@ -1,13 +1,14 @@
-//! Compliant attachment of a joint or spring to ground.
-//! The ground-side marker moves to a small part of its own, which a translational spring holds to ground without rotation. Factors `x`, `y`
-//! and `z` scale the stiffness along the ground axes, because a bracket is stiffer in one direction than in another. With `rated` the spring
-//! stiffens as in `link-compliance`.
+//! Body compliance: a compliant attachment of a joint, bushing or spring to ground.
+//!
+//! The marker on ground is moved to an additional massless part. Springs hold this part to ground in translation, and it cannot rotate. The
+//! factors `x`, `y` and `z` scale the stiffness along the ground axes, because a bracket is not equally stiff in all directions. With `rated`,
+//! the springs stiffen as for `link-compliance`.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Mat3, Pose};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: `stiffness=...`, the factors `x=1,y=1,z=1`, and optionally `rated=...`.
+/// Plants a body compliance. Values of the effect: `stiffness=...`, and optionally the factors `x=...,y=...,z=...` (default 1) and `rated=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let kinds = ["JOINT", "SPRINGDAMPER", "BUSHING", "JPRIM"];
     let object = reality.object(spec, &kinds)?;

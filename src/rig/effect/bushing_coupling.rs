@@ -1,13 +1,14 @@
-//! Off-diagonal stiffness of a bushing: `F_a = -k u_b`, `F_b = -k u_a`.
-//! The coupling of a conical bushing grows with the deflection. With `reach` r the energy is `k u_a u_b (1 + (u_b / r)^2)`. The forces are
-//! then `F_a = -k u_b (1 + (u_b / r)^2)` and `F_b = -k u_a (1 + 3 (u_b / r)^2)`.
+//! Bushing coupling: an off-diagonal stiffness `k` between two axes `a` and `b` of a bushing, `F_a = -k u_b` and `F_b = -k u_a`.
+//!
+//! The coupling of a conical bushing grows with the deflection. With the value `reach` = r, the energy is `k u_a u_b (1 + (u_b / r)^2)`. The
+//! forces are then `F_a = -k u_b (1 + (u_b / r)^2)` and `F_b = -k u_a (1 + 3 (u_b / r)^2)`.
 
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: one or more stiffnesses `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`, and optionally `reach=...`, a deflection
-/// along the second axis of each pair.
+/// Plants a bushing coupling. Values of the effect: one or more stiffnesses `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`, named by the two
+/// axes, and optionally `reach=...`. The reach is a deflection along the second axis of each pair.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let pair = reality.pair(spec, &bushing)?;
@@ -20,7 +21,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     for b in 0..6 {
         for a in 0..b {
             if let Some(k) = spec.optional(&format!("{}{}", names[a], names[b]))? {
-                // `add_component_force` joins the terms of one axis to a sum, so each term carries its sign.
+                // `add_component_force` concatenates the terms of one axis to a sum, so each term starts with its sign.
                 let [u, v] = [a, b].map(|axis| displacement(pair, axis));
                 let more = |times: f64| match reach {
                     Some(r) => format!("*(1.0+{:e}*({v})**2)", times / (r * r)),

@@ -1,10 +1,11 @@
-//! A bushing mounted at a wrong orientation: both of its markers are rotated by the same rotation vector.
+//! Bushing orientation: a bushing is mounted at a wrong orientation. Both of its markers are rotated on their parts by the same rotation
+//! vector.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: the rotation vector `ax_deg, ay_deg, az_deg` in J axes.
+/// Plants a wrong bushing orientation. Values of the effect: the rotation vector `ax_deg, ay_deg, az_deg` in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let rotation = Pose {

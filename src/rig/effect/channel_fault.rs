@@ -1,9 +1,9 @@
-//! Wrong gain, wrong zero or a single wrong value of a sensor channel.
+//! Channel fault: a channel (scalar sensor) with a wrong gain, a wrong zero, or a single wrong value.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: `gain=...`, `offset=...` or both; with `case=...` the fault is in that case only.
+/// Plants a channel fault. Values of the effect: `gain=...`, `offset=...` or both. With `case=...`, only the reading in that case is wrong.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let found = reality
         .channels

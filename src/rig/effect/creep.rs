@@ -1,12 +1,13 @@
-//! Outside the catalogue: rubber that creeps from case to case.
-//! The force is `F = -K (u - c)`. After each case `c` moves towards `u` by the fraction `rate` of their difference, so the response depends on
-//! the number of earlier cases.
+//! Creep (outside the catalogue): rubber that creeps from case to case.
+//!
+//! The force is `F = -K (u - c)` with the crept deflection `c`. After each case, `c` moves towards `u` by the fraction `rate` of their
+//! difference, so the response depends on the number of earlier cases.
 
 use super::memory::{HistoryState, MemoryLaw};
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Value: `rate=...`, above 0 and below 1.
+/// Plants creep. Value of the effect: `rate=...`, above 0 and below 1.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
@@ -22,7 +23,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         component,
         law: MemoryLaw::Creep { rate },
     });
-    // The linear term is already in the bushing.
+    // The deck's bushing already contains the linear term.
     let force = format!("{stiffness:e}*VARVAL({flown})");
     reality.add_component_force(spec, pair, &[(component, force)])
 }

@@ -1,15 +1,16 @@
-//! Rate-independent friction at a bushing deflection or along a joint: the response depends on the order of the loads.
+//! Dry friction: rate-independent friction in a bushing or along a joint. The response depends on the order of the loads.
 //!
-//! Prandtl: a spring in series with a slider, `f = -max(-F, min(F, k (u - anchor)))`. Dahl: after each reversal the force approaches the limit
-//! exponentially, `df/du = k (1 - f sgn(du) / F)`. The history variables are VARIABLEs of the deck, updated after each case. Before the first
-//! case the parts are in the design position and the friction force is `start` times its limit.
+//! The Prandtl law is a spring in series with a slider: `f = -max(-F, min(F, k (u - anchor)))`. With the Dahl law, the force approaches the
+//! limit exponentially after each reversal: `df/du = k (1 - f sgn(du) / F)`. The history is stored in VARIABLEs of the deck, which are updated
+//! after each case. Before the first case, the parts are in the design position and the friction force is `start` times its limit.
 
 use super::memory::{HistoryState, MemoryLaw};
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: `force=...,stiffness=...`, `law=prandtl` or `dahl`, `start=0`, and for a joint `axis=z` or `az`.
+/// Plants dry friction. Values of the effect: `force=...,stiffness=...`, `law=prandtl` (default) or `law=dahl`, `start=...` (default 0), and
+/// for a joint `axis=z` or `axis=az`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let (pair, component) = place(spec, reality)?;
     let (limit, stiffness) = (spec.positive("force")?, spec.positive("stiffness")?);
@@ -55,7 +56,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     reality.add_component_force(spec, pair, &[(component, force)])
 }
 
-/// Returns the markers and the component of a bushing stiffness or of the free motion of a joint.
+/// Returns the I and J markers at which friction acts, and the component 0 to 5: the axis of a bushing stiffness, or the axis of the free
+/// motion of a joint.
 pub(super) fn place(
     spec: &EffectSpec,
     reality: &GroundTruth,
@@ -75,7 +77,7 @@ pub(super) fn place(
     Ok((reality.pair(spec, &address)?, component))
 }
 
-/// Returns the fraction of the friction limit carried before the first case, between -1 and 1.
+/// Returns the value `start` of an effect: the friction force before the first case as a fraction of its limit, from -1 to 1.
 pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
     let start = spec.optional("start")?.unwrap_or(0.0);
     if start.abs() <= 1.0 {
@@ -85,7 +87,7 @@ pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
     }
 }
 
-/// Plants a spring in series with a slider.
+/// Plants a Prandtl element: a spring in series with a slider, along one component between two markers.
 pub(super) fn slider(
     spec: &EffectSpec,
     reality: &mut GroundTruth,

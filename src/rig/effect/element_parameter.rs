@@ -1,10 +1,11 @@
-//! Wrong value of a deck number that is taken as known.
+//! Element parameter: wrong value of a deck parameter that is assumed to be known.
 
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Value: exactly one of `value=...`, `factor=...` and `delta=...`.
+/// Plants a wrong element parameter. Value of the effect: exactly one of `value=...` (the new value), `factor=...` (a factor on the deck's
+/// value) and `delta=...` (a change of the deck's value).
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address =
         Address::parse(&spec.address, &reality.dataset).map_err(|why| spec.refuse(why.message))?;

@@ -1,17 +1,18 @@
-//! Free play of a bushing, or of a joint along the line of a part with two joints.
+//! Free play of a bushing, or of a joint along the line through the two joints of a part.
 //!
-//! Bushing (outside the catalogue): `F = -K (u - max(-g/2, min(g/2, u)))` with the total play `g`. Joint: the end of the part slides on the
-//! rest of the part, against a steeply rising force `F = -f ((2 u / g)^9 + 0.01 (2 u / g))`.
+//! For a bushing (outside the catalogue), the force is `F = -K (u - max(-g/2, min(g/2, u)))` with the total play `g`. For a joint, the end of
+//! the part slides on the rest of the part against the steeply rising force `F = -f ((2 u / g)^9 + 0.01 (2 u / g))`.
 
 use super::link_compliance::{cut, line};
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Default force that takes up the whole play of a joint, in the deck's force unit.
+/// Default force `f` that takes up the play of a joint, in the deck's force unit.
 const FORCE: f64 = 1000.0;
 
-/// Plants the effect. Values: `gap=...`, the total play, and for a part `force=...`, the force that takes up the play.
+/// Plants a free play. Values of the effect: the total play `gap=...` and, for the joint of a part, the force `force=...` that takes up the
+/// play.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING", "PART"])?;
     let half = 0.5 * spec.positive("gap")?;
@@ -29,7 +30,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     let (pair, component) = reality.bushing_component(spec, &address)?;
     let stiffness = reality.dataset.value_at(&address).unwrap_or(0.0);
     let u = displacement(pair, component);
-    // The linear term is already in the bushing. A thousandth of the stiffness remains inside the play, so that the equilibrium there is
+    // The deck's bushing already contains the linear term. A thousandth of the stiffness remains inside the play, so the equilibrium there is
     // unique.
     let left = 0.999 * stiffness;
     let force = format!("{left:e}*MAX(-{half:e},MIN({half:e},{u}))");

@@ -1,8 +1,8 @@
-//! Wrong position of a connection point.
+//! Hardpoint error: wrong position of a connection point.
 //!
-//! `form=part`: one part was made wrong. Only its marker is displaced, and the axle assembles under strain. `form=point`: the point of the car
-//! is displaced on all parts that meet there, and the axle assembles without strain. Marks, mass centres and all other markers keep their
-//! places on their parts.
+//! With `form=part`, one part was made wrong: only its marker is displaced, and the axle is assembled under strain. With `form=point`, the
+//! connection point is displaced on all parts that meet there, and the axle is assembled without strain. Marks, mass centres and all other
+//! markers keep their positions on their parts.
 
 use super::point::{on_part, points};
 use super::{EffectSpec, GroundTruth};
@@ -11,8 +11,8 @@ use admire_solver::model::Model;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: the displacement `x, y, z`, in the axes of the marker's part with `form=part` (the default), in ground axes with
-/// `form=point`.
+/// Plants a hardpoint error. Values of the effect: `form=part` (default) or `form=point`, and the displacement `x, y, z`. The displacement is
+/// in the axes of the marker's part for `form=part`, and in ground axes for `form=point`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let marker = reality.object(spec, &["MARKER"])?;
     let shift = spec.shift()?;
@@ -36,7 +36,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     Ok(())
 }
 
-/// Moves the marker of a connection. If the marker is also a mass centre, the mass centre gets a copy at the old place.
+/// Moves the marker of a connection on its part. If the marker is also the mass centre of the part, a copy at the old position becomes the mass
+/// centre.
 fn move_connection(
     spec: &EffectSpec,
     reality: &mut GroundTruth,

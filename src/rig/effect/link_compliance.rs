@@ -1,8 +1,8 @@
-//! A part that deforms along the line of its two joints.
+//! Link compliance: a part that deforms along the line through its two joints.
 //!
-//! The far end becomes a part of its own that slides along this line on the rest, held by a spring. The given stiffness acts at one end, or
-//! twice the stiffness acts at each of both ends. With `rated` the spring stiffens as the rubber eye of a link does: `F = k u (1 + (k u /
-//! rated)^2)`.
+//! The far end becomes a separate part that slides along this line on the rest of the part and is held by a spring. The compliance may also be
+//! split between both ends, each with a spring of twice the stiffness. With `rated`, the spring stiffens like the rubber eye of a link: `F = k
+//! u (1 + (k u / rated)^2)`.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Pose, Vec3};
@@ -10,8 +10,8 @@ use admire_solver::model::Model;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: `stiffness=...`, `ends=one` or `both`, and optionally `rated=...`. At the deflection where a linear spring would
-/// carry `rated`, this spring carries twice as much.
+/// Plants a link compliance. Values of the effect: `stiffness=...`, `ends=one` or `ends=both`, and optionally `rated=...`. At the deflection
+/// where a linear spring would carry the force `rated`, this spring carries twice that force.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let stiffness = spec.positive("stiffness")?;
@@ -30,10 +30,10 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     Ok(())
 }
 
-/// A joint or bushing on the part: its address, the argument that names the part's marker, and the marker's position on the part.
+/// End of a link: address of the joint or bushing there, argument that names its marker on the link, and position of this marker on the link.
 type End = (Address, &'static str, Vec3);
 
-/// Returns both ends of a part, and the vector from the first to the second.
+/// Returns both ends of a part with two joints, and the vector from the first end to the second.
 pub(super) fn line(
     spec: &EffectSpec,
     reality: &GroundTruth,
@@ -78,7 +78,7 @@ fn ends(model: &Model, part: u32) -> Vec<End> {
     found
 }
 
-/// Makes an end a part of its own that slides along the line on the rest, held by a spring. Returns the markers of the spring.
+/// Makes one end of a part a separate part that slides along `line` on the rest and is held by a spring. Returns the markers of the spring.
 pub(super) fn cut(
     spec: &EffectSpec,
     reality: &mut GroundTruth,

@@ -1,10 +1,12 @@
-//! Crosstalk of the rig: part of one load also acts along another, `SFORCE/2<-SFORCE/3`.
+//! Load crosstalk: a fraction of one load also acts along another load. In the address `SFORCE/2<-SFORCE/3`, a fraction of SFORCE/3 also acts
+//! along SFORCE/2.
 
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Value: `fraction=0.02`, the fraction of the load on the right that acts in addition along the load on the left.
-/// With `law=growing` the rig leans further the more it is loaded: the fraction at zero load is half of its value at the largest load.
+/// Plants a load crosstalk. Value of the effect: `fraction=...`, the fraction of the load on the right of the arrow that also acts along the
+/// load on the left. With `law=growing`, which represents a rig that leans under load, the fraction grows with the load. At zero load it is
+/// half of its value at the largest load.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((to, from)) = spec.address.split_once("<-") else {
         return Err(spec.refuse("sits at two loads, for example SFORCE/2<-SFORCE/3"));

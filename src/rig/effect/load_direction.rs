@@ -1,12 +1,12 @@
-//! Outside the catalogue: the rig applies a load in another direction than the deck states.
+//! Load direction (outside the catalogue): the rig applies a load in a direction that differs from the direction in the deck.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: the rotation vector `ax_deg, ay_deg, az_deg` in the axes of the marker that defines the direction. That marker
-/// is J of an action-only SFORCE, and RM of a GFORCE or VFORCE.
+/// Plants a wrong load direction. Values of the effect: the rotation vector `ax_deg, ay_deg, az_deg` in the axes of the marker that defines the
+/// direction. That marker is J for an action-only SFORCE, and RM for a GFORCE or VFORCE.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let load = reality.load(spec, &spec.address)?;
     let turn = spec.turn()?;
@@ -28,7 +28,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         .map(drop)
 }
 
-/// Returns the argument that names the marker whose axes define the direction of a load.
+/// Returns the name of the argument whose marker defines the direction of a load; `None` if no marker alone defines it.
 pub(crate) fn direction_of(reality: &GroundTruth, target: &Address) -> Option<&'static str> {
     let object = Address {
         argument: None,

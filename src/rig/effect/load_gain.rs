@@ -1,10 +1,10 @@
-//! Wrong gain of a rig load.
+//! Load gain: a load of the rig that differs from its stated value by a factor.
 
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Value: `gain=1.02`, the ratio of the acting load to the stated load.
-/// `law=growing` represents a nonlinear load cell: the relative error at zero load is half of its value at the largest load.
+/// Plants a wrong load gain. Value of the effect: `gain=...`, the ratio of the acting load to the stated load. With `law=growing`, which
+/// represents a nonlinear load cell, the relative error grows with the load. At zero load it is half of its value at the largest load.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let load = reality.load(spec, &spec.address)?;
     let gain = spec.number("gain")?;

@@ -1,4 +1,4 @@
-//! A load that acts at another point than its marker.
+//! Load point error: a load that does not act at its marker but at a displaced point.
 
 use super::{EffectSpec, GroundTruth};
 use admire_session::backend::Load;
@@ -6,14 +6,14 @@ use admire_solver::mechanics::{Mat3, Pose};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: the displacement `x, y, z` in the axes of the marker's part. Only loads move; everything else at the marker
-/// stays.
-/// `law=growing` represents a wandering contact patch: the displacement is halved in a case where the largest load at the marker is zero.
+/// Plants a load point error. Values of the effect: the displacement `x, y, z` in the axes of the marker's part. Only the loads at the marker
+/// are displaced; other elements at the marker stay. With `law=growing`, which represents a wandering contact patch, the displacement grows
+/// with the largest load at the marker. It is half the stated value if that load is zero.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let marker = reality.object(spec, &["MARKER"])?;
     let shift = spec.shift()?;
     let (_, _, frame) = reality.marker(spec, marker.id.unwrap_or(0))?;
-    // `rehang` takes the shift in the marker's own axes.
+    // `rehang` expects the shift in the marker's own axes.
     let own = frame.R.transpose() * shift;
     let at_marker = |load: &Load, reality: &GroundTruth| {
         let statement = reality.dataset.find(&load.target);

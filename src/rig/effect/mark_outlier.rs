@@ -1,9 +1,9 @@
-//! A wrong reading of one mark: `case 7 KNUCKLE 3`.
+//! Mark outlier: a wrong reading of one mark. The address names the case, the part and the mark, such as `case 7 KNUCKLE 3`.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: the error `x, y, z` of the reading in ground axes.
+/// Plants a mark outlier. Values of the effect: the error `x, y, z` of the reading in ground axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let words: Vec<&str> = spec.address.split_whitespace().collect();
     let ["case", label, part, mark] = words.as_slice() else {

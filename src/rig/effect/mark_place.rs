@@ -1,10 +1,10 @@
-//! A mark at another place on its part than the list states: `KNUCKLE 3`.
+//! Mark place: a mark is not at its listed position on its part. The address names the part and the mark, such as `KNUCKLE 3`.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: the displacement `x, y, z` in the frame of the part, and optionally `from=8`, the case in which the mark came
-/// loose.
+/// Plants a wrong mark place. Values of the effect: the displacement `x, y, z` in the frame of the part, and optionally `from=...`, the label
+/// of the case in which the mark came loose.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let words: Vec<&str> = spec.address.split_whitespace().collect();
     let [part, mark] = words.as_slice() else {

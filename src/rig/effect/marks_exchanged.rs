@@ -1,9 +1,11 @@
-//! Outside the catalogue: the marks of two parts are confused from some case on, `KNUCKLE<->ROD`.
+//! Exchanged marks (outside the catalogue): from some case on, the marks of two parts are confused. The address names the two parts, such as
+//! `KNUCKLE<->ROD`.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: `from=8`, the first case with exchanged marks, and optionally `mark=3`, the only mark exchanged.
+/// Plants an exchange of marks. Values of the effect: `from=...`, the label of the first case with exchanged marks, and optionally `mark=...`,
+/// the label of the only mark that is exchanged.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((a, b)) = spec.address.split_once("<->") else {
         return Err(spec.refuse("sits at two parts, for example KNUCKLE<->ROD"));

@@ -1,47 +1,47 @@
-/// History-dependent state of an effect, held in VARIABLEs of the deck and updated after the equilibrium of each case.
+/// History-dependent state of an effect. It is stored in VARIABLEs of the deck and updated after the equilibrium of each load case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct HistoryState {
-    /// Ids of the VARIABLEs that hold the state, in the order of the law's values.
+    /// Ids of the VARIABLEs that store the state, in the order of the state values of `law`.
     pub variables: Vec<u32>,
-    /// Ids of the I and J markers.
+    /// Ids of the I and J markers between which the displacement is measured.
     pub markers: [u32; 2],
-    /// Displacement component in J axes: 0 to 2 for x, y, z; 3 to 5 for AX, AY, AZ.
+    /// Component of the displacement in J axes: 0 to 2 for x, y, z, and 3 to 5 for AX, AY, AZ.
     pub component: usize,
     /// Evolution law of the state.
     pub law: MemoryLaw,
 }
 
-/// Evolution law of the state that follows a displacement `u`.
+/// Evolution law of a state that depends on the history of a displacement `u`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum MemoryLaw {
-    /// A spring in series with a slider (Prandtl). The state is the anchor: the displacement at zero force.
+    /// A spring in series with a slider (Prandtl). The state is the anchor, the displacement at which the force is zero.
     Slip {
         /// Stiffness of the spring.
         stiffness: f64,
-        /// Forces at which the slider slips towards positive and towards negative displacements.
+        /// Forces at which the slider slips: first towards positive displacements, then towards negative displacements.
         limits: [f64; 2],
-        /// Force before the first case, at the design position, as a fraction of the limit. Its sign is that of the spring's extension.
+        /// Force before the first case, in the design position, as a fraction of the limit. It is positive if the spring is extended.
         start: f64,
     },
-    /// Dahl friction: `df/du = k (1 - f sgn(du) / F)`. The state is the displacement and the force at the last equilibrium.
+    /// Dahl friction, `df/du = k (1 - f sgn(du) / F)`. The state consists of the displacement and the force at the last equilibrium.
     Dahl {
-        /// Stiffness just after a reversal.
+        /// Stiffness `k`, at zero force.
         stiffness: f64,
-        /// Limit that the force approaches.
+        /// Limit `F` that the force approaches.
         limit: f64,
-        /// Fraction of the limit carried before the first case, as in [`MemoryLaw::Slip`].
+        /// Force before the first case, as for [`MemoryLaw::Slip`].
         start: f64,
     },
-    /// Rubber creep. The state is the crept deflection, which moves towards the deflection by a fixed fraction of the difference in every
-    /// case.
+    /// Creep of rubber. The state is the crept deflection. In every case it moves towards the actual deflection by a fixed fraction of their
+    /// difference.
     Creep {
-        /// Fraction of the difference per case, from 0 (no creep) to 1 (complete within a case).
+        /// Fraction of the difference per case, from 0 (no creep) to 1 (complete creep within a case).
         rate: f64,
     },
 }
 
 impl MemoryLaw {
-    /// Returns the state before the first case, for displacement `u` in the design position.
+    /// Returns the state before the first case. `u` is the displacement in the design position.
     pub(crate) fn before(self, u: f64) -> Vec<f64> {
         match self {
             Self::Slip {
@@ -57,7 +57,7 @@ impl MemoryLaw {
         }
     }
 
-    /// Returns the state after an equilibrium at displacement `u`, from the state `held` before it.
+    /// Returns the state after an equilibrium at displacement `u`. `held` is the state before this equilibrium.
     pub(crate) fn after(self, held: &[f64], u: f64) -> Vec<f64> {
         match self {
             Self::Slip {
@@ -69,7 +69,7 @@ impl MemoryLaw {
             Self::Dahl {
                 stiffness, limit, ..
             } => {
-                // Force after a monotonic path from (u0, f0), with s = sgn(u - u0): s F - (s F - f0) exp(-k |u - u0| / F).
+                // The force after a monotonic path from (u0, f0) is s F - (s F - f0) exp(-k |u - u0| / F) with s = sgn(u - u0).
                 let (u0, f0) = (held[0], held[1]);
                 let goal = (u - u0).signum() * limit;
                 let force = goal - (goal - f0) * libm::exp(-stiffness * (u - u0).abs() / limit);
@@ -91,7 +91,7 @@ mod tests {
             limits: [200.0, 200.0],
             start: 0.0,
         };
-        // 200 N / 4000 N/mm: slip starts 0.05 mm from the anchor.
+        // The slider moves at a displacement of 200 N / (4000 N/mm) = 0.05 mm from the anchor.
         let after = |anchor, u| law.after(&[anchor], u)[0];
         assert_eq!(after(0.0, 0.03), 0.0);
         assert!((after(0.0, 0.20) - 0.15).abs() < 1e-12);
@@ -133,7 +133,7 @@ mod tests {
         let after = |held: &[f64], u| law.after(held, u)[1];
         assert!((after(&[0.0, 0.0], 1e-6) - 4000.0 * 1e-6).abs() < 1e-6);
         assert!((after(&[0.0, 0.0], 5.0) - 200.0).abs() < 1e-9);
-        // Full reversal from one limit reaches the other limit after twice that distance.
+        // After a reversal from one limit and a long displacement, the force reaches the other limit.
         assert!((after(&[5.0, 200.0], -5.0) + 200.0).abs() < 1e-9);
         assert_eq!(after(&[1.0, 50.0], 1.0), 50.0);
     }

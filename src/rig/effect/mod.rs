@@ -1,9 +1,12 @@
-//! Effects that a model may lack, planted in the ground truth that a virtual rig measures. Each cause of guide/study.md has its own file.
+//! Effects that a model may lack. They are planted in the ground truth that a virtual rig measures. Each cause of guide/study.md has its own
+//! file.
 //!
-//! The force laws of the effects are edits of the deck made before it is compiled: additional statements, changed numbers, changed loads,
-//! faults of the readings. Only history-dependent effects (friction, creep) have a law of their own, in `memory`. The module is independent of
-//! how the diagnosis finds an effect. Six further effects lie outside the catalogue of guide/study.md; for these a diagnosis must not name a
-//! cause of the catalogue with confidence.
+//! An effect is planted before the deck is compiled. It adds statements to the deck, changes parameters of the deck, changes loads, or adds
+//! faults of the readings. The laws of history-dependent effects (friction, creep) are in `memory`. This module is independent of the way in
+//! which the diagnosis finds an effect.
+//!
+//! Six further effects are outside the catalogue of guide/study.md. If one of them is present, the diagnosis must not name a cause of the
+//! catalogue with confidence.
 
 mod assembly_offset;
 mod asymmetric_friction;
@@ -45,7 +48,7 @@ use admire_syntax::diagnostic::Diagnostic;
 
 type Plant = fn(&EffectSpec, &mut GroundTruth) -> Result<(), Diagnostic>;
 
-/// Every cause of guide/study.md with the function that plants it.
+/// All causes of guide/study.md, each with the function that plants it.
 const CAUSES: &[(&str, Plant)] = &[
     ("progressive-stiffness", progressive_stiffness::plant),
     ("dry-friction", dry_friction::plant),
@@ -67,7 +70,7 @@ const CAUSES: &[(&str, Plant)] = &[
     ("channel-fault", channel_fault::plant),
 ];
 
-/// Effects outside the catalogue that a rig may also meet.
+/// Effects outside the catalogue of guide/study.md that may occur on a rig, each with the function that plants it.
 const OUTSIDE: &[(&str, Plant)] = &[
     ("creep", creep::plant),
     ("part-flexibility", part_flexibility::plant),
@@ -77,20 +80,20 @@ const OUTSIDE: &[(&str, Plant)] = &[
     ("load-direction", load_direction::plant),
 ];
 
-/// Returns the causes of guide/study.md. All of them can be planted.
+/// Returns the names of the causes of guide/study.md. All of them can be planted.
 pub fn causes() -> impl Iterator<Item = &'static str> {
     CAUSES.iter().map(|(name, _)| *name)
 }
 
-/// Returns the effects that can be planted but are not causes of guide/study.md.
+/// Returns the names of the effects that can be planted but are not causes of guide/study.md.
 pub fn outside_causes() -> impl Iterator<Item = &'static str> {
     OUTSIDE.iter().map(|(name, _)| *name)
 }
 
-/// Plants an effect.
+/// Plants an effect in the ground truth.
 ///
 /// # Errors
-/// When the cause does not exist, the address names no suitable object, or a value is missing, unknown or out of range.
+/// Fails if the cause does not exist, if the address names no suitable object, or if a value is missing, unknown or out of range.
 pub fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let mut known = CAUSES.iter().chain(OUTSIDE);
     let Some((_, plant)) = known.find(|(name, _)| *name == spec.cause) else {

@@ -1,16 +1,18 @@
-//! Outside the catalogue: a part that bends or twists.
+//! Part flexibility (outside the catalogue): a part that bends or twists.
 //!
-//! The part is cut half way between one marker and the mean position of its other connections. The piece on the marker's side becomes a part
-//! of its own, with the connections at that marker and all marks on that side. It pivots about the cut, held by torsion springs.
+//! The part is cut half way between one marker and the mean position of its other connections. The piece on the side of the marker becomes a
+//! separate part. It carries the connections at that marker and all marks on that side. It rotates about the cut on a spherical joint and is
+//! held by torsion springs.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Ratio of the torsional stiffness of the stiff mode to that of the flexible mode, where only one mode is flexible.
+/// Ratio of the torsional stiffnesses of the stiff and the flexible mode, if only bending or only twisting is flexible.
 const RIGID: f64 = 1e3;
 
-/// Plants the effect. Values: `marker=12,stiffness=...` (torque per radian) and `mode=both`, `bend` or `twist`.
+/// Plants a part flexibility. Values of the effect: `marker=...` (id of the marker), `stiffness=...` (torque per radian), and `mode=both`,
+/// `mode=bend` or `mode=twist`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let end = spec.number("marker")? as u32;

@@ -1,28 +1,28 @@
-//! Points of the car: the design positions where joints, bushings, springs and forces connect parts.
+//! Connection points (hardpoints): the design positions at which joints, bushings, springs and forces connect parts.
 
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{JointKind, MarkerIx, Model, PrimitiveKind, SforceKind};
 
-/// Markers closer together than this fraction of the deck's extent belong to one point.
+/// Distance up to which two markers belong to the same connection point, as a fraction of the extent of the deck.
 const NEAR: f64 = 1e-3;
 
-/// One point of the car with the markers that move with it.
+/// A connection point (hardpoint), with the markers that move with it.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Point {
-    /// Ids of the markers of connections that meet at the point, sorted.
+    /// Ids of the markers of all connections that meet at the point, in ascending order.
     pub members: Vec<u32>,
-    /// Ids of the far markers of sliding joints that have their other marker at the point. They move as well, so that the parts still fit.
+    /// Ids of the far markers of sliding joints that have their other marker at the point. They move with the point, so the parts still fit.
     pub followers: Vec<u32>,
 }
 
 impl Point {
-    /// Id of the point in the deck: the smallest marker id.
+    /// Returns the id of the point, which is the smallest id of its markers.
     pub(crate) fn id(&self) -> u32 {
         self.members[0]
     }
 }
 
-/// A connection of two parts: its markers, and whether one part slides on the other.
+/// A connection between two parts: its two markers, and whether one part slides on the other.
 struct Connection {
     markers: [MarkerIx; 2],
     slides: bool,
@@ -61,7 +61,8 @@ fn connections(model: &Model) -> Vec<Connection> {
     .collect()
 }
 
-/// Returns the ids of markers at which joints, primitives and springs hold a part, with their positions on it, sorted by id.
+/// Returns the markers at which joints, joint primitives and springs hold a part. Each entry consists of the id of the marker and its position
+/// on the part. The list is sorted by id.
 pub(crate) fn held(model: &Model) -> Vec<(u32, Vec3)> {
     let joints = model.joints.iter().map(|o| [o.i, o.j]);
     let primitives = model.primitives.iter().map(|o| [o.i, o.j]);
@@ -78,15 +79,15 @@ pub(crate) fn held(model: &Model) -> Vec<(u32, Vec3)> {
     found
 }
 
-/// Returns the position of a marker in the design configuration.
+/// Returns the position of a marker in ground, in the design position.
 fn place(model: &Model, marker: MarkerIx) -> Vec3 {
     let frame = &model.markers[marker.0];
     model.parts[frame.part.0].pose.point(&frame.qp)
 }
 
-/// Returns all points of a deck, in the order of their smallest ids.
+/// Returns all connection points of a deck, in the order of their ids.
 ///
-/// A marker that only guides a sliding joint and meets nothing else is not a point of its own: it follows the joint's other marker.
+/// A marker that belongs only to a sliding joint is not a separate point. It follows the other marker of the joint.
 pub(crate) fn points(model: &Model) -> Vec<Point> {
     let connections = connections(model);
     let mut markers: Vec<MarkerIx> = connections.iter().flat_map(|c| c.markers).collect();
@@ -137,7 +138,7 @@ pub(crate) fn points(model: &Model) -> Vec<Point> {
         .collect()
 }
 
-/// Returns the diagonal of the bounding box of some positions.
+/// Returns the length of the diagonal of the bounding box of these positions.
 fn extent(places: &[Vec3]) -> f64 {
     let Some(first) = places.first() else {
         return 0.0;
@@ -150,7 +151,7 @@ fn extent(places: &[Vec3]) -> f64 {
     (high - low).norm()
 }
 
-/// Transforms a shift from ground axes to the axes of the part that carries a marker.
+/// Transforms a shift from ground axes to the axes of the part that carries the marker with this id; `None` if there is no such marker.
 pub(super) fn on_part(model: &Model, marker: u32, shift: &Vec3) -> Option<Vec3> {
     let frame = &model.markers[model.marker(marker)?.0];
     let Pose { R, .. } = model.parts[frame.part.0].pose;

@@ -1,12 +1,12 @@
-//! A bushing whose force grows faster than linearly with one deflection component.
+//! Progressive stiffness: a bushing whose force grows faster than linearly with one component of the deflection.
 //!
-//! Cubic: `F = -K u - cubic u^3`. Exponential rate: the stiffness is `K exp(rate |u|)`, `F = -K (exp(rate |u|) - 1) / rate * sgn u`.
+//! Cubic law: `F = -K u - cubic u^3`. Exponential law: the stiffness is `K exp(rate |u|)`, so `F = -K (exp(rate |u|) - 1) / rate * sgn u`.
 
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: `law=cubic,cubic=...` or `law=exponential,rate=...`.
+/// Plants a progressive stiffness. Values of the effect: `law=cubic,cubic=...` or `law=exponential,rate=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
@@ -16,7 +16,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     } else {
         let rate = spec.positive("rate")?;
         let k = reality.dataset.value_at(&address).unwrap_or(0.0);
-        // The linear term is already in the bushing.
+        // The deck's bushing already contains the linear term.
         format!("-{k:e}*SIGN(1.0,{u})*((EXP({rate:e}*ABS({u}))-1.0)/{rate:e}-ABS({u}))")
     };
     reality.add_component_force(spec, pair, &[(component, force)])

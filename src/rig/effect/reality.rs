@@ -6,41 +6,41 @@ use admire_syntax::{Address, Dataset, NewStatement};
 
 use super::{EffectSpec, HistoryState};
 
-/// A fault of the readings, applied after the equilibrium is found.
+/// A fault of the readings, applied to the readings after the equilibria have been solved.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ReadingFault {
-    /// The measuring frame moves in one case: a rigid motion of all mark coordinates of that case.
+    /// Displacement of the measuring frame in one case: a rigid motion of all mark readings of that case.
     Frame {
-        /// Index of the case.
+        /// Index of the load case.
         case: usize,
-        /// Rigid motion applied to the coordinates.
+        /// Rigid motion that is applied to the mark readings.
         pose: Pose,
-        /// Relative change of the motion from the first mark read to the last.
+        /// Change of the motion from the first mark read to the last, relative to the motion.
         creep: f64,
     },
-    /// Wrong reading of one mark in one case.
+    /// Wrong reading of a single mark in a single case.
     Mark {
-        /// Index of the case.
+        /// Index of the load case.
         case: usize,
         /// Index of the marked part.
         part: usize,
-        /// Index of the mark.
+        /// Index of the mark on the part.
         mark: usize,
         /// Error of the reading, in ground axes.
         shift: Vec3,
     },
-    /// Wrong place of a mark on its part.
+    /// Wrong position of a mark on its part.
     Place {
-        /// First case with the displacement; it stays in all later cases.
+        /// Index of the first case with the displacement. The mark stays displaced in all later cases.
         first: usize,
         /// Index of the marked part.
         part: usize,
-        /// Index of the mark.
+        /// Index of the mark on the part.
         mark: usize,
-        /// Displacement in the frame of the part.
+        /// Displacement of the mark in the frame of the part.
         shift: Vec3,
     },
-    /// A channel that reads `gain * value + offset`, in one case or in all.
+    /// Wrong reading of a channel, `gain * value + offset`, in one case or in all cases.
     Channel {
         /// Index of the channel.
         channel: usize,
@@ -48,46 +48,46 @@ pub enum ReadingFault {
         gain: f64,
         /// Offset of the channel, in its unit.
         offset: f64,
-        /// The only case with the fault; `None` for all cases.
+        /// Index of the only case with the fault; `None` for all cases.
         case: Option<usize>,
     },
-    /// Growth of everything that is read, about the ground origin and in proportion to the number of cases done.
+    /// Growth of all mark positions about the ground origin, in proportion to the number of cases already measured.
     Growth {
-        /// Relative growth reached at the last case.
+        /// Relative growth reached in the last case.
         growth: f64,
     },
-    /// Marks of two parts taken for each other.
+    /// Exchange of the readings of marks on two parts.
     Exchanged {
-        /// First case with the exchange; it stays in all later cases.
+        /// Index of the first case with the exchange. The readings stay exchanged in all later cases.
         first: usize,
-        /// Indices of the marked parts.
+        /// Indices of the two marked parts.
         parts: [usize; 2],
-        /// Pairs of mark indices that are exchanged, one index in each part.
+        /// Pairs of marks that are exchanged: index of the mark on the first part, and index on the second part.
         pairs: Vec<(usize, usize)>,
     },
 }
 
-/// A part that carries marks.
+/// A part that carries marks (measured points).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Marked {
     /// View name of the part.
     pub name: String,
     /// Id of the part.
     pub id: u32,
-    /// Labels of the marks.
+    /// Labels of the marks on the part.
     pub labels: Vec<String>,
     /// Positions of the marks in the part's own frame.
     pub places: Vec<Vec3>,
-    /// Id of the part that each mark actually moves with.
+    /// Id of the part that actually carries each mark.
     pub carriers: Vec<u32>,
 }
 
-/// A connection that holds a part at a marker.
+/// An element that acts on a part at a marker.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Holder {
-    /// Address of the joint, bushing, spring or force.
+    /// Address of the element: a joint, bushing, spring or force.
     pub object: Address,
-    /// Argument of the object that names the marker.
+    /// Argument of the element that names the marker.
     pub argument: &'static str,
     /// Id of the marker on the part.
     pub marker: u32,
@@ -95,30 +95,30 @@ pub(super) struct Holder {
     pub place: Vec3,
 }
 
-/// The ground truth that a virtual rig measures: deck, loads and readings with all effects planted.
+/// The ground truth that a virtual rig measures: deck, loads and faults of the readings, with all effects planted.
 #[derive(Clone, Debug)]
 pub struct GroundTruth {
-    /// The deck with the planted changes.
+    /// Deck with the planted changes.
     pub dataset: Dataset,
-    /// The loads that actually act.
+    /// Loads that actually act.
     pub programme: LoadProgramme,
-    /// History-dependent states.
+    /// States of the history-dependent effects.
     pub memories: Vec<HistoryState>,
     /// Faults of the readings.
     pub faults: Vec<ReadingFault>,
     /// Marked parts with their marks.
     pub marks: Vec<Marked>,
-    /// Names of the channels.
+    /// Names of the channels (scalar sensors).
     pub channels: Vec<String>,
 }
 
 impl GroundTruth {
-    /// Lowers the current deck to a model.
+    /// Returns the model of the current deck.
     pub(crate) fn model(&self) -> Model {
         Model::lower(&self.dataset).value
     }
 
-    /// Parses the address of an effect and checks that its object is of one of these kinds.
+    /// Returns the address of an effect, after checking that its element is of one of these kinds.
     pub(super) fn object(&self, spec: &EffectSpec, kinds: &[&str]) -> Result<Address, Diagnostic> {
         let address =
             Address::parse(&spec.address, &self.dataset).map_err(|why| spec.refuse(why.message))?;
@@ -128,7 +128,7 @@ impl GroundTruth {
         Err(spec.refuse(format!("sits at one of {}", kinds.join(", "))))
     }
 
-    /// Returns the ids of the I and J markers of the object with this address.
+    /// Returns the ids of the I and J markers of the element with this address.
     pub(super) fn pair(
         &self,
         spec: &EffectSpec,
@@ -144,7 +144,7 @@ impl GroundTruth {
         }
     }
 
-    /// Returns the I and J markers and the component 0 to 5 of a bushing stiffness such as `BUSHING/2.K.1`.
+    /// Returns the ids of the I and J markers and the component (0 to 5) for the address of a bushing stiffness, such as `BUSHING/2.K.1`.
     pub(super) fn bushing_component(
         &self,
         spec: &EffectSpec,
@@ -162,14 +162,14 @@ impl GroundTruth {
         Ok((self.pair(spec, address)?, first + index - 1))
     }
 
-    /// Sets a number of the deck.
+    /// Sets a parameter of the deck.
     pub(super) fn set(&mut self, address: &Address, value: f64) -> Result<(), Diagnostic> {
         let edits = self.dataset.set(address, value)?;
         self.edit(&edits);
         Ok(())
     }
 
-    /// Adds a statement and returns its id.
+    /// Adds a statement to the deck and returns its id.
     pub(super) fn add(&mut self, kind: &str, arguments: &[(&str, Option<String>)]) -> u32 {
         let same = self
             .dataset
@@ -199,7 +199,7 @@ impl GroundTruth {
         self.dataset = edited.expect("edits of one statement do not overlap").value;
     }
 
-    /// Adds a marker to a part, at a frame given relative to that part. Returns its id.
+    /// Adds a marker with the given frame to a part and returns its id. `frame` is relative to the part.
     pub(super) fn add_marker(&mut self, part: u32, frame: &Pose) -> u32 {
         let list = |values: [f64; 3]| {
             let words: Vec<String> = values.iter().map(|value| format!("{value:.15e}")).collect();
@@ -216,7 +216,7 @@ impl GroundTruth {
         )
     }
 
-    /// Returns the lowered model, a marker's index in it, and the marker's frame on its part.
+    /// Returns the model of the current deck, the index of the marker with this id, and the frame of the marker on its part.
     pub(super) fn marker(
         &self,
         spec: &EffectSpec,
@@ -234,8 +234,8 @@ impl GroundTruth {
         Ok((model, at, pose))
     }
 
-    /// Adds a massless part with the frame of another part, so that a marker moved from one to the other keeps its coordinates. Returns its
-    /// id.
+    /// Adds a massless part with the same frame as `part` and returns its id. A marker that is moved from one of the two parts to the other
+    /// keeps its coordinates.
     pub(super) fn twin(&mut self, part: u32) -> u32 {
         let model = self.model();
         let own = model.parts.iter().find(|other| other.header.id == part);
@@ -251,7 +251,7 @@ impl GroundTruth {
         self.add("PART", &frame)
     }
 
-    /// Returns every joint, bushing, spring and force that holds a part.
+    /// Returns all joints, bushings, springs and forces that act on a part.
     pub(super) fn attachments(&self, part: u32) -> Vec<Holder> {
         let model = self.model();
         let joints = model
@@ -294,7 +294,7 @@ impl GroundTruth {
         found
     }
 
-    /// Attaches those marks of a part whose positions satisfy `which` to the part `with`.
+    /// Attaches marks of `part` to the part `with`: all marks whose positions on the part satisfy `which`.
     pub(super) fn carry_marks(&mut self, part: u32, with: u32, which: impl Fn(&Vec3) -> bool) {
         for marked in self.marks.iter_mut().filter(|marked| marked.id == part) {
             for (carrier, place) in marked.carriers.iter_mut().zip(&marked.places) {
@@ -305,7 +305,7 @@ impl GroundTruth {
         }
     }
 
-    /// Returns the index of the marked part with this name, id or address.
+    /// Returns the index of the part with marks that has this name, id or address.
     pub(super) fn marked(&self, spec: &EffectSpec, text: &str) -> Result<usize, Diagnostic> {
         let text = text.trim();
         let id = text.rsplit('/').next().and_then(|id| id.parse().ok());
@@ -314,7 +314,7 @@ impl GroundTruth {
         at.ok_or_else(|| spec.refuse(format!("no part `{text}` carries marks")))
     }
 
-    /// Moves a marker on its part; its orientation stays.
+    /// Moves a marker on its part by `shift`, given in the axes of the part. Its orientation does not change.
     pub(super) fn shift_marker(
         &mut self,
         spec: &EffectSpec,
@@ -360,7 +360,8 @@ impl GroundTruth {
         Ok(new)
     }
 
-    /// Adds forces on I along (or torques about) axes of J as functions of the state, with their reaction on J.
+    /// Adds forces or torques on I along or about axes of J, with their reactions on J. `forces` holds pairs of component (0 to 5) and ADAMS
+    /// function. Terms of the same component are summed.
     pub(super) fn add_component_force(
         &mut self,
         spec: &EffectSpec,
@@ -380,7 +381,7 @@ impl GroundTruth {
                 .filter(|(axis, _)| *axis == k)
                 .map(|(_, text)| text.as_str())
                 .collect();
-            // A GFORCE needs all six components; each but the last ends with a backslash.
+            // A GFORCE needs all six components. Each of them except the last ends with a backslash.
             let text = if terms.is_empty() {
                 "0.0".to_string()
             } else {
@@ -400,7 +401,7 @@ impl GroundTruth {
         Ok(())
     }
 
-    /// Adds a cubic term to a linear spring along one axis of J: `F = k u (1 + (k u / rated)^2)`.
+    /// Adds a cubic term to a linear spring along one axis of J, so its force becomes `F = k u (1 + (k u / rated)^2)`.
     pub(super) fn stiffen(
         &mut self,
         spec: &EffectSpec,
@@ -412,14 +413,14 @@ impl GroundTruth {
         if !(rated > 0.0) {
             return Err(spec.refuse("rated must be above zero"));
         }
-        // The linear term is already in the spring.
+        // The spring already provides the linear term.
         let cubic = stiffness.powi(3) / (rated * rated);
         let force = format!("-{cubic:e}*({})**3", displacement(pair, axis));
         self.add_component_force(spec, pair, &[(axis, force)])
     }
 
-    /// Returns, for each case, the fraction of a load-dependent error that acts. With `law=constant` it is 1; with `law=growing` it rises from
-    /// 0.5 at zero load to 1 at the largest load.
+    /// Returns the fraction of a load-dependent error that acts in each case. With `law=constant`, the fraction is 1. With `law=growing`, it
+    /// rises from 0.5 at zero load to 1 at the largest load.
     pub(super) fn course(&self, spec: &EffectSpec, load: usize) -> Result<Vec<f64>, Diagnostic> {
         let law = spec.word("law", &["constant", "growing"])?;
         let sizes = self.programme.cases.iter().map(|c| c.values[load].abs());
@@ -431,7 +432,7 @@ impl GroundTruth {
         Ok(sizes.map(share).collect())
     }
 
-    /// Returns the index of the case with this label.
+    /// Returns the index of the load case with this label.
     pub(super) fn case(&self, spec: &EffectSpec, label: &str) -> Result<usize, Diagnostic> {
         let mut cases = self.programme.cases.iter();
         cases
@@ -439,7 +440,7 @@ impl GroundTruth {
             .ok_or_else(|| spec.refuse(format!("there is no load case `{label}`")))
     }
 
-    /// Returns the index of the load that drives an address or has this name.
+    /// Returns the index of the load that has this name or drives this address.
     pub(super) fn load(&self, spec: &EffectSpec, text: &str) -> Result<usize, Diagnostic> {
         let text = text.trim();
         let address = Address::parse(text, &self.dataset).ok();
@@ -450,7 +451,7 @@ impl GroundTruth {
     }
 }
 
-/// Returns a rotation matrix whose z axis is the given unit vector.
+/// Returns a rotation matrix whose third column, the z axis, is the given unit vector.
 pub(super) fn along(z: &Vec3) -> Mat3 {
     let across = if z.x.abs() < 0.7 {
         Vec3::x()
@@ -461,7 +462,7 @@ pub(super) fn along(z: &Vec3) -> Mat3 {
     Mat3::from_columns(&[x, z.cross(&x), *z])
 }
 
-/// Returns the ADAMS function for a displacement component of I from J in J axes.
+/// Returns the ADAMS function of one component of the displacement of I from J in J axes: 0 to 2 for DX, DY, DZ, and 3 to 5 for AX, AY, AZ.
 pub(super) fn displacement([i, j]: [u32; 2], component: usize) -> String {
     match component {
         0..3 => format!("{}({i},{j},{j})", ["DX", "DY", "DZ"][component]),

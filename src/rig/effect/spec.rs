@@ -7,11 +7,11 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 /// An effect to plant, in the form `cause@address:name=value,...`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EffectSpec {
-    /// The text as typed.
+    /// Text of the effect as the user typed it.
     pub text: String,
-    /// A cause of guide/study.md or an effect outside that catalogue.
+    /// Name of the cause: a cause of guide/study.md, or an effect outside that catalogue.
     pub cause: String,
-    /// Place of the effect: an address, `case 7`, `case 7 KNUCKLE 3`, `SFORCE/2<-SFORCE/3` or a channel.
+    /// Place of the effect, such as `BUSHING/2.K.1`, `case 7`, `case 7 KNUCKLE 3`, `SFORCE/2<-SFORCE/3` or the name of a channel.
     pub address: String,
     values: BTreeMap<String, String>,
     asked: RefCell<BTreeSet<String>>,
@@ -21,7 +21,7 @@ impl EffectSpec {
     /// Parses the text of an `--effect` option.
     ///
     /// # Errors
-    /// `bad-effect` when the text does not have the form of [`EffectSpec`].
+    /// Returns a `bad-effect` diagnostic if the text does not have the form of [`EffectSpec`].
     pub fn parse(text: &str) -> Result<Self, Diagnostic> {
         let bad = |what: &str| {
             Diagnostic::error(Code::BadEffect, format!("`{text}`: {what}"))
@@ -50,10 +50,10 @@ impl EffectSpec {
         })
     }
 
-    /// Parses a list of effects, one per line; `#` starts a comment.
+    /// Parses a list of effects, one per line. `#` starts a comment.
     ///
     /// # Errors
-    /// The error of [`EffectSpec::parse`] for the first line that is wrong.
+    /// Returns the error of [`EffectSpec::parse`] for the first wrong line.
     pub fn parse_list(text: &str) -> Result<Vec<Self>, Diagnostic> {
         text.lines()
             .map(|line| line.split('#').next().unwrap_or("").trim())
@@ -72,7 +72,7 @@ impl EffectSpec {
         self.values.get(name).map(String::as_str)
     }
 
-    /// Returns the value with this name as a number, if given.
+    /// Returns the value with this name as a finite number; `None` if it is not given.
     pub(super) fn optional(&self, name: &str) -> Result<Option<f64>, Diagnostic> {
         let Some(text) = self.get(name) else {
             return Ok(None);
@@ -83,7 +83,7 @@ impl EffectSpec {
         }
     }
 
-    /// Returns the value with this name as a number. A missing value is an error.
+    /// Returns the value with this name as a finite number. A missing value is an error.
     pub(super) fn number(&self, name: &str) -> Result<f64, Diagnostic> {
         self.optional(name)?
             .ok_or_else(|| self.refuse(format!("needs {name}=...")))
@@ -99,12 +99,12 @@ impl EffectSpec {
         }
     }
 
-    /// Returns the value with this name as free text, if given.
+    /// Returns the value with this name as text; `None` if it is not given.
     pub(super) fn label(&self, name: &str) -> Option<String> {
         self.get(name).map(str::to_string)
     }
 
-    /// Returns the value with this name, which must be among `words`. If it is not given, the first of `words` is returned.
+    /// Returns the value with this name, which must be one of `words`. If it is not given, the first of `words` is returned.
     pub(super) fn word(
         &self,
         name: &str,
@@ -120,7 +120,7 @@ impl EffectSpec {
             .ok_or_else(|| self.refuse(format!("{name} is one of {}", words.join(", "))))
     }
 
-    /// Returns the vector x, y, z. Missing components are zero, but not all may be zero.
+    /// Returns the vector of the values `x`, `y` and `z`. Missing components are zero; an error is returned if all are zero.
     pub(super) fn shift(&self) -> Result<Vec3, Diagnostic> {
         let shift = self.vector(["x", "y", "z"])?;
         if shift == Vec3::zeros() {
@@ -129,7 +129,8 @@ impl EffectSpec {
         Ok(shift)
     }
 
-    /// Returns the shift x, y, z and the rotation of the vector `ax_deg, ay_deg, az_deg`; not all may be zero.
+    /// Returns the shift `x, y, z`, and the rotation matrix of the rotation vector `ax_deg, ay_deg, az_deg`. Missing components are zero; an
+    /// error is returned if all are zero.
     pub(super) fn motion(&self) -> Result<(Vec3, Mat3), Diagnostic> {
         let shift = self.vector(["x", "y", "z"])?;
         let turn = self.turn_vector()?;
@@ -139,7 +140,7 @@ impl EffectSpec {
         Ok((shift, exp(&turn)))
     }
 
-    /// Returns the rotation of the vector `ax_deg, ay_deg, az_deg`, which must not be zero.
+    /// Returns the rotation matrix of the rotation vector `ax_deg, ay_deg, az_deg`. An error is returned if the vector is zero.
     pub(super) fn turn(&self) -> Result<Mat3, Diagnostic> {
         let turn = self.turn_vector()?;
         if turn == Vec3::zeros() {
@@ -162,7 +163,7 @@ impl EffectSpec {
         Ok(vector)
     }
 
-    /// Rejects values that no query has used.
+    /// Returns an error if the effect has a value that was never queried.
     pub(super) fn all_used(&self) -> Result<(), Diagnostic> {
         let asked = self.asked.borrow();
         match self.values.keys().find(|name| !asked.contains(*name)) {

@@ -1,15 +1,15 @@
-//! A one-sided spring that engages past a clearance along a joint or a spring.
+//! Stop contact: a one-sided spring that acts along a joint or a spring beyond a clearance.
 //!
-//! `gap = s (u - u_design) - clearance`. The opposing force is `stiffness * gap` (linear) or `stiffness * gap^2` (quadratic) while `gap` is
-//! positive, and zero elsewhere.
+//! The compression of the stop is `gap = s (u - u_design) - clearance` with the sense `s` = +1 or -1. If `gap` is positive, the opposing force
+//! is `stiffness * gap` (linear) or `stiffness * gap^2` (quadratic). Otherwise the force is zero.
 
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::Pose;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Plants the effect. Values: `clearance=...,stiffness=...`, `law=linear` or `quadratic`, `side=plus` or `minus` (for a spring: `bump` or
-/// `rebound`).
+/// Plants a stop contact. Values of the effect: `clearance=...,stiffness=...`, `law=linear` or `law=quadratic`. The side is `side=plus` or
+/// `side=minus` for a joint, and `side=bump` or `side=rebound` for a spring.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["JOINT", "SPRINGDAMPER"])?;
     let pair = reality.pair(spec, &address)?;

@@ -1,6 +1,6 @@
 use super::*;
 
-/// Rosenbrock's function as residuals: minimum 0 at (1, 1).
+/// Rosenbrock's function as a least-squares problem: its minimum is 0 at (1, 1).
 struct Valley;
 
 impl LeastSquares for Valley {
@@ -37,8 +37,9 @@ fn a_curved_valley_is_followed_to_its_end() {
     );
 }
 
-/// Deflections of two springs in series under unit loads at five points; the contribution of the second spring varies from point to point by
-/// `share`. The readings contain a systematic error that resembles a second spring of negative compliance; the noise is 0.001.
+/// Deflections of two springs in series under unit loads, read at five points. The second spring contributes a fraction of its deflection,
+/// which varies from point to point. The readings contain a systematic error that resembles a negative compliance of the second spring. The
+/// noise is 0.001.
 struct Springs;
 
 impl LeastSquares for Springs {
@@ -89,7 +90,7 @@ fn a_held_unknown_stays_and_a_prior_pulls() {
     .unwrap();
     assert_eq!(held.x[0], 0.5);
     assert!((held.x[1] - 0.25).abs() < 1e-6);
-    // With x0 held at 0.5, the data give x1 = 0.25 with information 100. A prior with mean 1 and information 100 moves it half-way.
+    // With x0 held at 0.5, the residuals give x1 = 0.25 with information 100. A prior with mean 1 and information 100 moves x1 half-way to 1.
     let priors = [NO_PRIOR, Prior { mean: 1.0, sd: 0.1 }];
     let pulled = minimise(
         &mut Valley,
@@ -103,8 +104,8 @@ fn a_held_unknown_stays_and_a_prior_pulls() {
     assert!((pulled.x[1] - 0.625).abs() < 1e-6);
 }
 
-/// An arctangent with a second branch. A full step from 1.45 overshoots; an evaluation beyond 1.5 switches to the second branch, and later
-/// ones stay there until `rollback`.
+/// An arctangent with a second branch. A full step from 1.45 overshoots. An evaluation beyond 1.5 switches to the second branch, and later
+/// evaluations stay on it until `rollback`.
 struct Snapping {
     there: bool,
     kept: bool,

@@ -49,7 +49,7 @@ fn linear(sizes: &VarianceComponents) -> (LinearModel, Whitening, DMatrix<f64>, 
     (linear, whitening, turned.0, turned.1)
 }
 
-/// Compares the evidence with the Gaussian density of the readings, whose covariance is built explicitly.
+/// The evidence must equal the Gaussian density of the readings, computed with their full covariance matrix.
 #[test]
 fn evidence_is_the_density_of_the_readings() {
     let sizes = VarianceComponents::new(&ToleranceSettings::default(), 0.0, [0.0; 2], 1.0);
@@ -114,7 +114,8 @@ fn the_gradient_by_the_sizes_is_that_of_differences() {
     }
 }
 
-/// `Solution::above` must equal half the excess of the objective over its minimum. At a zero step, this is the gain of the full step.
+/// `Solution::nats_below_maximum` must equal half the excess of the objective over its minimum. For a zero step, this is the gain of the
+/// full step.
 #[test]
 fn a_step_is_below_the_maximum_by_what_it_does_not_gain() {
     let mut sizes = VarianceComponents::new(&ToleranceSettings::default(), 0.0, [0.0; 2], 1.0);
@@ -129,7 +130,7 @@ fn a_step_is_below_the_maximum_by_what_it_does_not_gain() {
     }
 }
 
-/// A model with appended or replaced columns has the evidence of a model built from all columns.
+/// A model with appended or replaced columns must have the evidence of a model built from all columns at once.
 #[test]
 fn a_model_with_other_columns_is_that_made_anew() {
     let sizes = VarianceComponents::new(&ToleranceSettings::default(), 0.0, [0.0; 2], 1.0);
@@ -162,7 +163,7 @@ fn a_model_with_other_columns_is_that_made_anew() {
     assert!((moved.ln_z(&sizes) - linear.ln_z(&sizes)).abs() > 1.0);
 }
 
-/// A model from which rows were removed has the evidence of a model built from the other rows.
+/// A model from which rows were removed must have the evidence of a model built from the remaining rows.
 #[test]
 fn a_model_without_some_rows_is_that_of_the_others() {
     let sizes = VarianceComponents::new(&ToleranceSettings::default(), 0.0, [0.0; 2], 1.0);
