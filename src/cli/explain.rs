@@ -278,7 +278,7 @@ mod tests {
     fn codes_have_their_page() {
         let text = page("Undefined-Id").unwrap();
         assert!(
-            text.starts_with("undefined-id\n  An id that no statement"),
+            text.starts_with("undefined-id\n  A statement refers to an id"),
             "{text}"
         );
         assert!(

@@ -4,12 +4,13 @@ use std::sync::Arc;
 use super::averaged::model_averaged_parameters;
 use super::candidate_effect::CandidateEffect;
 use super::cross_validation::Folds;
+use super::deck_only::DeckOnlyPrediction;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Finding, NoiseFound, ToleranceFound, Unexplained, Verdict,
 };
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::findings::{findings, mark_findings, rival_fit, without};
-use super::fit::{DeckOnlyPrediction, FittedModel, fit, with_zero_guesses};
+use super::fit::{FittedModel, fit, with_zero_guesses};
 use super::frame::motions;
 use super::gain_check::GainCheck;
 use super::hold_out::HoldOutSelection;

@@ -217,7 +217,7 @@ impl FittedModel {
     }
 
     /// Returns a predictor for all cases of the extended deck. It starts from the fitted equilibria.
-    fn predictor<'p>(&'p self, problem: &'p Problem<'p>) -> Option<NativePredictor<'p>> {
+    pub(super) fn predictor<'p>(&'p self, problem: &'p Problem<'p>) -> Option<NativePredictor<'p>> {
         let cases: Vec<usize> = (0..self.states.len()).collect();
         let observed = Observations::new(problem.measurement, problem.model, &cases).observed;
         let prepared = &self.deck.prepared;
@@ -541,50 +541,6 @@ fn apart(chosen: &[(CandidateEffect, Vec<f64>)]) -> Vec<(CandidateEffect, Vec<f6
         h.split().into_iter().map(own).collect::<Vec<_>>()
     };
     chosen.iter().flat_map(each).collect()
-}
-
-/// Prediction of a model as exported to a deck: with its causes and stiffnesses, and with all plain random effects set to zero.
-#[derive(Clone, Debug)]
-pub struct DeckOnlyPrediction {
-    /// Deck parameters of each load case.
-    pub thetas: Vec<Parameters>,
-    /// Equilibrium of each load case.
-    pub states: Vec<State>,
-}
-
-impl DeckOnlyPrediction {
-    /// Solves all cases of a fitted model without its random effects. Returns `None` if a case has no equilibrium.
-    pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {
-        let deck = &fitted.deck;
-        let problem = Problem {
-            dataset: &deck.dataset,
-            model: &deck.model,
-            ..subject.problem.clone()
-        };
-        let mut predictor = fitted.predictor(&problem)?;
-        let parameters = deck.prepared.system.parameters();
-        let mut x = fitted.x[..fitted.unknowns.len()].to_vec();
-        for (k, x) in x.iter_mut().enumerate() {
-            if !fitted.is_of_the_model(k) {
-                *x = 0.0;
-            }
-        }
-        let numbers = fitted.unknowns.numbers(&parameters, &x);
-        predictor.predict(&numbers, None);
-        subject.count_sweeps(1);
-        let held = problem.free.held_weights(&deck.prepared.system);
-        let (mut thetas, mut states) = (Vec::new(), Vec::new());
-        for case in 0..fitted.states.len() {
-            let (state, theta) = predictor.answer(case)?;
-            let mut theta = theta.clone();
-            for weight in &held {
-                weight.release(&mut theta, &numbers.theta);
-            }
-            states.push(state.clone());
-            thetas.push(theta);
-        }
-        Some(Self { thetas, states })
-    }
 }
 
 /// Fits the model of an earlier fit again, to other data or with other weights. The refit starts from the end of the earlier fit.

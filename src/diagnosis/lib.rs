@@ -24,6 +24,7 @@ mod closure;
 mod columns;
 mod comparison;
 mod cross_validation;
+mod deck_only;
 mod diagnose;
 mod diagnosis;
 mod diagnosis_problem;
@@ -74,6 +75,7 @@ pub use candidate_effect::CandidateEffect;
 pub use cause::Cause;
 pub use channel_miss::ChannelMiss;
 pub use cross_validation::{CrossValidation, GroupGain};
+pub use deck_only::DeckOnlyPrediction;
 pub use diagnose::{Outcome, Rival, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
     BaselineFit, CauseLimit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
@@ -81,7 +83,7 @@ pub use diagnosis::{
 };
 pub use diagnosis_problem::{Data, DiagnosisProblem};
 pub use fit::with_zero_guesses;
-pub use fit::{DeckOnlyPrediction, Estimate, FittedModel};
+pub use fit::{Estimate, FittedModel};
 pub use frame::{at_point, by_frame, centroid, motions};
 pub use gain_check::GainCheck;
 pub use hold_out::{HoldOut, HoldOutSelection};

@@ -8,10 +8,11 @@
 use nalgebra::DVector;
 
 use super::candidate_effect::CandidateEffect;
+use super::deck_only::DeckOnlyPrediction;
 use super::diagnose::Outcome;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::extension::driven;
-use super::fit::{DeckOnlyPrediction, FittedModel};
+use super::fit::FittedModel;
 use super::stiffness::corrected;
 use crate::settings::{MAX_LN_STIFFNESS_STEP, OTHER_SOLVER_MAX_ROUNDS, OTHER_SOLVER_TOLERANCE_SD};
 use admire_identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};

@@ -1,6 +1,5 @@
 //! Which causes act: models are grown and pruned by their evidence, and every model that was looked at counts.
 
-use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::candidate_effect::{CandidateEffect, Term};
@@ -10,10 +9,10 @@ use super::fit::{
 };
 use super::rig_errors::{GaveWay, Promises, RigErrors};
 use super::scan::{Catalogue, FORMS, Weighed, by_promise};
-use super::select::select;
+use super::select::closed;
 use super::stand_in::{StandIns, left_by_friction, loosened};
 use super::tried::{BETTER, Tried};
-use super::visited::{Found, LINEAR, Visited, distinct, probabilities};
+use super::visited::{Found, LINEAR, Visited, better, by_evidence, distinct, probabilities};
 use admire_identify::tolerance::VarianceComponents;
 use admire_study::settings::Selection;
 
@@ -83,18 +82,6 @@ pub(super) fn resume(
     Some(search.into_found(best))
 }
 
-fn by_evidence(a: &Arc<FittedModel>, b: &Arc<FittedModel>) -> Ordering {
-    a.ln_posterior().total_cmp(&b.ln_posterior())
-}
-
-/// The one with more evidence.
-fn better(known: Option<Arc<FittedModel>>, other: Arc<FittedModel>) -> Arc<FittedModel> {
-    match known {
-        Some(known) if known.ln_posterior() >= other.ln_posterior() => known,
-        _ => other,
-    }
-}
-
 /// One more cause for a model, as the linear model weighs it.
 type Candidate = (CandidateEffect, Weighed);
 
@@ -152,8 +139,8 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Searches to the end, from no cause.
     pub(super) fn ended(mut self) -> Found {
-        if self.tried.subject.problem.selection == Selection::Closure {
-            return select(self.tried.subject, &self.none, self.tried.data);
+        if let Some(found) = closed(self.tried.subject, &self.none, self.tried.data) {
+            return found;
         }
         let best = self.climbed(Arc::clone(&self.none));
         let best = self.held_against_none(best);
@@ -192,8 +179,8 @@ impl<'a, 'b> Search<'a, 'b> {
     /// Searches to the end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
     /// among the causes this one comes to. `fits` are all that search fitted.
     pub(super) fn ended_from(mut self, chosen: &FittedModel, fits: &[Arc<FittedModel>]) -> Found {
-        if self.tried.subject.problem.selection == Selection::Closure {
-            return select(self.tried.subject, &self.none, self.tried.data);
+        if let Some(found) = closed(self.tried.subject, &self.none, self.tried.data) {
+            return found;
         }
         let none = Arc::clone(&self.none);
         let mut ends = Vec::new();

@@ -18,6 +18,7 @@ use super::settings::{
     OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
 };
 use super::visited::{Found, Visited, probabilities};
+use admire_study::settings::Selection;
 
 /// Effects of a set by their numbers among all known effects, in ascending order.
 type Ids = Vec<usize>;
@@ -54,8 +55,18 @@ struct Selector<'a, 'b> {
     count: usize,
 }
 
+/// Returns the selection by closure if the study asks for it; see [`select`].
+pub(super) fn closed(
+    subject: &DiagnosisProblem<'_>,
+    none: &Arc<FittedModel>,
+    data: Data,
+) -> Option<Found> {
+    let asked = subject.problem.selection == Selection::Closure;
+    asked.then(|| select(subject, none, data))
+}
+
 /// Selects effects beside the model without any.
-pub(super) fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
+fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
     let mut selector = Selector {
         subject,
         data,

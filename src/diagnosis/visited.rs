@@ -1,5 +1,6 @@
 //! Models that a search looked at, and how probable each is.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::candidate_effect::CandidateEffect;
@@ -37,6 +38,18 @@ pub struct Found {
     pub gave_way: Option<GaveWay>,
     /// What errors of the rig that it might have given way to promise.
     pub promises: Promises,
+}
+
+pub(super) fn by_evidence(a: &Arc<FittedModel>, b: &Arc<FittedModel>) -> Ordering {
+    a.ln_posterior().total_cmp(&b.ln_posterior())
+}
+
+/// The one with more evidence.
+pub(super) fn better(known: Option<Arc<FittedModel>>, other: Arc<FittedModel>) -> Arc<FittedModel> {
+    match known {
+        Some(known) if known.ln_posterior() >= other.ln_posterior() => known,
+        _ => other,
+    }
 }
 
 /// Models that count and their probabilities. Of a set that was looked at several times the best counts; one that was only weighed
