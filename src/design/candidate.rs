@@ -36,11 +36,11 @@ pub(super) struct ProposedMeasurement {
     pub kind: Kind,
     /// Instruction for the measurement, in words.
     pub what: String,
-    /// Addition to the study by this measurement.
+    /// New load cases, mark, wheel component or load cell that this measurement adds to the study.
     pub new: New,
 }
 
-/// Addition to the study by a measurement.
+/// Load cases or instrument that a candidate measurement adds to the study.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum New {
     /// Load cases in order, with one value per load. All instruments of the study are read in these cases.
@@ -318,7 +318,7 @@ pub(super) fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
     LOAD_CELL_NOISE * forces.fold(0.0_f64, |most, force| most.max(force.abs()))
 }
 
-/// Returns the standard deviation of one coordinate of a new mark, in the deck's length unit.
+/// Returns the standard deviation of the readings of a new mark, per coordinate and in the deck's length unit.
 pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     if subject.compares_marks() {
         subject.sigma

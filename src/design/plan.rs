@@ -62,7 +62,7 @@ pub struct WheelSd {
     pub toe_deg: f64,
     /// Standard deviation of camber, in degrees.
     pub camber_deg: f64,
-    /// Standard deviation of one coordinate of the wheel centre, in the deck's length unit.
+    /// Standard deviation of the position of the wheel centre, per coordinate and in the deck's length unit.
     pub position: f64,
 }
 
@@ -255,7 +255,7 @@ struct Weighing<'a, 'b> {
     aim: Aim,
     combinations: Vec<Combination>,
     curves: Option<Curves>,
-    /// Number of stiffnesses, which are the first rows of `rows`. Five rows for the wheel follow for each case.
+    /// Number of stiffnesses. The first `count` rows of `rows` belong to the stiffnesses. After them, each case has five rows for the wheel.
     count: usize,
     rows: DMatrix<f64>,
     ln_det: Option<f64>,

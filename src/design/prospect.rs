@@ -51,8 +51,9 @@ impl Readings {
         }
     }
 
-    /// Returns the predictions of `other`, the same readings by another model, minus these predictions, with the derivatives of these rows.
-    /// Returns `None` if the models do not predict the same readings.
+    /// Returns the differences between two predictions of the same readings by two models: `other` minus `self`, in independent rows of unit
+    /// variance. Also returns the derivatives of these rows by the model of `self`. Returns `None` if the models do not predict the same
+    /// readings.
     pub(super) fn against(&self, other: &Self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
         if self.value.len() != other.value.len() {
             return None;

@@ -15,9 +15,9 @@ admire_study::constants! {
     MAX_LOAD_CELLS: usize = 24, "";
     /// Standard deviation assumed for a wheel angle that the study does not measure.
     ASSUMED_WHEEL_ANGLE_DEG: f64 = 0.01, "deg";
-    /// Standard deviation assumed for a coordinate of the wheel centre that the study does not measure.
+    /// Standard deviation per coordinate that is assumed for the position of the wheel centre, if the study does not measure it.
     ASSUMED_WHEEL_POSITION_MM: f64 = 0.05, "mm";
-    /// Standard deviation assumed for a mark coordinate if the study has no marks.
+    /// Standard deviation per coordinate that is assumed for mark readings, if the study has no marks.
     ASSUMED_MARK_MM: f64 = 0.05, "mm";
     /// Standard deviation of a load cell reading, as a fraction of the largest force that the cell measures.
     LOAD_CELL_NOISE: f64 = 0.005, "of full scale";

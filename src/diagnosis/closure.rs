@@ -1,5 +1,5 @@
-//! Sets of effects that the linear model at one fit holds for probable: the closure of a set under adding, dropping and exchanging effects, within
-//! Occam's window.
+//! Search in the linear model of one fit for the probable sets of effects. From a start set, effects are added, dropped and exchanged one at a
+//! time. All sets found within Occam's window of the best set are kept: sets whose log posterior is at most a fixed amount below the largest.
 //!
 //! Source: Madigan and Raftery, Journal of the American Statistical Association 89 (1994) 1535.
 
@@ -12,13 +12,13 @@ use super::cause::Cause;
 use super::reduction::{Conditioned, EffectModel, Reduction};
 use super::settings::{MAX_EFFECTS, MAX_EXPANSIONS, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY};
 
-/// A set of effects by their indices at one fit, in ascending order.
+/// Set of effects, given by the indices of the effects in an [`EffectModel`], in ascending order.
 pub(super) type EffectSet = Vec<usize>;
 
-/// Sets with their log Bayes factors against no effect, priors included.
+/// Sets of effects, each with its log posterior odds against the model without effects: log Bayes factor plus log prior odds.
 pub(super) type Pool = BTreeMap<EffectSet, f64>;
 
-/// Sets at one fit, at fixed variance components.
+/// Evaluation of sets of effects in the linear model of one fit, at fixed variance components.
 pub(super) struct Sets<'a> {
     model: &'a EffectModel,
     reduction: &'a Reduction,
@@ -29,13 +29,15 @@ impl<'a> Sets<'a> {
         Self { model, reduction }
     }
 
-    /// Conditions the linear model on a set.
+    /// Computes the posterior of the parameters of a set of effects in the linear model. Returns `None` if the information matrix is not positive
+    /// definite.
     pub(super) fn conditioned(&self, set: &[usize]) -> Option<Conditioned> {
         let ranges = set.iter().map(|k| &self.model.ranges[*k]);
         self.reduction.conditioned(ranges)
     }
 
-    /// Log Bayes factor of a set with its prior; `None` if an effect has the wrong sign.
+    /// Returns the log posterior odds of a set against the model without effects. Returns `None` if the estimate of a one-sided effect in the set
+    /// is not positive.
     pub(super) fn score(&self, set: &[usize]) -> Option<f64> {
         let found = self.conditioned(set)?;
         self.has_right_signs(set, &found)
@@ -61,7 +63,8 @@ impl<'a> Sets<'a> {
         CandidateEffect::ln_prior_of(&all)
     }
 
-    /// True if an effect may join a set: a site has one form of a law, and its further terms need the main term.
+    /// Returns true if an effect may be added to a set. A site may have only one form of a law. A further term of a law requires the main term of
+    /// that law. An effect whose linearisation is poor is not combined with other effects that are new to the fit.
     fn may_join(&self, set: &[usize], effect: usize) -> bool {
         let new = &self.model.effects[effect];
         let mut there = set.iter().map(|k| &self.model.effects[*k]);
@@ -86,7 +89,8 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// True if an effect may leave a set: its further terms leave first.
+    /// Returns true if an effect may be dropped from a set. The main term of a law cannot be dropped while the set contains further terms of that
+    /// law.
     fn may_leave(&self, set: &[usize], effect: usize) -> bool {
         !self.model.effects[effect].is_refined(
             &set.iter()
@@ -95,18 +99,19 @@ impl<'a> Sets<'a> {
         )
     }
 
-    /// True for a law whose column holds to first order only. A set with one is not extended further.
+    /// Returns true for an effect that is not in the fit and whose linearisation is poor. A set that contains such an effect is not enlarged.
     fn is_leaf(&self, effect: usize) -> bool {
         effect >= self.model.own && self.model.effects[effect].is_poorly_linearised()
     }
 
-    /// Returns all sets within the window that a chain of single changes reaches from `start`.
+    /// Returns the sets within Occam's window that are reached from `start` by adding, dropping and exchanging single effects. If `with_pairs` is
+    /// set, the best pairs of effects are start sets, too.
     pub(super) fn closure(&self, start: &EffectSet, with_pairs: bool) -> Pool {
         let mut pool = Pool::new();
         if let Some(score) = self.score(start) {
             pool.insert(start.clone(), score);
         }
-        // Without effects, as a reference that is always there.
+        // The empty set always serves as the reference.
         pool.entry(Vec::new()).or_insert(0.0);
         let mut done = BTreeSet::new();
         if with_pairs {
@@ -134,7 +139,8 @@ impl<'a> Sets<'a> {
         pool
     }
 
-    /// Sets with an effect more, less or another than `set`, those above `least`.
+    /// Returns the sets that differ from `set` by one added, dropped or exchanged effect, with their log posterior odds. Enlarged sets at or
+    /// below `least` are left out.
     fn expanded(&self, set: &EffectSet, least: f64) -> Vec<(EffectSet, f64)> {
         let mut bases = vec![set.clone()];
         for effect in set {
@@ -185,7 +191,8 @@ impl<'a> Sets<'a> {
         bases.par_iter().map(of).flatten().collect()
     }
 
-    /// Pairs of effects of one column each beside a set, the best ones: two that hide each other are no better alone.
+    /// Returns the best pairs of effects, each effect with a single column. Two correlated effects may explain the readings only together, so
+    /// that neither is found alone. Effects in `base` are left out.
     fn pairs(&self, base: &EffectSet) -> Vec<(EffectSet, f64)> {
         let model = self.model;
         let single: Vec<usize> = (0..model.effects.len())
@@ -200,7 +207,7 @@ impl<'a> Sets<'a> {
             for &b in &single[n + 1..] {
                 let j = column(b);
                 let (p, q, x) = (1.0 + M[(i, i)], 1.0 + M[(j, j)], M[(i, j)]);
-                // Nearly uncorrelated effects are found one after the other.
+                // Nearly uncorrelated effects need no joint test: each of them is also found alone.
                 if x * x < 0.25 * p * q {
                     continue;
                 }
@@ -227,7 +234,7 @@ impl<'a> Sets<'a> {
         found
     }
 
-    /// Contribution of each effect of a set to the prediction, as coefficients of the columns at this fit.
+    /// Returns the contribution of each effect of a set to the prediction. A contribution consists of pairs of column index and coefficient.
     pub(super) fn contributions(&self, set: &[usize]) -> Option<Vec<Vec<(usize, f64)>>> {
         let found = self.conditioned(set)?;
         let mut at = 0;
@@ -242,8 +249,8 @@ impl<'a> Sets<'a> {
         Some(set.iter().map(of).collect())
     }
 
-    /// Squared distance of two sets in units of noise: their contributions matched one to one with least difference. A contribution without a
-    /// counterpart counts in full.
+    /// Returns the squared distance between the predictions of two sets, in units of noise. `a` and `b` hold the contributions of their effects.
+    /// The effects are paired so that the sum of squared differences is smallest; an unpaired contribution counts in full.
     pub(super) fn distance(&self, a: &[Vec<(usize, f64)>], b: &[Vec<(usize, f64)>]) -> f64 {
         let M = &self.reduction.information;
         let product = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
@@ -267,7 +274,7 @@ impl<'a> Sets<'a> {
     }
 }
 
-/// Least sum of one cost per row, each column used once (Hungarian method with potentials).
+/// Returns the minimum cost of an assignment that gives each row a different column (Hungarian method with potentials).
 fn least_assignment(costs: &[Vec<f64>]) -> f64 {
     let n = costs.len();
     let (mut u, mut v) = (vec![0.0; n + 1], vec![0.0; n + 1]);

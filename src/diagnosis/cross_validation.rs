@@ -46,8 +46,8 @@ pub struct GroupGain {
 pub struct CrossValidation {
     /// True if the search was repeated for each group; false if the causes were selected among the models fitted to all cases.
     pub searched: bool,
-    /// Measure of the rms errors: `mark` for one mark coordinate in the deck's length unit, `noise` for all readings in units of their
-    /// noise.
+    /// Quantity to which the rms errors refer. `mark` means the errors of the marks per coordinate, in the deck's length unit. `noise` means the
+    /// errors of all readings, in units of their noise.
     pub of: &'static str,
     /// Rms prediction error over all groups by the model without causes.
     pub rms_before: f64,

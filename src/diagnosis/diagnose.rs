@@ -319,7 +319,7 @@ pub(super) fn tolerances(
             subject.problem.measurement.parts.is_empty(),
         ) {
             let size = &sizes.scales[at - sizes.groups.len()].1;
-            // A pose error larger than the noise of one mark coordinate cannot be noise of the marks.
+            // A pose error larger than the noise of the marks per coordinate cannot be noise of the marks.
             let coarse =
                 scale == NoiseScale::PoseShift && libm::exp(sizes.ln[at]) > subject.mark_sigma();
             out.insert(

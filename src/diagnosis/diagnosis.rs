@@ -27,7 +27,7 @@ pub enum Verdict {
 pub struct BaselineFit {
     /// Chi-square of the fit per degree of freedom.
     pub chi2_per_dof: f64,
-    /// Rms error of one mark coordinate in the held-out cases, in the deck's length unit.
+    /// Rms error of the marks in the held-out cases, per coordinate and in the deck's length unit.
     pub held_out_rms: Option<f64>,
 }
 
@@ -65,9 +65,9 @@ pub struct Gain {
     pub chi2_per_dof_before: f64,
     /// Chi-square per degree of freedom with the finding.
     pub chi2_per_dof_after: f64,
-    /// Rms error of one held-out mark coordinate without the finding, in the deck's length unit.
+    /// Rms error of the held-out marks without the finding, per coordinate and in the deck's length unit.
     pub held_out_rms_before: Option<f64>,
-    /// Rms error of one held-out mark coordinate with the finding, in the deck's length unit.
+    /// Rms error of the held-out marks with the finding, per coordinate and in the deck's length unit.
     pub held_out_rms_after: Option<f64>,
     /// P-value of the held-out readings under the extended model's prediction and its covariance.
     pub held_out_p_value: Option<f64>,

@@ -25,8 +25,8 @@ pub struct DiagnosisProblem<'a> {
     pub problem: Problem<'a>,
     /// Residual rows of all cases, including the held-out cases.
     pub rows: Vec<Row>,
-    /// Declared standard deviation of one mark coordinate, in the deck's length unit. Residual rows of marks are in units of this standard
-    /// deviation.
+    /// Declared standard deviation of the mark readings, per coordinate and in the deck's length unit. It is the unit of the residual rows of
+    /// marks.
     pub sigma: f64,
     /// Noise of the marks, estimated from the rigidity of the parts. Also lists outliers and misplaced marks.
     pub noise: MarkNoise,
@@ -369,7 +369,7 @@ impl<'a> DiagnosisProblem<'a> {
         1e-3 / self.problem.model.units.length.si
     }
 
-    /// Returns the standard deviation of one mark coordinate that the fits use, in the deck's length unit.
+    /// Returns the standard deviation of the mark readings that the fits use, per coordinate and in the deck's length unit.
     pub fn mark_sigma(&self) -> f64 {
         self.noise.sigma().unwrap_or(self.sigma)
     }
@@ -418,8 +418,8 @@ impl<'a> DiagnosisProblem<'a> {
         !self.problem.measurement.parts.is_empty()
     }
 
-    /// Returns the measure by which predictions are compared, and the factor that converts a residual row to its unit. The measure is `mark`
-    /// (in the deck's length unit) or `noise` (in units of the noise).
+    /// Returns the quantity in which predictions are compared, and the factor that converts a residual row to the unit of this quantity. `mark`
+    /// means the errors of the marks, in the deck's length unit. `noise` means the errors of all readings, in units of their noise.
     pub fn compared(&self) -> (&'static str, f64) {
         // If only curves are held out, predictions are compared in units of the noise.
         if self.compares_marks() && (self.cases_held_out().next().is_some() || !self.holds_out()) {

@@ -50,8 +50,8 @@ pub struct HoldOut {
     pub curves: Vec<String>,
     /// Causes of the selected model, each as `cause address`.
     pub causes: Vec<String>,
-    /// Measure of the rms errors: `mark` for one mark coordinate in the deck's length unit, `noise` for all readings in units of their
-    /// noise.
+    /// Quantity to which the rms errors refer. `mark` means the errors of the marks per coordinate, in the deck's length unit. `noise` means the
+    /// errors of all readings, in units of their noise.
     pub of: &'static str,
     /// Rms prediction error of the model without causes.
     pub rms_before: f64,

@@ -11,7 +11,7 @@ use admire_study::orientation::chi_square_p_value;
 /// Agreement of the held-out readings with a model's prediction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HeldOutTest {
-    /// Rms error of one mark coordinate without outliers, in the deck's length unit. `None` without held-out marks.
+    /// Rms error of the marks without outliers, per coordinate and in the deck's length unit. `None` without held-out marks.
     pub marks_rms: Option<f64>,
     /// Rms errors of the wheel's camber and steer angles, in degrees. `None` without held-out wheel readings.
     pub wheel_deg_rms: Option<[f64; 2]>,
@@ -91,7 +91,7 @@ impl HoldOutPrediction {
         Some((foreseen.chi_square(&r)?, turned.len()))
     }
 
-    /// Returns the rms error of one held-out mark coordinate in the deck's length unit, without outliers.
+    /// Returns the rms error of the held-out marks without outliers, per coordinate and in the deck's length unit.
     pub fn marks_rms(&self, subject: &DiagnosisProblem<'_>) -> Option<f64> {
         let rows = unseen(subject).into_iter();
         let marks = rows.filter(|k| {

@@ -95,7 +95,7 @@ impl<'a> OperatingPoints<'a> {
         self.fitted.residual[row]
     }
 
-    /// Returns the declared standard deviation of a mark coordinate, in the deck's length unit.
+    /// Returns the declared standard deviation of the mark readings, per coordinate and in the deck's length unit.
     pub(super) fn sigma(&self) -> f64 {
         self.subject.sigma
     }

@@ -204,8 +204,8 @@ fn residuals(
     Some(found.residual)
 }
 
-/// Returns the rms error of one mark coordinate at these poses, without outliers, in the deck's length unit. Returns `None` if no mark can
-/// be compared.
+/// Returns the rms error of the marks at these poses without outliers, per coordinate and in the deck's length unit. Returns `None` if no mark
+/// can be compared.
 fn missed(subject: &DiagnosisProblem<'_>, poses: &Poses) -> Option<f64> {
     let measurement = subject.problem.measurement;
     let (mut sum, mut count) = (0.0, 0.0);

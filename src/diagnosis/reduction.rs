@@ -1,9 +1,11 @@
-//! Linear model at a fit reduced to its effects: stiffnesses, tolerances and noise are marginalised once, after which the evidence of any set
-//! of effects costs one small Cholesky factorisation.
+//! Linear model of a fit, reduced to the parameters of its effects. All other unknowns (stiffnesses, tolerances and nuisance unknowns of the
+//! measurement) are marginalised once. The evidence of any set of effects then costs one small Cholesky factorisation.
 //!
-//! With whitened columns `A` of the unknowns that stay (prior covariance `T`) and `E` of the effects, in units of their prior standard deviations,
-//! `P = (1 + A T A')^-1`, `M = E'PE` and `g = E'P z`. A set `S` then has
+//! Let `A` be the whitened Jacobian of the marginalised unknowns, `T` their prior covariance, and `z` the whitened residual (reading minus
+//! prediction). Let `E` be the whitened columns of the effects, per prior standard deviation. With `P = (1 + A T A')^-1`, the information matrix
+//! is `M = E'PE` and the gradient is `g = E'P z`. Let `Z0` be the evidence without effects. A set `S` of effects has the log evidence
 //! `ln Z(S) = ln Z0 + g_S' (1 + M_SS)^-1 g_S / 2 - ln det(1 + M_SS) / 2`.
+//!
 //! Sources: George and McCulloch, Statistica Sinica 7 (1997) 339; Rasmussen and Williams, Gaussian Processes, section 2.7.
 
 use std::ops::Range;
@@ -20,55 +22,56 @@ use admire_identify::tolerance::{
     LinearModel, RowsByVarianceClass, VarianceComponents, transposed,
 };
 
-/// Effects at a fit with their columns, and the linear model of everything else.
+/// Effects linearised at a fit, with the linear model of all other unknowns.
 pub(super) struct EffectModel {
-    /// The fit at which the columns were linearised.
+    /// Fit at which the effects are linearised.
     pub fitted: Arc<FittedModel>,
-    /// Effects of the fit, then all other candidates.
+    /// Effects in the fit, followed by all other candidates.
     pub effects: Vec<CandidateEffect>,
-    /// Number of effects of the fit.
+    /// Number of effects in the fit. They come first in `effects`.
     pub own: usize,
-    /// Columns of each effect.
+    /// Range of column indices of each effect.
     pub ranges: Vec<Range<usize>>,
-    /// Rotated columns, per unit of prior standard deviation. Their sign is that of the prediction.
+    /// Change of the prediction per prior standard deviation of each effect parameter, one column per parameter. Rows are decorrelated, but not
+    /// scaled to unit variance.
     columns: DMatrix<f64>,
-    /// Unknowns of the fit that are no parameters of effects, in the order of the base model.
+    /// Indices of the fit's unknowns in the order of `base`. Parameters of effects are left out.
     kept: Vec<usize>,
     base: LinearModel,
-    /// Rotated columns of the base model.
+    /// Jacobian of the unknowns in `kept`, in decorrelated rows that are not scaled to unit variance.
     jacobian: DMatrix<f64>,
-    /// Rotated reading minus prediction without the effects of the fit.
+    /// Residual (reading minus prediction) without the effects of the fit, in decorrelated rows that are not scaled to unit variance.
     residual: DVector<f64>,
 }
 
-/// An [`EffectModel`] at fixed variance components.
+/// [`EffectModel`] at fixed variance components, with all unknowns marginalised except the parameters of effects.
 pub(super) struct Reduction {
-    /// Log evidence without any effect.
+    /// Log evidence of the model without effects.
     pub ln_z: f64,
-    /// `M`.
+    /// Information matrix `M` of the effect parameters, defined in the module documentation.
     pub information: DMatrix<f64>,
-    /// `g`.
+    /// Gradient `g` of the log evidence with respect to the effect parameters, defined in the module documentation.
     pub gradient: DVector<f64>,
-    /// Step of the base model without effects.
+    /// Change of the other unknowns from the fit to the optimum of the linear model without effects.
     step: DVector<f64>,
-    /// Fall of that step per unit of each effect.
+    /// Decrease of `step` per unit of each effect parameter, one column per parameter.
     absorbed: DMatrix<f64>,
 }
 
-/// A [`Reduction`] conditioned on a set of effects.
+/// Posterior of the parameters of one set of effects in a [`Reduction`].
 pub(super) struct Conditioned {
-    /// Columns of the set.
+    /// Column indices of the effects in the set.
     pub columns: Vec<usize>,
-    /// Factor of `1 + M_SS`.
+    /// Cholesky factor of `1 + M_SS`, where `M_SS` is the block of the information matrix for this set.
     factor: Cholesky<f64, Dyn>,
-    /// Posterior mean of the parameters of the set, in units of their priors.
+    /// Posterior mean of the parameters of the set, in units of their prior standard deviations.
     pub mean: DVector<f64>,
-    /// Log Bayes factor of the set against no effect, its prior left out.
+    /// Log Bayes factor of the set against the model without effects. Prior odds are not included.
     pub ln_bayes_factor: f64,
 }
 
 impl EffectModel {
-    /// Linearises all effects at a fit. `further` are candidates beside those of the catalogue of causes.
+    /// Linearises the effects in a fit and all other candidates. `further` holds candidates in addition to the catalogue of causes.
     pub(super) fn new(
         subject: &DiagnosisProblem<'_>,
         fitted: &Arc<FittedModel>,
@@ -138,13 +141,14 @@ impl EffectModel {
         }
     }
 
-    /// Frees the columns. Reductions that were made stay valid.
+    /// Frees the memory of the columns. Existing reductions remain valid, but new ones can no longer be computed.
     pub(super) fn forget_columns(&mut self) {
         self.columns = DMatrix::zeros(0, 0);
         self.jacobian = DMatrix::zeros(0, 0);
     }
 
-    /// Marginalises everything but the effects, at these variance components. `None` if the linear model has no finite solution.
+    /// Marginalises all unknowns except the parameters of effects, at the variance components `sizes`. Returns `None` if the linear model has no
+    /// finite solution.
     pub(super) fn reduced(&self, sizes: &VarianceComponents) -> Option<Reduction> {
         let posterior = self.base.posterior(sizes)?;
         let weights = self.fitted.whitening.weights(&sizes.ln);
@@ -168,8 +172,9 @@ impl EffectModel {
         })
     }
 
-    /// Values of the fit's unknowns where the linear model has its maximum with a set of effects, for the start of a fit. Steps of logarithms of
-    /// stiffnesses are limited to `reach`. Parameters of the fit's own effects that are not in the set keep their values.
+    /// Returns start values of the fit's unknowns for a new fit with a set of effects: the optimum of the linear model with this set. Changes of
+    /// unknowns without a tolerance group, such as logarithms of stiffnesses, are limited to `reach`. Parameters of the fit's effects keep their
+    /// values if the effect is not in the set, or if the fit uses the logarithm of the parameter.
     pub(super) fn start(&self, reduction: &Reduction, set: &Conditioned, reach: f64) -> Vec<f64> {
         let mut step = reduction.step.clone();
         for (column, mean) in set.columns.iter().zip(set.mean.iter()) {
@@ -210,7 +215,7 @@ impl EffectModel {
         x
     }
 
-    /// First guesses of the parameters of one effect that is new to the fit, in units of their priors.
+    /// Returns first guesses of the parameters of an effect that the fit does not contain yet, in units of their prior standard deviations.
     pub(super) fn guesses(
         &self,
         reduction: &Reduction,
@@ -247,7 +252,7 @@ impl EffectModel {
 }
 
 impl Reduction {
-    /// Conditions on the effects with these ranges of columns. `None` if the information is not positive.
+    /// Returns the posterior of the effects with these column ranges. Returns `None` if `1 + M` of these columns is not positive definite.
     pub(super) fn conditioned<'r>(
         &self,
         ranges: impl Iterator<Item = &'r Range<usize>>,
@@ -266,7 +271,7 @@ impl Reduction {
         })
     }
 
-    /// Log Bayes factor of further columns beside a set, and their posterior mean beside it.
+    /// Returns the log Bayes factor for adding the columns in `range` to a set, and the posterior mean of their parameters in the enlarged set.
     pub(super) fn beside(
         &self,
         set: &Conditioned,
@@ -292,22 +297,23 @@ impl Reduction {
     }
 }
 
-/// Half the log determinant of a factorised matrix.
+/// Returns half the log determinant of a factorised matrix.
 fn half_ln_det(factor: &Cholesky<f64, Dyn>) -> f64 {
     let diagonal = factor.l_dirty().diagonal();
     diagonal.iter().map(|value| libm::log(*value)).sum()
 }
 
-/// Parameters of a candidate that have a column: those with a first-order effect, and members of tolerance groups are left out here because
-/// their columns are those of the fit.
+/// Iterates over the parameters of a candidate that have a first-order effect. Random effects of tolerance groups are left out, because the
+/// Jacobian of the fit already contains their columns.
 fn with_column(effect: &CandidateEffect) -> impl Iterator<Item = &EffectParameter> {
     effect.numbers.iter().filter(|number| {
         number.column != Sensitivity::None && !matches!(number.unknown, Parametrisation::Member(_))
     })
 }
 
-/// Factor of the Jacobian column of a fitted parameter that makes it one unit of prior, and change of the parameter from its absent value. A
-/// compliance is linear in itself, not in the logarithm of its stiffness.
+/// Returns two numbers for a fitted parameter. The first is the factor that scales its Jacobian column to one prior standard deviation. The
+/// second is the difference between its fitted value and its value without the effect. Both are linear in a compliance itself, not in the
+/// logarithm of the stiffness that represents the compliance in the fit.
 fn natural(number: &EffectParameter, x: f64, sd: f64) -> (f64, f64) {
     match number.unknown {
         // With stiffness exp(x) and compliance c = exp(-x): dx = -dc / c, and absence is c = 0.
@@ -316,7 +322,7 @@ fn natural(number: &EffectParameter, x: f64, sd: f64) -> (f64, f64) {
     }
 }
 
-/// Index of the first random effect among the unknowns of a fit.
+/// Returns the index of the first random effect among the unknowns of a fit.
 fn first_member(fitted: &FittedModel) -> usize {
     let members = fitted.priors.iter();
     members
@@ -334,7 +340,7 @@ mod tests {
     use crate::settings::OCCAM_WINDOW_NATS;
     use crate::sought::tests::{of_the_axle, shipped_axle};
 
-    /// Fits sets of effects and compares their evidence with the score of the same sets in the linear model reduced there.
+    /// Fits sets of effects. The evidence of each fit must equal the evidence of the same set in the linear model reduced at that fit.
     #[test]
     fn the_score_of_a_fitted_set_is_the_evidence_of_its_fit() {
         let loaded = shipped_axle();
@@ -342,7 +348,7 @@ mod tests {
         let (subject, none) = of_the_axle(&problem);
         let none = Arc::new(none);
         let model = EffectModel::new(&subject, &none, Vec::new());
-        // Effects whose prior in a fit is the one of the scan: neither compliances nor slip lengths.
+        // Only effects whose prior is the same in a fit and in the linear model are compared: neither compliances nor slip lengths.
         let is_same = |k: &usize| {
             let numbers = &model.effects[*k].numbers;
             numbers.iter().all(|number| {
@@ -392,7 +398,7 @@ mod tests {
         assert!(compared >= 2, "{compared}");
     }
 
-    /// Scores all sets of up to two effects of a part of the catalogue; the closure holds every one of them that is within the window.
+    /// The closure must contain every pair of effects within Occam's window. The test uses a part of the catalogue.
     #[test]
     fn the_closure_holds_all_pairs_within_the_window() {
         let loaded = shipped_axle();

@@ -83,9 +83,9 @@ pub struct Remainder {
 pub struct Predicted {
     /// Address of the force that was found from the other cases alone.
     pub address: String,
-    /// Rms prediction error without the force, in the measure of `hold_out`.
+    /// Rms prediction error without the force. Its unit is stated in the field `of` of `hold_out` in `diagnosis.json`.
     pub rms_before: f64,
-    /// Rms prediction error with the force, in the measure of `hold_out`.
+    /// Rms prediction error with the force. Its unit is stated in the field `of` of `hold_out` in `diagnosis.json`.
     pub rms_after: f64,
     /// Fraction of the decorrelated readings that lie within their 95 percent bands.
     pub within95: f64,
@@ -121,7 +121,8 @@ struct Best {
     next: Option<(String, f64)>,
     /// Effects on all rows of a unit force in each single case, one column per case.
     effect: DMatrix<f64>,
-    /// Decrease of the fit's unknowns per unit force in each case. By this decrease the unknowns absorb part of the force's effect.
+    /// Decrease of the fit's unknowns per unit force in each case, one column per case. By this decrease, the unknowns absorb part of the effect
+    /// of the force.
     taken_up: DMatrix<f64>,
     /// Effect of the force on all rows after the fit's unknowns have adapted to the force.
     response: DMatrix<f64>,
@@ -252,9 +253,9 @@ impl GpTerm {
     }
 }
 
-/// Returns up to two forces of unknown law as candidates. One has the largest evidence at the fit's own variance components. The other has
-/// the largest evidence at components reduced to their medians, because the fit's own components may have absorbed the effect. The prior
-/// probability of one class of causes is divided among all sites, coordinates, length scales and standard deviations tried.
+/// Returns up to two forces of unknown law as candidates. One has the largest evidence at the fit's own variance components. The other has the
+/// largest evidence at components reduced to their medians, because the fit's own components may have absorbed the effect. The prior probability
+/// of one kind of cause is divided among all sites, coordinates, length scales and standard deviations tried.
 pub(super) fn gp_terms(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<GpTerm> {
     let usual = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
     let each = [&usual, &fitted.sizes].into_iter();

@@ -1,5 +1,5 @@
-//! Selection of effects: sets that the linear models hold for probable are confirmed by fits, the most promising first, until every set that could
-//! count is fitted or equivalent to a fitted one.
+//! Selection of effects. Linear models propose probable sets of effects, and full fits confirm them, the most probable set first. The selection
+//! ends when every set that is probable enough is fitted, or predicts the same as a fitted set, or when the budget is spent.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -20,23 +20,23 @@ use super::settings::{
 use super::visited::{Found, Visited, probabilities};
 use admire_study::settings::Selection;
 
-/// Effects of a set by their numbers among all known effects, in ascending order.
+/// Set of effects, given by the indices of the effects in `Selector::known`, in ascending order.
 type Ids = Vec<usize>;
 
-/// A fit at which the effects were linearised.
+/// Linearisation point: a fit at which all effects are linearised.
 struct Point {
     model: EffectModel,
     reductions: Vec<Reduction>,
-    /// Sets near the best one, for each reduction.
+    /// Sets of effects within Occam's window, one pool for each reduction.
     pools: Vec<Pool>,
-    /// Number of each effect among all known effects.
+    /// Index in `Selector::known` of each effect of `model`.
     ids: Vec<usize>,
 }
 
-/// Estimate of the log posterior of a set that is not fitted.
+/// Estimated log posterior of a set of effects that is not fitted.
 struct SetEstimate {
     ln_posterior: f64,
-    /// Squared distance from the nearest fitted set, in units of noise.
+    /// Squared distance between the predictions of this set and of the nearest fitted set, in units of noise.
     distance: f64,
     point: usize,
     reduction: usize,
@@ -49,7 +49,7 @@ struct Selector<'a, 'b> {
     known: Vec<CandidateEffect>,
     forces: Vec<(usize, GpTerm)>,
     fits: BTreeMap<Ids, Arc<FittedModel>>,
-    /// Sets whose fit failed, had a wrong sign or was far behind.
+    /// Sets that are not fitted again: their fit failed, or an effect had the wrong sign.
     discarded: BTreeSet<Ids>,
     points: Vec<Point>,
     count: usize,
@@ -149,7 +149,7 @@ impl Selector<'_, '_> {
         });
     }
 
-    /// A fitted set by its indices at a point; `None` if an effect is no candidate there.
+    /// Converts a set to the effect indices of a linearisation point. Returns `None` if an effect of the set is not a candidate at that point.
     fn at_point(point: &Point, ids: &Ids) -> Option<EffectSet> {
         let own = |id: &usize| point.ids.iter().position(|other| other == id);
         let mut set = ids.iter().map(own).collect::<Option<EffectSet>>()?;
@@ -157,7 +157,8 @@ impl Selector<'_, '_> {
         Some(set)
     }
 
-    /// Estimates of all sets that count and are not fitted. The error of the linear model is taken to be that of the nearest fitted set.
+    /// Estimates the log posterior of all probable sets that are not fitted. The estimate of the linear model is corrected by the error that the
+    /// linear model has for the nearest fitted set. The correction decreases with the distance between the two predictions.
     fn estimates(&self) -> BTreeMap<Ids, SetEstimate> {
         let best = self.best();
         let mut out: BTreeMap<Ids, SetEstimate> = BTreeMap::new();
@@ -230,7 +231,7 @@ impl Selector<'_, '_> {
         out
     }
 
-    /// Fits a set from where the linear model has its maximum.
+    /// Fits a set of effects, starting from the optimum of the linear model. Stores the fit, or discards the set if the fit fails.
     fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate) {
         self.count += 1;
         let point = &self.points[estimate.point];
@@ -295,7 +296,7 @@ impl Selector<'_, '_> {
             }
         };
         let mut found = one(chosen, parent, x)?;
-        // A force of unknown law is linearised again where its fit ended.
+        // A force of unknown law is linearised again at the end of the fit, and the fit is repeated.
         let mut again = with_zero_guesses(&found);
         let mut has_force = false;
         for (effect, _) in &mut again {
@@ -318,7 +319,8 @@ impl Selector<'_, '_> {
         (!wrong).then_some(found)
     }
 
-    /// Keeps a fit. One near the best becomes a point, from which fits of its subsets begin anew where that promises more than they reached.
+    /// Stores a fit. A fit near the best becomes a further linearisation point. From that point, subsets of its effects are fitted again if the
+    /// linear model predicts a higher log posterior than their earlier fits reached.
     fn note(&mut self, ids: &Ids, found: &Arc<FittedModel>, best: f64) {
         let own = found.ln_posterior();
         if self
@@ -408,7 +410,8 @@ impl Selector<'_, '_> {
     }
 }
 
-/// The form of a law with memory from which a fit begins: one of middle slip length, where the misfit is smooth. Other effects stay.
+/// Returns the form of a law with memory with which a fit starts: a form of middle slip length or creep rate, for which the misfit is smooth.
+/// Returns `effect` itself for any other effect.
 fn smooth_start(model: &EffectModel, effect: usize) -> usize {
     let own = &model.effects[effect];
     if effect < model.own || own.memory.is_none() || own.form.starts_with("middle") {

@@ -74,23 +74,23 @@ admire_study::constants! {
     /// Probability up to which a model's variances without tolerances are not computed. The average over the models then uses its variances
     /// with tolerances instead.
     AVERAGED_MIN_PROBABILITY: f64 = 0.01, "";
-    /// Detection limit of a hardpoint from which on no limit is reported.
+    /// Largest detection limit of a hardpoint that is reported.
     MAX_HARDPOINT_LIMIT_MM: f64 = 50.0, "mm";
-    /// Detection limit of any other cause, in prior standard deviations, from which on no limit is reported.
+    /// Largest detection limit of any other cause that is reported, in prior standard deviations.
     MAX_CAUSE_LIMIT_SD: f64 = 20.0, "sd";
 
     // ## Force of unknown law: gaussian_process.rs, remainder.rs
 
     /// Gain in log evidence from which a force at a site stands out. The log of the number of sites and coordinates tried is added to it.
     GP_SITE_NATS: f64 = 5.0, "nats";
-    /// Eigenvalue of the covariance, relative to the largest, below which its direction is left out.
+    /// Eigenvalue of the covariance, relative to the largest eigenvalue, below which the direction of its eigenvector is left out.
     GP_ROUND_OFF: f64 = 1e-6, "";
     /// Tolerance of the low-rank factor of a covariance with unit diagonal.
     GP_FACTOR_TOLERANCE: f64 = 1e-9, "";
 
     // ## Checks on other cases: diagnose.rs, cross_validation.rs
 
-    /// Period of the held-out cases if the study names none: the last case of each period is held out.
+    /// Number of cases per period. If the study names no held-out cases, the last case of each period is held out.
     HOLD_OUT_PERIOD: usize = 4, "";
     /// P-value of the held-out readings under the extended model, below which these readings count as unexplained.
     HELD_OUT_LEVEL: f64 = 0.002, "";
@@ -102,7 +102,8 @@ admire_study::constants! {
     CV_BLOCKS: usize = 4, "";
     /// Distance from the usual value of a load, as a fraction of its range, within which the load counts as usual.
     AT_REST_TOLERANCE: f64 = 1e-3, "of range";
-    /// Difference of the largest and the smallest gain of a group, relative to the overall gain, above which the gain is reported as uneven.
+    /// Difference between the largest and the smallest gain of the cross-validation groups, relative to the overall gain, above which the gain is
+    /// reported as uneven.
     UNEVEN_GAIN_RATIO: f64 = 1.5, "";
 
     // ## Curves of the report: wheel_run.rs
@@ -114,20 +115,21 @@ admire_study::constants! {
 
     // ## Selection of effects: closure.rs, select.rs
 
-    /// Occam's window: sets of effects less probable than the best by more than this do not count.
+    /// Occam's window: largest deficit in log posterior against the best set at which a set of effects is kept.
     OCCAM_WINDOW_NATS: f64 = 8.0, "nats";
-    /// Probability, relative to the best set, above which a set is fitted or equivalent to a fitted one.
+    /// Probability of a set of effects, relative to the best set, above which the set is fitted. A set that predicts the same as a fitted set is
+    /// not fitted.
     RESOLVED_PROBABILITY: f64 = 0.01, "";
-    /// Squared distance of two sets below which they make the same prediction.
+    /// Squared distance between the predictions of two sets of effects, up to which the two predictions count as the same.
     EQUIVALENT_DISTANCE: f64 = 1.0, "sigma^2";
     /// Maximum number of effects in a set.
     MAX_EFFECTS: usize = 12, "";
-    /// Maximum number of sets whose neighbours are scored at one fit.
+    /// Maximum number of sets whose neighbours are evaluated at one fit. A neighbour differs by one added, dropped or exchanged effect.
     MAX_EXPANSIONS: usize = 60, "";
-    /// Maximum number of fits of one selection.
+    /// Maximum number of fits in one selection of effects.
     MAX_SELECTION_FITS: usize = 40, "";
     /// Maximum number of fits at which the effects are linearised.
     MAX_SELECTION_POINTS: usize = 12, "";
-    /// Largest difference of the logarithm of a stiffness between a fit and the start of the next one.
+    /// Largest change of the logarithm of a stiffness from a fit to the start of the next fit.
     MAX_LN_STIFFNESS_START: f64 = 1.2, "ln";
 }

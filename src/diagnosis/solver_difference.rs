@@ -8,8 +8,8 @@ use serde::Serialize;
 pub struct SolverDifference {
     /// Name of the study's solver: `command` or `replay`.
     pub solver: &'static str,
-    /// Rms difference of one coordinate between the solvers, in the deck's length unit. It compares the marks, or the part origins if there
-    /// are no marks.
+    /// Rms difference between the marks of the two solvers, per coordinate and in the deck's length unit. Without marks, the origins of the parts
+    /// are compared.
     pub rms: f64,
     /// Largest distance between the two solvers' positions of one point, in the deck's length unit.
     pub most: f64,
@@ -17,19 +17,19 @@ pub struct SolverDifference {
     pub case: Option<String>,
     /// Labels of the cases solved by only one of the solvers.
     pub unsolved: Vec<String>,
-    /// Rms errors of one mark coordinate by the built-in solver and by the other solver, for the fitted model without tolerances. `None`
+    /// Rms errors of the marks per coordinate, by the built-in solver and by the other solver, for the fitted model without tolerances. `None`
     /// without marks.
     pub residual_rms: Option<[f64; 2]>,
-    /// Rms errors of one mark coordinate over the held-out cases, by the built-in solver and by the other solver. `None` without held-out
+    /// Rms errors of the marks per coordinate over the held-out cases, by the built-in solver and by the other solver. `None` without held-out
     /// marks.
     pub held_out_rms: Option<[f64; 2]>,
-    /// Rms error of one mark coordinate by the other solver, for the extended model refitted to that solver, without tolerances. `None`
+    /// Rms error of the marks per coordinate by the other solver, for the extended model refitted to that solver, without tolerances. `None`
     /// without marks or without a refit.
     pub refitted_rms: Option<f64>,
 }
 
 impl SolverDifference {
-    /// Returns true if both solvers solved the same cases, and if their difference is small against `sigma`, the noise of one mark
+    /// Returns true if both solvers solved the same cases, and if their difference is small against `sigma`, the noise of the marks per
     /// coordinate.
     pub fn is_negligible(&self, sigma: f64) -> bool {
         self.unsolved.is_empty() && self.rms <= NEGLIGIBLE_DIFFERENCE_SIGMA * sigma

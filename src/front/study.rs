@@ -74,7 +74,7 @@ pub struct PlanAnswer {
     pub suggested: String,
 }
 
-/// Callback that repeats the fit of a study and stores the results in it.
+/// Callback that repeats the fit of a study and stores the results of the repetitions in the given [`Fit`].
 pub(crate) type Again<'a> = dyn FnMut(&LoadedStudy, &Marginal, &mut Fit) -> Result<(), Error> + 'a;
 
 impl Study {

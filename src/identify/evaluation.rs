@@ -8,13 +8,13 @@ use admire_study::Measurement;
 /// Rms differences between the solutions of a sweep and the readings, over a set of load cases.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ReadingMisfit {
-    /// Rms difference of a mark coordinate; `None` without marks.
+    /// Rms difference per mark coordinate, over all marks; `None` without marks.
     pub marks_rms: Option<f64>,
     /// Number of mark coordinates that were compared.
     pub coordinates: usize,
     /// Rms differences of camber and steer, in degrees; `None` without wheel readings.
     pub wheel_deg_rms: Option<[f64; 2]>,
-    /// Rms difference of a wheel-centre coordinate; `None` without wheel readings.
+    /// Rms difference per coordinate of the wheel centre; `None` without wheel readings.
     pub wheel_position_rms: Option<f64>,
     /// Number of cases with wheel readings.
     pub wheels: usize,

@@ -79,9 +79,9 @@ pub struct ToleranceFound {
 /// Noise of the measured mark coordinates.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NoiseFound {
-    /// Standard deviation of a mark coordinate that the study states, if it states one.
+    /// Standard deviation per mark coordinate as stated by the study; `None` if the study does not state it.
     pub declared: Option<f64>,
-    /// Standard deviation of a mark coordinate, estimated from the scatter of the marks of rigid parts.
+    /// Standard deviation per mark coordinate, estimated from the scatter of the marks of rigid parts.
     pub estimated: Option<f64>,
     /// Degrees of freedom of the Student t distribution of the noise, if its tails are heavy.
     pub dof: Option<f64>,
@@ -110,16 +110,16 @@ pub struct UnidentifiableDirection {
 /// Statistics of the mark residuals in a fit.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Marks {
-    /// Rms residual of a mark coordinate.
+    /// Rms residual per coordinate, over all marks.
     pub rms: Option<f64>,
     /// Chi-square of the mark residuals per degree of freedom.
     pub chi2_per_dof: Option<f64>,
-    /// Standard deviation of the noise of a mark coordinate.
+    /// Standard deviation of the noise per mark coordinate.
     pub sigma: f64,
 }
 
-/// Rms errors of a mark coordinate over the fitted cases, predicted by the plain deck. Other fitted unknowns, such as offsets and frame errors,
-/// are not applied.
+/// Rms errors of the mark coordinates over the fitted cases, as predicted by the plain deck. Other fitted unknowns, such as offsets and
+/// frame errors, are not applied.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Written {
     /// Rms error with the initial parameters.
@@ -133,9 +133,9 @@ pub struct Written {
 pub struct HeldOut {
     /// Labels of the held-out cases.
     pub cases: Vec<String>,
-    /// Rms error of a mark coordinate in these cases with the initial parameters.
+    /// Rms error per mark coordinate in these cases with the initial parameters.
     pub marks_rms_before: Option<f64>,
-    /// Rms error of a mark coordinate in these cases with the identified parameters.
+    /// Rms error per mark coordinate in these cases with the identified parameters.
     pub marks_rms_after: Option<f64>,
     /// Prediction errors of the held-out channels.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -178,7 +178,8 @@ pub struct Fit {
     pub converged: bool,
     /// True if the run was stopped before it was complete.
     pub interrupted: bool,
-    /// Addresses of the parameters whose value or interval a complete run would still have changed.
+    /// Addresses of the parameters that were not final when the run was interrupted: the rest of the run might still have changed their
+    /// value or interval.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub affected: Vec<String>,
     /// Number of iterations of the method.

@@ -236,7 +236,8 @@ admire_study::constants! {
     EVIDENCE_TOLERANCE_NATS: f64 = 0.02, "nats";
     /// Maximum change of any log standard deviation in one step of the maximisation of the evidence.
     EVIDENCE_MAX_LN_STEP: f64 = 1.5, "ln";
-    /// Ratio up to which two variance coefficients count as equal, so their rows share a variance class.
+    /// Ratio up to which two variance coefficients count as equal, so that their rows belong to the same variance class (rows of equal
+    /// variance).
     EQUAL_VARIANCE_RATIO: f64 = 1.05, "";
     /// Fraction of the largest entry of a column below which the entries of the column in a variance class count as zero. Rigid motion of a
     /// part leaves round-off in the rows that describe relative motion of its marks.
@@ -255,8 +256,8 @@ admire_study::constants! {
 
     // ## Slips in the deck or the files: slips/search.rs, thinned.rs, bench.rs, candidate.rs, unit_pairs.rs, apart.rs
 
-    /// Minimum number of load cases beyond the number of coefficients of a linear function of the loads; with fewer cases, no slip is searched
-    /// for.
+    /// Minimum number of load cases beyond the number of coefficients of a linear function of the loads. With fewer cases, there is no
+    /// search for slips.
     SLIP_MIN_SPARE_CASES: usize = 4, "";
     /// Maximum number of load cases used in the search for a slip: enough for the ends and middles of the usual three loads.
     SLIP_MAX_CASES: usize = 12, "";

@@ -148,7 +148,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Solves the equilibrium for `inputs`, starting from the last state of the chain. The wheels are not evaluated.
+    /// Solves the equilibrium for `inputs`, starting from the last state of the chain, without computing any wheel data.
     ///
     /// # Errors
     /// As [`Bench::observe`].

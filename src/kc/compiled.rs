@@ -12,7 +12,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::files::Files;
 use admire_syntax::{Address, Dataset};
 
-/// Indices of one wheel in the compiled system.
+/// Indices of the items of the compiled system that belong to one wheel: part, markers, load parameters and motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted {
     pub side: Side,

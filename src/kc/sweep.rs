@@ -223,7 +223,7 @@ fn states(config: &Config, settings: &TestSettings) -> usize {
     1 + way_down(settings, &grid).len() + branches * grid.len()
 }
 
-/// Test in progress.
+/// State of a test while it runs.
 struct Course<'a> {
     config: &'a Config,
     kind: TestKind,
@@ -243,7 +243,7 @@ const HEAVE: Drive = Drive {
 };
 
 impl Course<'_> {
-    /// Describes the test and value in words.
+    /// Describes the test and the value of its variable in words, for error messages.
     fn at(&self, value: f64) -> String {
         format!(
             "test {}, {} {value}",
@@ -257,7 +257,7 @@ impl Course<'_> {
         self.kind == TestKind::Roll && self.settings.hold == Hold::Load
     }
 
-    /// Returns the inputs of the rig at a value of the variable.
+    /// Returns the inputs of the rig at a value of the test's variable.
     fn inputs(&self, value: f64) -> Inputs {
         let (settings, patch) = (&self.settings, self.config.tyre.is_some());
         let drives_heights = matches!(self.kind.driven(), Driven::Height(_) | Driven::Steering);
@@ -286,8 +286,8 @@ impl Course<'_> {
         inputs
     }
 
-    /// Returns the inputs at a value, including the common rise that keeps the axle's load constant. The states of the chain are not
-    /// changed.
+    /// Returns the inputs at a value of the test's variable, including the common rise that keeps the axle's load constant. The states
+    /// stored in the chain are not changed.
     fn placed(
         &mut self,
         bench: &mut Bench<'_>,
@@ -343,7 +343,7 @@ impl Course<'_> {
         Ok(drive)
     }
 
-    /// Solves and evaluates the state at a value, with tangents if `tangents` is true.
+    /// Solves and evaluates the state at a value of the test's variable, with tangents if `tangents` is true.
     fn observe(
         &mut self,
         bench: &mut Bench<'_>,

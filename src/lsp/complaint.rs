@@ -26,9 +26,9 @@ pub(super) struct Anchor {
 pub(super) struct Candidate<'a> {
     pub told: DiagnosticSource,
     pub diagnostic: &'a Diagnostic,
-    /// Position of its first label in the current text.
+    /// Position of the diagnostic's first label in the current text.
     pub span: Option<Span>,
-    /// Offset of its piece in the file, for a diagnostic of the reader; zero for other diagnostics.
+    /// For a diagnostic of the reader, the offset in the file of the piece to which the diagnostic belongs; zero for other diagnostics.
     pub base: usize,
     pub kept: Option<&'a AnchoredDiagnostic>,
 }

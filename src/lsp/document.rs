@@ -340,7 +340,8 @@ impl Document {
         all.into_iter().find(|s| is_known_body(s))?.object()
     }
 
-    /// Returns the markers from piece `first` on that belong to the last body before it, and adds their pieces to `affected`.
+    /// Returns the markers in piece `first` and in later pieces that belong to the last body before piece `first`. Adds the pieces of these
+    /// markers to `affected`.
     fn followers(&self, first: usize, affected: &mut BTreeSet<usize>) -> Vec<ObjectId> {
         let mut found = Vec::new();
         for (at, piece) in self.pieces.live().iter().enumerate().skip(first) {

@@ -119,7 +119,8 @@ impl Excerpt {
                 bytes.extend_from_slice(piece.source().slice(span));
             };
             if !names_itself(statement, piece.source()) {
-                // An empty statement is inserted before it, so that its first words are not read as arguments of the preceding statement.
+                // An empty statement is inserted before the copied statement. The first words of the copy would otherwise be read as arguments of
+                // the preceding statement.
                 bytes.extend_from_slice(b"_;\n");
             }
             if let Some(name) = statement.view_name {

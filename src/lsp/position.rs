@@ -115,8 +115,8 @@ fn units(text: &[u8]) -> u32 {
     text.chars().map(|c| c.len_utf16() as u32).sum()
 }
 
-/// Returns the number of bytes in the first `wanted` UTF-16 units of a line. If that ends inside a character, the count ends before the
-/// character.
+/// Returns the number of bytes in the first `wanted` UTF-16 units of a line. If unit number `wanted` ends inside a character, that
+/// character is not counted.
 fn bytes_of(line: &[u8], wanted: u32) -> usize {
     if line.is_ascii() {
         return line.len().min(wanted as usize);

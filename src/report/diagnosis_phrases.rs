@@ -69,8 +69,8 @@ pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
     )
 }
 
-/// Returns the sentence about the difference between the study's solver and the built-in solver. `sigma` is the noise of a mark coordinate
-/// in the length unit `unit`.
+/// Returns the sentence about the difference between the study's solver and the built-in solver. `sigma` is the noise of the marks per
+/// coordinate, in the length unit `unit`.
 pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str) -> String {
     let mut text = format!(
         "With the fitted stiffnesses the solver of the study ({}) and the built-in one differ by {:.2e} {unit} rms per coordinate",

@@ -18,7 +18,8 @@ pub(super) fn probability(p: f64) -> String {
     }
 }
 
-/// Creates the empty table for predictions of cases from other cases. `of` is the measure of the errors, `length` the length unit.
+/// Creates the empty table for predictions of cases from other cases. `of` states the quantity of the errors (`mark` or `noise`), `length` is the
+/// length unit.
 fn predicted(of: &str, length: &str) -> Table {
     let unit = if of == "mark" { length } else { "sigmas" };
     let (before, after) = (

@@ -4,8 +4,8 @@ use admire_identify::global::{Observed, SeenMark};
 use admire_identify::{LoadedStudy, meet_marks};
 use admire_solver::mechanics::{Pose, Vec3};
 
-/// Returns the standard deviation of one mark coordinate, from fits of rigid parts to their marks. Outlying fits are left out. Returns
-/// `None` if there are too few marks.
+/// Returns the standard deviation of the mark readings per coordinate, from fits of rigid parts to their marks. Outlying fits are left out.
+/// Returns `None` if there are too few marks.
 pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
     let to = &loaded.measurement;
     let mut spreads: Vec<(f64, usize)> = Vec::new();
@@ -29,7 +29,7 @@ pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
     (dof >= 6).then(|| (squares / dof as f64).sqrt())
 }
 
-/// Returns the standard deviation of one mark coordinate, from pairs of cases with the same loads, and the number of these pairs.
+/// Returns the standard deviation of the mark readings per coordinate, from pairs of cases with the same loads, and the number of these pairs.
 /// Zero-stiffness motions between the two cases of a pair are removed. Returns `None` if no mark was read in both cases of a pair.
 pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
     let cases = &loaded.measurement.cases;

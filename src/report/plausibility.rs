@@ -491,7 +491,7 @@ struct Forecast {
     sd: Vec<f64>,
     /// Number of channels that follow the model, and sentences about the suspicious channels. `None` without channels.
     channels: Option<(usize, Vec<String>)>,
-    /// Finding that all marks are offset by a common rigid motion.
+    /// Verdict and sentence, if all marks are offset by a common rigid motion.
     odd_frame: Option<(Verdict, String)>,
     /// Findings about the loads, derived from the motions of the marks.
     odd_loads: Vec<(Verdict, String)>,

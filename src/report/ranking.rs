@@ -156,7 +156,7 @@ fn of_coupling(name: &str, force: &str, length: &str) -> String {
     }
 }
 
-/// Returns the unit of a number of a cause; empty if it is dimensionless or only the deck defines it.
+/// Returns the unit of a parameter of a cause; empty if the parameter is dimensionless, or if only the deck defines its unit.
 pub(super) fn unit(cause: Cause, address: &str, name: &str, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let (force, length) = (units.force.word, units.length.word);

@@ -8,7 +8,7 @@ use super::tolerances::Tolerances;
 pub struct RigOptions {
     /// Seed of all random streams.
     pub seed: u64,
-    /// Standard deviation of a measured mark coordinate; `None` for the value of the study. Zero makes all readings exact.
+    /// Standard deviation of the mark readings, per coordinate; `None` for the value of the study. Zero makes all readings exact.
     pub sigma: Option<f64>,
     /// Standard deviation of the listed position of a mark on its part (first session), per coordinate; `None` for the value of the study. The
     /// new study states this value.

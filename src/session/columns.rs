@@ -155,7 +155,7 @@ impl Columns {
         columns
     }
 
-    /// Finds the source of each entity's values again, after the model was compiled anew.
+    /// Updates the index of the object from which each entity gets its values. Must be called after the model was compiled again.
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         let elements: QuickMap<_, _> = system
             .elements()

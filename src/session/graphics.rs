@@ -16,7 +16,7 @@ const SEGMENTS: i64 = 20;
 /// Arguments of a spring's GRAPHICS statement that give its sizes: diameters, then lengths.
 const SIZES: [&str; 7] = ["DA", "DB", "DC", "LA", "LB", "LC", "LD"];
 
-/// Moving parts and force arrows whose values every frame contains, in their order.
+/// Moving parts and force arrows whose values every frame contains, in the order of these values.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drawn {
     /// Indices of the moving parts in the model.
@@ -115,7 +115,7 @@ fn shape(
 }
 
 impl Drawn {
-    /// Finds the force of each arrow again, after the model was compiled anew.
+    /// Updates the index of the force that each arrow shows. Must be called after the model was compiled again.
     pub(super) fn locate(&mut self, model: &Model, system: &System) {
         let elements = system
             .elements()

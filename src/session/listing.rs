@@ -14,7 +14,7 @@ use super::loaded::Loaded;
 use super::message::exponent;
 use super::run_state::{Flow, Locate as _, Place, Session};
 
-/// Values of one argument, as text. There may be several, because a SPLINE has several Y.
+/// One argument of a statement, with its value as text. A repeated argument, such as Y of a SPLINE, has one value for each occurrence.
 struct Given {
     name: &'static str,
     values: Vec<String>,

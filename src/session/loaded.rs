@@ -30,7 +30,7 @@ pub(super) struct Loaded {
     pub said_unstable: Vec<usize>,
     /// Names of the parts that were already reported because they moved far in one static solution.
     pub said_far: Vec<Name>,
-    /// True once the user was told about the iteration limit.
+    /// True once the message about the iteration limit was written; it is written only once.
     pub said_iterations: bool,
     /// Descriptions of the zero-stiffness motions that were reported last.
     pub said_free: Option<Vec<String>>,

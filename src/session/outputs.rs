@@ -173,7 +173,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Finds the objects of all files again, after the model was compiled anew.
+    /// Updates the indices of the objects whose values the results, graphics and request files contain. Must be called after the model was
+    /// compiled again.
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         if let Some((_, columns)) = &mut self.results {
             columns.locate(model, system);

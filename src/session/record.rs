@@ -50,7 +50,8 @@ impl Record {
         self.texts.insert(name.into_owned(), text);
     }
 
-    /// Returns all other files: `req`, `gra` and `out` by their extensions, files of LINEAR by their names.
+    /// Returns the contents of all files except the results file and the message file. The keys are the extensions `req`, `gra` and `out`,
+    /// and for files written by LINEAR commands their names.
     pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
         let bytes = |text: &Text| text.lock().unwrap_or_else(PoisonError::into_inner).clone();
         self.texts

@@ -9,9 +9,9 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::files::LARGEST;
 
-/// Text at the start of a file written by SAVE; the number of the file format follows.
+/// Text at the start of a file written by SAVE; the version number of the file format follows.
 const MAGIC: &str = "admire saved state ";
-/// Number of the current file format. Files of format 1 contain no model.
+/// Version number of the current file format. Files of version 1 contain no model.
 const FORM: &str = "2";
 
 /// A state saved by SAVE for RELOAD, usually with the model and its redefinitions.

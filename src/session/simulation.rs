@@ -20,7 +20,7 @@ use super::simulate::{Analysis, OutputTimes, RequestedAnalysis, too_many};
 const MODE_STATIC: i32 = 5;
 const MODE_QUASI_STATIC: i32 = 6;
 
-/// Maximum number of times that the step in time is halved after a failed quasi-static solution.
+/// Maximum number of times that the time step is halved after a failed quasi-static solution.
 const HALVINGS: i32 = 8;
 
 /// Maximum number of iterations that are printed for a solution that did not converge.
@@ -396,7 +396,7 @@ impl Loaded {
             })
     }
 
-    /// Advances to a target time through a sequence of equilibria. After a failure, the step in time is halved.
+    /// Advances to a target time through a sequence of equilibria. After a failed solution, the time step is halved.
     fn advance(&mut self, target: f64, mode: i32) -> Result<Report, Failure> {
         let start = self.time();
         let least = (target - start) * 0.5_f64.powi(HALVINGS);

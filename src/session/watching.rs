@@ -5,7 +5,7 @@ use admire_solver::model::{Model, SensorCompare};
 use admire_solver::motion::{Consistent, Integrator, MotionError, Watched};
 use admire_solver::system::{Parameters, Scratch, State, System};
 
-/// All sensors of a model, and which of them are active (still at or beyond their value).
+/// All sensors of a model. It records which sensors have fired and are still at or beyond their VALUE; these sensors are called active.
 pub(super) struct SensorWatch<'a> {
     model: &'a Model,
     system: &'a System,
@@ -19,8 +19,8 @@ pub(super) struct SensorWatch<'a> {
     active: Vec<bool>,
     /// True if a sensor that ends the simulation already fires at the start. The simulation then ends after the first step.
     due: bool,
-    /// Projection that makes states inside a step satisfy the constraints, with the time difference by which it computes second
-    /// derivatives.
+    /// Projection that makes states inside an integration step satisfy the constraints. The second element is the time increment with which
+    /// the projection computes second derivatives by finite differences.
     ///
     /// It is needed if sensors measure accelerations or constraint forces, because the dense output approximates these less accurately than
     /// the end of a step.
@@ -154,8 +154,8 @@ impl<'a> SensorWatch<'a> {
 
     /// Fires all sensors that have become active at a state, and returns their actions.
     ///
-    /// If `passage` is true, the state is at a located event. At least one sensor fires then: the sensor that is nearest to its value, if
-    /// round-off leaves all of them short of it.
+    /// If `passage` is true, the state is at a located event, and at least one sensor fires. If round-off leaves all sensors short of their
+    /// VALUE, the sensor nearest to its VALUE fires.
     pub(crate) fn fire(&mut self, state: &mut State, passage: bool) -> Sensed {
         if self.is_idle() {
             return Sensed::default();

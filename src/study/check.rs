@@ -312,7 +312,7 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns true if the residuals of a rigid-body fit are too large for this variance of a coordinate.
+/// Returns true if the residuals of a rigid-body fit are too large for noise with this variance per coordinate.
 fn inconsistent(fit: &Orientation, variance: f64) -> bool {
     let squares: f64 = fit.residuals.iter().map(Vec3::norm_squared).sum();
     fit.dof > 0 && chi_square_p_value(squares / variance, fit.dof) < INCONSISTENT

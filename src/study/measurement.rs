@@ -72,7 +72,7 @@ pub struct Wheel {
     pub marker: MarkerIx,
     /// Spin axis of the wheel.
     pub spin: SpinDirection,
-    /// Standard deviation of a coordinate of the wheel position.
+    /// Standard deviation of the wheel position, per coordinate.
     pub sigma_position: f64,
     /// Standard deviation of camber and steer, in degrees.
     pub sigma_angle_deg: f64,
@@ -144,11 +144,12 @@ pub struct Measurement {
     pub cases: Vec<Case>,
     /// Parts that carry marks.
     pub parts: Vec<MarkedPart>,
-    /// Standard deviation of one measured mark coordinate; zero if the readings are exact.
+    /// Standard deviation of the measured mark positions, per coordinate; zero if the readings are exact.
     pub sigma: f64,
     /// True if `sigma` is not stated by the study but estimated from the marks themselves.
     pub sigma_estimated: bool,
-    /// Standard deviation of one coordinate of a mark on its part, measured in the first session. The error is constant over the cases.
+    /// Standard deviation of the mark positions on their parts, per coordinate, as measured in the first session. The error is constant over the
+    /// cases.
     pub sigma_on_parts: f64,
     /// The measured wheel and the noise of its readings, if the study has a wheel.
     pub wheel: Option<Wheel>,

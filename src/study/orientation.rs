@@ -20,7 +20,7 @@ pub struct Orientation {
     pub covariance: Mat6,
     /// Residuals of the marks (measured minus fitted position) in ground axes, in the order of the marks.
     pub residuals: Vec<Vec3>,
-    /// Sum of squared residuals divided by the variance of a coordinate; `None` if that variance is zero.
+    /// Sum of squared residuals divided by the noise variance per coordinate; `None` if that variance is zero.
     pub chi_square: Option<f64>,
     /// Degrees of freedom of the fit: `3 n - 6` for `n` marks.
     pub dof: usize,
@@ -171,11 +171,11 @@ pub fn chi_square_p_value(value: f64, dof: usize) -> f64 {
 /// Noise of both measuring sessions, estimated from the misfit of the marks to rigid bodies.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NoiseEstimate {
-    /// Standard deviation of one coordinate measured on the rig (second session).
+    /// Standard deviation of positions measured on the rig (second session), per coordinate.
     pub sigma: f64,
     /// Degrees of freedom of the estimate of `sigma`.
     pub dof: usize,
-    /// Standard deviation of one coordinate measured on the part (first session). This error is constant over the cases.
+    /// Standard deviation of positions measured on the part (first session), per coordinate. This error is constant over the cases.
     pub sigma_on_parts: f64,
 }
 

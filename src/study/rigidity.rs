@@ -15,7 +15,7 @@ pub struct ForeignMarks {
     pub part: usize,
     /// Indices of the load cases with such a misfit. There are at least two; the misfit in a single case may be due to a wrong reading.
     pub cases: Vec<usize>,
-    /// Largest rms residual of a mark coordinate over these cases after the best-fit rigid motion, in the deck's length unit.
+    /// Largest rms residual of the marks in any of these cases after the best-fit rigid motion, per coordinate and in the deck's length unit.
     pub rms: f64,
 }
 

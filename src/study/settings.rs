@@ -6,7 +6,7 @@ use admire_syntax::units::{Dimension, Units};
 
 const ANY: RangeInclusive<f64> = 0.0..=f64::INFINITY;
 const POSITIVE: RangeInclusive<f64> = f64::MIN_POSITIVE..=f64::INFINITY;
-/// Standard deviation of a reading of a wheel.
+/// Allowed range of the standard deviations of wheel readings.
 const WHEEL_SD: RangeInclusive<f64> = 1e-12..=f64::INFINITY;
 
 /// Choice of the solver of a study.
@@ -188,15 +188,15 @@ pub enum Loss {
 /// Method by which a diagnosis selects the causes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Selection {
-    /// Stepwise: causes are added, dropped and exchanged one at a time.
+    /// Stepwise search: causes are added, dropped and exchanged one at a time.
     #[default]
     Stepwise,
-    /// Closure: all sets of causes near the best one in the linear model are confirmed by fits. Experimental.
+    /// All sets of causes near the best set in the linear model are confirmed by fits. Experimental.
     Closure,
 }
 
 impl Selection {
-    /// Reads `[diagnosis]`.
+    /// Reads the key `selection` of section `[diagnosis]`.
     pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
         let words = [("stepwise", Self::Stepwise), ("closure", Self::Closure)];
         section.choice("selection", Self::default(), &words, out)
@@ -401,7 +401,7 @@ pub struct WheelSettings {
     pub marker: SpannedText,
     /// Spin axis of the wheel, as an axis of this marker.
     pub axis: SpinAxis,
-    /// Standard deviation of a coordinate of the wheel position.
+    /// Standard deviation of the wheel position, per coordinate.
     pub sigma_position: Amount,
     /// Standard deviation of camber and steer, in degrees.
     pub sigma_angle_deg: f64,

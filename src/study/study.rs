@@ -22,9 +22,10 @@ pub struct MarkFiles {
     pub on_parts: Table,
     /// Measured positions of the marks in each load case: table with the columns case,part,mark,x,y,z, in ground.
     pub measured: Table,
-    /// Standard deviation of one coordinate measured on the rig. If it is `None`, it is estimated from the misfit of the marks to rigid parts.
+    /// Standard deviation of the mark positions measured on the rig, per coordinate. If it is `None`, it is estimated from the misfit of the
+    /// marks to rigid parts.
     pub sigma: Option<f64>,
-    /// Standard deviation of one coordinate of a mark on its part, measured in the first session.
+    /// Standard deviation of the mark positions on their parts, per coordinate, as measured in the first session.
     pub sigma_on_parts: f64,
 }
 

@@ -50,7 +50,8 @@ impl Journal {
     /// Opens the journal of a shard, or creates it. `key` identifies sweep, shard and version. A truncated record at the end, left by a
     /// killed run, is removed, and its case counts as unfinished.
     ///
-    /// # Errors A [`JournalError`] if the journal cannot be used.
+    /// # Errors
+    /// A [`JournalError`] if the journal cannot be used.
     pub(crate) fn open(path: &Path, key: &[u8]) -> Result<Self, JournalError> {
         let io = |error| JournalError::Io {
             path: path.to_path_buf(),

@@ -37,9 +37,9 @@ pub(crate) fn further_slider(survey: &OperatingPoints<'_>, h: &mut CandidateEffe
     h.ln_prior = libm::log(survey.priors().gradual_friction / FORMS.len() as f64);
 }
 
-/// Returns, for each friction in the model, a term that makes the friction limit larger in one direction and smaller in the other. The term
-/// is a constant force parallel to the slider. With this force, the slider is equivalent to a slider with another anchor, whose two limits
-/// differ from their mean by the force.
+/// Returns, for each friction in the model, a term that makes the friction limit larger in one direction and smaller in the other. The term is a
+/// constant force parallel to the slider. The force shifts both limits of the friction, and it shifts the displacement at which the friction
+/// force is zero (the anchor).
 pub(crate) fn by_direction(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     let chosen = &survey.fitted.effects;
     let of = |(at, h): (usize, &CandidateEffect)| {
@@ -77,7 +77,7 @@ pub(crate) fn by_direction(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect>
 }
 
 /// Returns the friction force in each case as a fraction of its limit, for the displacements `u`. The spring has the slip length `length`.
-/// Before the first case it is unstretched at `anchor`.
+/// `anchor` is the displacement at which the spring is unstretched before the first case.
 fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
     u.iter()
         .map(|&u| {
@@ -126,8 +126,8 @@ pub(crate) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
     }
 }
 
-/// Adds candidates for friction at one site. The law is the GFORCE `F max(-1, min(1, (anchor - u) / L))` with limit `F` and slip length `L`.
-/// The anchor is a VARIABLE, which each case passes on to the next.
+/// Adds candidates for friction at one site. The law is the GFORCE `F max(-1, min(1, (anchor - u) / L))` with limit `F` and slip length `L`. The
+/// anchor is the displacement at which the force is zero. It is stored in a VARIABLE, whose value passes from each case to the next.
 fn put(
     survey: &OperatingPoints<'_>,
     address: &str,

@@ -50,7 +50,7 @@ pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     frame_drift::hypotheses(survey, &mut out);
     channel_fault::hypotheses(survey, &mut out);
     let class = |h: &CandidateEffect| match h.cause {
-        // A compliant link and its compliant attachments form one class, because the readings often cannot distinguish them.
+        // A compliant link and its compliant attachments share one prior probability, because the readings often cannot distinguish them.
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),
     };
@@ -75,7 +75,7 @@ pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     out
 }
 
-/// Returns all candidates at a fit that its effects leave open, with further terms of their laws.
+/// Returns all candidates that the fit does not contain yet, and further terms of the force laws that it contains.
 pub(super) fn candidates(
     survey: &OperatingPoints<'_>,
     fitted: &FittedModel,

@@ -75,7 +75,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
     let one = |(k, unknown): (usize, &crate::Unknown)| {
         let (value, sd) = (solution.values[k], sd_log(solution, k));
         let reach = NORMAL_QUANTILE_975 * sd;
-        // An interval end three decades away from the value is not stated.
+        // An interval end more than three decades from the value is omitted.
         let side = |factor: f64| (reach < 3.0 * LN_10).then_some(value * factor);
         ParameterFit {
             address: unknown.address.to_string(),

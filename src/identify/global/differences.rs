@@ -33,8 +33,8 @@ struct CaseValues {
     channels: Vec<f64>,
 }
 
-/// Shared record of the last error that made a whole sweep fail, if any. A lasting error, which other parameter values would not avoid, is
-/// kept.
+/// Shared record of the last error that made a whole sweep fail, if any. A persistent error, which would recur at other parameter values,
+/// is not overwritten by later errors.
 pub(super) type Failure = std::rc::Rc<std::cell::RefCell<Option<BackendError>>>;
 
 impl<'a> DifferencePredictor<'a> {

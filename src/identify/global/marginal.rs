@@ -42,7 +42,7 @@ pub struct Joint {
     pub priors: Vec<Prior>,
     /// Number of identified parameters.
     pub sought: usize,
-    /// Load cases whose readings form the rows.
+    /// Indices of the load cases whose readings form the rows.
     pub cases: Vec<usize>,
     /// Known equilibria of the load cases, each with the parameter values at which it was solved. Empty if none are known.
     pub starts: Vec<(State, Parameters)>,
@@ -165,7 +165,7 @@ impl Marginal {
         &self.joint.priors[..self.len()]
     }
 
-    /// Returns the natural step of each identified parameter: its prior standard deviation, at most 1.
+    /// Returns the natural unit (typical step size) of each identified parameter: its prior standard deviation, at most 1.
     pub fn scale(&self) -> Vec<f64> {
         self.priors()
             .iter()

@@ -49,7 +49,7 @@ pub struct NativePredictor<'a> {
     answers: Vec<Option<Arc<CaseSolution>>>,
     kept: Checkpoint,
     memories: Vec<HysteresisState>,
-    /// Weight forces of freely spinning parts, which act on the parts that carry them.
+    /// Weights of freely spinning parts. Each acts as a force on the part that carries the spinning part.
     weights: Vec<HeldWeight>,
     /// True if the deck has free (zero-stiffness) motions.
     has_free_motions: bool,
@@ -244,8 +244,8 @@ impl<'a> NativePredictor<'a> {
         Some(out)
     }
 
-    /// Solves the first `common` load cases in order, then several independent sequences of cases. `sequences` holds the number of cases of
-    /// each. Elements with memory start each sequence in their state after the common cases.
+    /// Solves the first `common` load cases in order, then several independent sequences of cases. `sequences` holds the number of cases in
+    /// each sequence. Elements with memory start each sequence in the state that they have after the common cases.
     pub fn predict_apart(
         &mut self,
         numbers: &Numbers,

@@ -92,8 +92,8 @@ pub struct NuisanceLayout {
 }
 
 impl NuisanceLayout {
-    /// Creates the layout. Frame standard deviations of zero, of both shift (length) and turn (radians), remove the frame unknowns; a
-    /// zero `sigma_on_parts` removes the mark unknowns.
+    /// Creates the layout. If the standard deviations of the frame's shift (length) and turn (radians) are both zero, there are no frame
+    /// unknowns. If `sigma_on_parts` is zero, there are no mark unknowns.
     pub(crate) fn new(
         measurement: &Measurement,
         deck_unknowns: usize,
@@ -150,7 +150,7 @@ pub struct Observations<'a> {
     place: Vec<usize>,
     wheel_place: usize,
     wheel_frame: Pose,
-    /// Standard deviation of a mark coordinate that the fit uses; never zero.
+    /// Standard deviation per mark coordinate that the fit uses; never zero.
     pub sigma: f64,
 }
 
@@ -203,8 +203,8 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// Collects the readings of the given cases that a fit may use. Held-out channels are left out, and so are summaries over cases that are
-    /// not all among the given cases.
+    /// Collects the readings of the given cases that a fit may use. Held-out channels are left out. A summary of a channel over several
+    /// cases is left out unless all its cases are given.
     pub fn fitted(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
         let mut new = Self::new(measurement, model, cases);
         let is_seen = |case: usize| cases.contains(&case);

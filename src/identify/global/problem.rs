@@ -69,7 +69,7 @@ impl GlobalProblem<'_> {
         self.priors().into_iter().map(natural).collect()
     }
 
-    /// Calls the watch callback after the fit has ended. Returns whether further work on the result may continue.
+    /// Calls the watch callback after the fit has ended. Returns false if the callback stops all further work on the result.
     pub(crate) fn goes_on(&mut self, minimum: &Minimum) -> bool {
         let sweeps = self.predictor.sweeps();
         self.watch

@@ -14,7 +14,7 @@ use crate::settings::{
 /// A slip in the input that explains the residuals of a study. Neither the unknowns nor tolerances can explain these residuals.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Slip {
-    /// Descriptions of the correction. There are several if the readings do not distinguish between them.
+    /// Descriptions of the correction. There are several if the readings cannot distinguish between several possible corrections.
     pub remedies: Vec<String>,
     /// Rms of the residuals that tolerances cannot absorb, in units of their noise: first for the unchanged study (`None` without equilibria),
     /// then for the corrected study.

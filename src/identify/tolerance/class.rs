@@ -55,11 +55,11 @@ impl VarianceClass {
 pub(super) struct RotatedBlock {
     /// Indices of the rows of this block among all rows.
     pub places: Vec<usize>,
-    /// Transformation matrix with one row per new direction; its columns are scaled by the square roots of the precisions. Rigid-motion
+    /// Transformation matrix with one row per transformed row; its columns are scaled by the square roots of the precisions. Rigid-motion
     /// directions come first.
     pub matrix: DMatrix<f64>,
     /// Number of leading rows of `matrix` that are rigid-motion directions.
     pub rigid: usize,
-    /// Variance class of each new row; `None` if the row is not used.
+    /// Variance class of each transformed row; `None` if the row is not used.
     pub classes: Vec<Option<VarianceClass>>,
 }

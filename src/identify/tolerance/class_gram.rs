@@ -6,8 +6,8 @@ use super::class::VarianceClass;
 use super::columns::Columns;
 use super::product::{dot, gram, transposed};
 
-/// Gram matrices of the rows of one variance class. `A` denotes the derivatives of these rows with respect to the unknowns, `z` their
-/// residuals.
+/// Gram matrices of the rows of one variance class (rows of equal variance). `A` denotes the derivatives of these rows with respect to the
+/// unknowns, `z` their residuals.
 #[derive(Clone, Debug)]
 pub(super) struct ClassGram {
     /// Variance class of the rows.
@@ -24,7 +24,7 @@ pub(super) struct ClassGram {
     g: Vec<f64>,
 }
 
-/// Products of additional columns `E` with themselves, with `A` and with `z`, over the rows of one class.
+/// Products of additional columns `E` with themselves, with `A` and with `z`, over the rows of one variance class.
 pub(super) struct Block {
     /// Indices of the nonzero columns of `E` within their set.
     pub places: Vec<usize>,

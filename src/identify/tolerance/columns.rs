@@ -5,12 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::whitening::Whitening;
 use crate::settings::ZERO_COLUMN_SHARE;
 
-/// A matrix of whitened rows (see [`Whitening::apply`]), split into the rows of each variance class.
+/// A matrix of whitened rows (see [`Whitening::apply`]), split into the rows of each variance class (rows of equal variance).
 #[derive(Clone, Debug)]
 pub struct RowsByVarianceClass {
     /// Number of columns of the whole matrix, including zero columns.
     pub(super) count: usize,
-    /// Nonzero columns in the rows of each class.
+    /// Nonzero columns of the matrix, one entry per variance class.
     pub(super) classes: Vec<Columns>,
 }
 

@@ -19,7 +19,7 @@ pub struct CrossProducts {
     shares: Vec<FurtherShare>,
 }
 
-/// Products over the rows of one variance class.
+/// Products over the rows of one variance class (rows of equal variance).
 struct FurtherShare {
     class: VarianceClass,
     /// Indices of the columns of `A` that are nonzero in these rows.
@@ -148,7 +148,7 @@ impl CrossProducts {
         out
     }
 
-    /// Returns the products of a set of candidate columns, one block per variance class.
+    /// Returns the products of a set of candidate columns, one block per variance class (rows of equal variance).
     pub(super) fn blocks(&self, set: usize) -> impl Iterator<Item = Block> {
         self.shares.iter().map(move |share| {
             let set = &share.sets[set];
@@ -181,7 +181,8 @@ impl CrossProducts {
 }
 
 impl FurtherShare {
-    /// Adds a set of candidate columns. Its columns are among the entries of `active` from index `before` on.
+    /// Adds the products `E'E` of a set of candidate columns and its location. The nonzero columns of the set are among the entries of
+    /// `active` from index `before` on.
     fn add(&mut self, set: &Range<usize>, E: &Columns, before: usize) {
         let place = |column: usize| self.active[before..].partition_point(|k| *k < column);
         let here = place(set.start)..place(set.end);

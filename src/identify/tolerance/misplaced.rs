@@ -22,7 +22,7 @@ pub struct Misplaced {
     pub mark: usize,
     /// Actual minus listed position in part axes, the median over the cases in which the mark is displaced.
     pub error: Vec3,
-    /// Standard error of one coordinate of `error`.
+    /// Standard error of each coordinate of `error`.
     pub sd: f64,
     /// Cases in which the mark is displaced, in ascending order.
     pub cases: Vec<usize>,

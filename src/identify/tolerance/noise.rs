@@ -20,10 +20,10 @@ use admire_study::{MarkReading, Measurement};
 /// Noise of the mark coordinates of a measurement, with the outliers and misplaced marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MarkNoise {
-    /// Standard deviation of a coordinate as stated by the study; `None` if the study does not state it.
+    /// Standard deviation per mark coordinate as stated by the study; `None` if the study does not state it.
     pub declared: Option<f64>,
-    /// Standard deviation of a coordinate, estimated from the scatter of the marks of rigid parts; `None` with fewer than six degrees of
-    /// freedom.
+    /// Standard deviation per mark coordinate, estimated from the scatter of the marks of rigid parts; `None` with fewer than six degrees
+    /// of freedom.
     pub estimated: Option<f64>,
     /// Standard deviation of the natural logarithm of `estimated`.
     pub ln_sd: f64,
@@ -33,7 +33,8 @@ pub struct MarkNoise {
     pub outliers: Vec<MarkOutlier>,
     /// Marks that are not at their listed positions. None of their readings is used.
     pub misplaced: Vec<Misplaced>,
-    /// Case and part of sets of marks of which at least one is wrong. Only a model of the axle can show which one.
+    /// Pairs of case and part in which at least one mark is wrong, but the marks alone do not show which one. Finding the wrong mark
+    /// requires a model of the axle.
     pub suspects: Vec<(usize, usize)>,
 }
 
@@ -180,7 +181,8 @@ impl MarkNoise {
         self.tails > POSSIBLE_HEAVY_TAILS_NATS
     }
 
-    /// Adds to the suspects the parts with three usable marks in a case whose readings a model contradicts. Returns true if there are any.
+    /// Finds parts with at most three usable marks in a case whose readings a model contradicts, and adds them to the suspects. Returns
+    /// true if any part was added.
     ///
     /// Three marks still fit a rigid part if one of them is displaced perpendicular to their plane, so only a model reveals the error. `misfit`
     /// returns reading minus prediction of the model, and `usual` is the typical size of its coordinates.

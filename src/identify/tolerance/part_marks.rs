@@ -80,7 +80,8 @@ fn by_block(residuals: &[(Key, Vec3)]) -> BTreeMap<(usize, usize), Vec<(Key, Vec
     out
 }
 
-/// Returns the residuals of all blocks after subtracting the centre of each mark, projected on the directions that no rigid motion changes.
+/// Returns the residuals of all blocks after subtracting each mark's centre (its mean or median residual over the cases). They are
+/// projected on the directions that no rigid motion changes.
 pub(super) fn coordinates(
     measurement: &Measurement,
     residuals: &[(Key, Vec3)],
@@ -149,7 +150,8 @@ pub(super) fn deformation_coordinates(places: &[Vec3], e: &DVector<f64>) -> Vec<
         .collect()
 }
 
-/// Returns the residual of each reading in part axes, after the best-fit rigid motion of its block. `centre` is added to the listed positions.
+/// Returns the residual of each reading in part axes, after the best-fit rigid motion of its block. `centre` holds an offset of each mark
+/// that is added to its listed position.
 pub(super) fn residuals(
     measurement: &Measurement,
     blocks: &[PartMarks],
@@ -208,7 +210,7 @@ pub(super) enum RigidityVerdict {
     Mixed,
 }
 
-/// Looks for a single wrong mark in a block. `sigma` is the standard deviation of a coordinate.
+/// Looks for a single wrong mark in a block. `sigma` is the standard deviation per mark coordinate.
 pub(super) fn find_single_outlier(
     on_part: &[Vec3],
     measured: &[Vec3],

@@ -29,7 +29,7 @@ pub(super) struct RigidityScreen {
     pub outliers: Vec<MarkOutlier>,
     /// Case and part of blocks that contain an error but do not show which mark is wrong.
     pub suspects: Vec<(usize, usize)>,
-    /// Robust standard deviation of a coordinate, from the median absolute residual.
+    /// Robust standard deviation per mark coordinate, from the median absolute residual.
     pub sigma: f64,
 }
 
@@ -57,7 +57,8 @@ impl RigidityScreen {
         sorted
     }
 
-    /// Screens the blocks of marks with a given centre of each mark and a given standard deviation of a coordinate.
+    /// Screens the blocks of marks. `centre` holds the offset of each mark from its listed position; `sigma` is the standard deviation per
+    /// coordinate.
     fn at(
         measurement: &Measurement,
         mut blocks: Vec<PartMarks>,

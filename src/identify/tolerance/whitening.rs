@@ -33,22 +33,22 @@ pub struct MarkBlock {
     pub unit: f64,
 }
 
-/// Transformation of readings to independent rows: scaling by the square roots of their precisions, then an orthonormal change of directions.
-/// Each new row has a variance class.
+/// Transformation of readings to independent rows: scaling by the square roots of their precisions, then an orthonormal change of
+/// directions. Each transformed row belongs to a variance class, a set of rows with equal variance.
 #[derive(Clone, Debug)]
 pub struct Whitening {
     /// Blocks of rows that are transformed together: the row indices and the transformation matrix of each block.
     blocks: Vec<(Vec<usize>, DMatrix<f64>)>,
     /// Rows that are transformed alone, each with the square root of its precision.
     alone: Vec<(usize, f64)>,
-    /// Distinct variance classes of the new rows.
+    /// Distinct variance classes (sets of rows with equal variance) of the transformed rows.
     pub classes: Vec<VarianceClass>,
-    /// Index of the variance class of each new row; `None` if the row is not used.
+    /// Index of the variance class of each transformed row; `None` if the row is not used.
     pub class_of: Vec<Option<usize>>,
-    /// Indices of the new rows of each variance class, in ascending order.
+    /// Indices of the transformed rows in each variance class, in ascending order.
     pub rows_of: Vec<Vec<usize>>,
-    /// Location of each row: index of its block, or `None` for a row transformed alone, and the position there. The whole entry is `None` if
-    /// the row is not used.
+    /// Location of each reading's row: the index of its block (`None` for a row transformed alone) and its position there. The whole entry
+    /// is `None` if the row is not used.
     place_of: Vec<Option<(Option<usize>, usize)>>,
 }
 
@@ -173,7 +173,7 @@ impl Whitening {
         out.column(0).into_owned()
     }
 
-    /// Transforms a sparse column, given as pairs of row and value. The result maps new rows to values.
+    /// Transforms a sparse column, given as pairs of row and value. The result maps transformed rows to values.
     pub fn apply_sparse(&self, column: &[(usize, f64)]) -> BTreeMap<usize, f64> {
         let mut out = BTreeMap::new();
         for (row, value) in column {
@@ -193,7 +193,8 @@ impl Whitening {
         out
     }
 
-    /// Returns the reciprocal standard deviation of each new row at the log standard deviations `ln`; zero for a row that is not used.
+    /// Returns the reciprocal standard deviation of each transformed row at the log standard deviations `ln`; zero for a row that is not
+    /// used.
     pub fn weights(&self, ln: &[f64]) -> DVector<f64> {
         let of: Vec<f64> = self
             .classes

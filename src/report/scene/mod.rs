@@ -194,7 +194,7 @@ pub struct Scene {
     pub along: [f64; 3],
     /// Parts in the order of the model.
     pub parts: Vec<Body>,
-    /// Joints, force elements and forces.
+    /// Drawn joints, force elements and applied forces.
     pub objects: Vec<Object>,
     /// Marks (measured points) of the parts.
     pub marks: Vec<Mark>,

@@ -11,7 +11,7 @@ const NEAR: f64 = 1e-3;
 pub(crate) struct Point {
     /// Ids of the markers of all connections that meet at the point, in ascending order.
     pub members: Vec<u32>,
-    /// Ids of the far markers of sliding joints that have their other marker at the point. They move with the point, so the parts still fit.
+    /// Ids of markers of sliding joints whose other marker is at the point. They move with the point, so that the parts still fit together.
     pub followers: Vec<u32>,
 }
 

@@ -15,7 +15,8 @@ pub type Twist = (Vec3, Vec3);
 
 /// Maximum number of load cases that are tried until one of them has an equilibrium.
 const TRIED: usize = 3;
-/// Fraction of its mass that stays on a spinning part. The weight of this mass resists the spin no more than round-off does.
+/// Fraction of the mass of a spinning part that stays on the part when its weight is moved to the parts that carry it. The weight of this
+/// mass resists the spin no more than round-off does.
 const TRACE: f64 = 1e-12;
 /// Relative tolerance for a rotation about a line.
 ///
@@ -42,8 +43,8 @@ pub struct FreeMotions {
 /// A part that spins about a line through its mass centre, and the parts that carry it on this line.
 ///
 /// As soon as the mass centre is off the line, gravity determines the rotation of the part in the model; a hardpoint error of a hundredth
-/// of a millimetre suffices. On a real rig, friction determines the rotation, because it is a thousand times larger. The weight of the part
-/// is therefore applied to the parts that carry it.
+/// of a millimetre suffices. On a real rig, friction determines the rotation, because it is a thousand times larger than this effect of
+/// gravity. The weight of the part is therefore applied to the parts that carry it.
 #[derive(Clone, Debug)]
 struct Weight {
     part: Address,

@@ -2,7 +2,7 @@ use std::time::{Duration, Instant};
 
 use super::{BackendError, RunError};
 
-/// First and longest pause between two attempts; each pause is twice as long as the preceding one.
+/// First and longest pause between two attempts to get a licence. Each pause is twice as long as the preceding pause, up to the longest.
 const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(30));
 
 /// Words in messages about a missing licence that mean that waiting cannot help (FlexNet errors -1, -5, -8, -10).

@@ -1,13 +1,16 @@
-//! Dry friction with memory. The caller decides when a state is accepted and then moves the anchor.
+//! Dry friction with memory. The memory is the anchor: the displacement at which the spring of the element is unloaded. The caller decides when
+//! a state is accepted, and then moves the anchor.
 
 /// Result of evaluating a dry-friction element with memory: a spring in series with a slider (Prandtl element). Its force f depends on a
 /// displacement u.
 ///
-/// While `|K (u - ANCHOR)| <= LIMIT` the element sticks and `f = K (u - ANCHOR)`. Beyond this limit it slides and `f = +-LIMIT`. The anchor
-/// is constant during an evaluation. `anchor_after` is the anchor position once an equilibrium is accepted (return mapping), so the force
-/// depends on the path. The derivatives are consistent with the return mapping: df/du is K when sticking and 0 when sliding. K is
-/// positive and LIMIT not negative. This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider
-/// element; return mapping as in one-dimensional perfect plasticity.
+/// While `|K (u - ANCHOR)| <= LIMIT` the element sticks and `f = K (u - ANCHOR)`. Beyond this limit it slides and `f = +-LIMIT`. ANCHOR
+/// is the displacement at which the spring is unloaded. It is constant during an evaluation. `anchor_after` is its value once an equilibrium
+/// is accepted (return mapping), so the force depends on the path. The derivatives are consistent with the return mapping: df/du is K when
+/// sticking and 0 when sliding. K is positive, and LIMIT is not negative.
+///
+/// This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider element;
+/// return mapping as in one-dimensional perfect plasticity.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Slip {
     /// Spring force f.
@@ -18,9 +21,9 @@ pub struct Slip {
     pub by_stiffness: f64,
     /// Derivative of the force with respect to the force limit, df/dLIMIT.
     pub by_limit: f64,
-    /// Derivative of the force with respect to the anchor, df/dANCHOR.
+    /// Derivative of the force with respect to the anchor (the displacement of the unloaded spring), df/dANCHOR.
     pub by_anchor: f64,
-    /// Anchor position after this displacement is accepted.
+    /// Anchor (the displacement of the unloaded spring) after this displacement is accepted.
     pub anchor_after: f64,
 }
 

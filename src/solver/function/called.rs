@@ -1,4 +1,4 @@
-//! What the names of functions mean.
+//! Meaning of function names: the operation, the measured displacement or angle, the force component or the rate that each name denotes.
 
 use super::intrinsic::{Binary, Unary};
 use super::program::Kind;

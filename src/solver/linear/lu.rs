@@ -38,7 +38,7 @@ pub(crate) struct Lu<T = f64> {
     fingerprint: u64,
     /// Number of elimination orders chosen so far.
     pub(crate) orders: usize,
-    /// Largest allowed ratio of an entry below a shrunk pivot to that pivot.
+    /// Largest allowed ratio of an entry below a shrunk pivot to that pivot. A shrunk pivot is much smaller than when the order was chosen.
     growth: f64,
     /// Size below which a pivot counts as zero, after the rows and columns are scaled so that their largest entries are about one.
     rank_tolerance: f64,

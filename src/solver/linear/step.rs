@@ -2,16 +2,17 @@
 
 use super::scalar::Scalar;
 
-/// Ratio of a pivot to its size when the order was chosen. Above this ratio, the pivot is acceptable regardless of the entries below it.
+/// Limit of the ratio of a pivot to its size when the order was chosen. A pivot above this limit is acceptable regardless of the entries below
+/// it. A pivot below this limit is called shrunk.
 const SHRUNK: f64 = 1e-3;
 /// Smallest acceptable size of a pivot whose ratio is below [`SHRUNK`], multiplied by the row and column scales from when the order was chosen.
 /// The limit applies with [`GROWTH`]; where more growth is allowed, the limit is smaller in proportion.
 const SMALL: f64 = 1e-8;
-/// Largest allowed ratio of an entry below a shrunk pivot to that pivot, for factors of final results. It bounds the multipliers and thus the
-/// growth of round-off.
+/// Largest allowed ratio of an entry below a shrunk pivot ([`SHRUNK`]) to that pivot, for factors of final results. It bounds the multipliers and
+/// thus the growth of round-off.
 pub(super) const GROWTH: f64 = 1e3;
-/// Largest allowed ratio of an entry below a shrunk pivot to that pivot, for corrections in an iteration whose residuals show the remaining
-/// error.
+/// Largest allowed ratio of an entry below a shrunk pivot ([`SHRUNK`]) to that pivot, for corrections in an iteration. It may be large, because
+/// the residuals of the iteration show the remaining error.
 pub(super) const GROWTH_OF_STEPS: f64 = 1e7;
 
 /// Factors that scale the rows and columns of a matrix to largest entries of about one.

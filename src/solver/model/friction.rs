@@ -17,8 +17,8 @@ pub struct Friction {
     pub header: Header,
     /// Index of the JOINT in the model.
     pub joint: usize,
-    /// Whether friction acts between the yoke of I and the cross (0), and between the cross and the yoke of J (1). Used for HOOKE and
-    /// UNIVERSAL joints.
+    /// Whether friction acts at each yoke of a HOOKE or UNIVERSAL joint: entry 0 is between the yoke of I and the cross, entry 1 between
+    /// the cross and the yoke of J.
     pub yokes: [bool; 2],
     /// Static friction coefficient, MU_STATIC.
     pub mu_static: f64,

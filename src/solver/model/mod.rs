@@ -62,7 +62,7 @@ use admire_syntax::units::Units;
 pub struct Header {
     /// Id of the statement.
     pub id: u32,
-    /// Adams/View name. If the file gives no name, kind and id, such as `PART_2`.
+    /// Adams/View name. If the file gives no name, this is kind and id, such as `PART_2`.
     pub name: String,
     /// Index of the object's statement in its dataset.
     pub origin: usize,

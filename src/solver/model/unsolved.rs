@@ -32,8 +32,8 @@ impl Object for Unsolved {
     }
 }
 
-/// Returns the effect that an unsolved statement would have on an equilibrium. `None` for statements that only measure, draw or write, and
-/// for statements that act only through other statements, because those are rejected themselves.
+/// Returns the effect that an unsolved statement would have on an equilibrium. `None` for statements that only measure, draw or write. Also
+/// `None` for statements that act only through other statements, because those other statements are rejected themselves.
 pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "CLEARANCE" | "CONTROL" | "CURVE" | "FEMDATA" | "FE_NODE" | "LINEAR" | "MREQUEST"

@@ -42,7 +42,8 @@ const AKIMA: usize = 4;
 /// their rates, and has no effect in statics.
 ///
 /// The first parameter may select the subroutine, and one parameter must be the id of the STRING. Any other nonzero parameter can change
-/// the force. A force with such parameters keeps its subroutine, and a diagnostic lists the parameters, unless its address is in `plain`.
+/// the force. If the address of a force with such parameters is not in `plain`, the force keeps its subroutine and a diagnostic lists the
+/// parameters.
 pub fn replace_user_forces(
     dataset: &Dataset,
     files: &Files,

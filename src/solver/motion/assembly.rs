@@ -7,9 +7,9 @@ use super::error::{MotionError, MotionFailure};
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
 use crate::system::{Parameters, PartRates, State, System};
 
-/// Weight of stated positions and velocities, relative to the weight of free ones.
+/// Weight of the positions and velocities that the dataset states, relative to the weight of the free ones.
 const STATED: f64 = 1e8;
-/// Number of passes in which the free velocities adapt to the stated ones, so that they no longer disturb the stated ones.
+/// Number of passes of the velocity assembly. After each pass the stated velocities are restored, and the free velocities adapt to them.
 const PASSES: usize = 3;
 /// Changes of position below this (in model lengths) and rotations below this (in radians) are round-off.
 const ROUND_OFF: f64 = 1e-11;
@@ -21,7 +21,7 @@ const CONFLICT: f64 = 1e-6;
 pub enum Kept {
     /// The velocities stated in the dataset.
     Data,
-    /// The velocities of the state. Momentum is preserved as far as the constraints allow.
+    /// The present velocities of the state. Momentum is preserved as far as the constraints allow.
     Velocities,
     /// Zero velocities: parts move only as the constraints require.
     Nothing,
@@ -142,7 +142,7 @@ fn velocities(
             let masses: Vec<Mat6> = (0..system.bodies.len())
                 .map(|part| {
                     let M = system.mass_matrix(parameters, state, crate::model::PartIx(part));
-                    // Massless parts follow the others.
+                    // The small weight lets massless parts follow the parts with mass.
                     M + plain * 1e-9
                 })
                 .collect();

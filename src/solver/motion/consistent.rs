@@ -370,7 +370,7 @@ impl Consistent {
         self.check_removed(system, parameters, state, |_| true)
     }
 
-    /// Checks that the removed constraint equations are satisfied, as far as `looked_at` selects them.
+    /// Checks that the removed constraint equations are satisfied. Only equations whose index `looked_at` accepts are checked.
     pub(super) fn check_removed(
         &mut self,
         system: &System,

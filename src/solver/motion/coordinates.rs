@@ -7,9 +7,10 @@ use crate::linear::Levels;
 use crate::mechanics::{Mat3, skew};
 use crate::system::{Parameters, Scratch, State, System};
 
-/// A row depends on rows chosen earlier if less than this share of it remains after its components along them are removed.
+/// Limit of linear dependence. The row of a candidate coordinate depends on the rows chosen earlier if less than this share of it remains after
+/// its components along these rows are removed.
 const DESCRIBED: f64 = 1e-6;
-/// Relative difference below which the sizes of two rows count as equal.
+/// Relative difference below which the sizes of the rows of two candidate coordinates count as equal.
 const EQUAL: f64 = 1e-9;
 
 /// Choice of the coordinates that, together with their rates, are the states of the LINEAR command.
@@ -30,7 +31,8 @@ impl Coordinates {
         self.variables.is_empty() && self.seen_from.is_none()
     }
 
-    /// Returns the end of each kind of candidate row: VARIABLEs, parts relative to a marker, parts relative to ground.
+    /// Returns the index after the last row of each kind of candidate coordinate. The kinds are VARIABLEs, parts relative to a marker, and parts
+    /// relative to ground.
     fn ends(&self, system: &System) -> [usize; 3] {
         let first = self.variables.len();
         let n = system.first_equation;
@@ -38,7 +40,7 @@ impl Coordinates {
         [first, seen, seen + n]
     }
 
-    /// Returns the name of the candidate coordinate in a row.
+    /// Returns the name of the candidate coordinate that has the given row index.
     pub(super) fn name(&self, system: &System, row: usize) -> String {
         let [first, seen, _] = self.ends(system);
         if row < first {
@@ -101,7 +103,8 @@ impl Coordinates {
         Ok(P)
     }
 
-    /// Fills the rows of the VARIABLEs. VARIABLEs that are unknowns are eliminated: `dv = -J_vv^-1 J_vq d`.
+    /// Writes the derivatives of the candidate VARIABLEs with respect to the motions of the parts into the first rows of `P`. VARIABLEs that are
+    /// unknowns are eliminated: `dv = -J_vv^-1 J_vq d`.
     fn of_variables(
         &self,
         (system, parameters, state): (&System, &Parameters, &State),

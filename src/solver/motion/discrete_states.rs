@@ -87,7 +87,7 @@ impl DiscreteStates {
         self.keep(state);
     }
 
-    /// Does the same as [`Self::hold`], but uses the pieces found by the last evaluation.
+    /// Holds and releases functions like [`Self::hold`], but takes the pieces from the last evaluation instead of a new one.
     fn keep(&self, state: &mut State) {
         let all = state.pieces.iter_mut().zip(&self.scratch.seen);
         for ((piece, seen), history) in all.zip(&self.switches) {
@@ -98,7 +98,7 @@ impl DiscreteStates {
         }
     }
 
-    /// Records a time step without a change. Suspended functions that have not switched for [`STEPS`] time steps are held again.
+    /// Records a time step in which no discrete state changed. Suspended functions that have not switched for [`STEPS`] time steps are held again.
     pub(super) fn step_done(&mut self, state: &mut State, steps: usize) {
         for (history, seen) in self.switches.iter_mut().zip(&self.scratch.seen) {
             if let Some((piece, since)) = &mut history.suspended {

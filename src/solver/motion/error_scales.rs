@@ -16,16 +16,17 @@ pub(super) struct ErrorScales {
 /// Largest component of an error or a correction.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct LargestComponent {
-    /// Size, measured in tolerances.
+    /// Magnitude of the component, as a multiple of its tolerance.
     pub size: f64,
-    /// Index among the unknowns.
+    /// Index of the component among the unknowns.
     pub index: usize,
-    /// Whether it is a velocity.
+    /// Whether the component is a velocity.
     pub is_velocity: bool,
 }
 
 impl ErrorScales {
-    /// Creates the scales: one unit for each kind of unknown, and the reference mass times the model's length for multipliers.
+    /// Creates the scales with their initial values. The scale of multipliers is the reference mass times the model's length. All other scales
+    /// have the value 1.
     pub(crate) fn new(system: &System) -> Self {
         Self {
             position: 1.0,
@@ -58,7 +59,8 @@ impl ErrorScales {
         }
     }
 
-    /// Returns the largest component of a change of displacements `z` and velocities `w`. `variables` includes VARIABLEs and multipliers.
+    /// Returns the largest component of a change of displacements `z` and velocities `w`. VARIABLEs and multipliers are included only
+    /// if `variables` is true.
     pub(crate) fn measured(
         &self,
         system: &System,

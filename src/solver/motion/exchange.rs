@@ -6,16 +6,17 @@ use super::error::MotionFailure;
 use crate::system::{Parameters, State, System};
 
 /// Largest coefficient, between gradients of unit length, with which a removed equation may depend on a kept one. Removed equations agree with
-/// the others within 1e-6 of the model's length when they are selected, and must hold within 1e-4 everywhere. This factor uses one of the two
-/// digits between these limits; the motion during a step uses the other.
+/// the others within 1e-6 of the model's length when they are selected, and must hold within 1e-4 everywhere. The limits differ by
+/// a factor of 100. This coefficient may raise a violation by a factor of 10, which leaves a factor of 10 for the motion during a time step.
 const EXCHANGED: f64 = 10.0;
 
 impl Consistent {
     /// Exchanges kept constraint equations for removed ones that condition the constraints better. Returns true if any were exchanged.
     ///
     /// The gradient of a removed equation is a linear combination of the others, `g_d = sum c_k g_k`. Its violation is therefore the same
-    /// combination of their violations. A removed and a kept equation change places if their coefficient c is large. An example is `Zi.Yj` of a
-    /// crank that has turned by 90 degrees: its gradient vanishes there, whereas the gradient of `Zi.Xj` does not. Each exchange multiplies the
+    /// combination of their violations. A removed and a kept equation change places if the magnitude of their coefficient c, for gradients of unit
+    /// length, exceeds 10. An example is `Zi.Yj` of a crank that has turned by 90 degrees. Its gradient vanishes there, whereas the gradient of
+    /// `Zi.Xj` does not. Each exchange multiplies the
     /// volume of the kept gradients by c (S. Goreinov, E. Tyrtyshnikov, The maximal-volume concept in approximation by low-rank matrices,
     /// Contemporary Mathematics 280, 2001). Scalar products are exchanged only for scalar products, and distances only for distances.
     ///

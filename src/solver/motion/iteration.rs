@@ -82,7 +82,7 @@ impl Integrator<'_> {
         Err(NotSettled::at("the iteration does not settle"))
     }
 
-    /// Returns the largest component of the last correction. `variables` includes VARIABLEs and multipliers.
+    /// Returns the largest component of the last correction. VARIABLEs and multipliers are included only if `variables` is true.
     fn largest_change(&self, variables: bool) -> LargestComponent {
         let mut worst = LargestComponent::default();
         for (z, w) in self.change.z.iter().zip(&self.change.w) {

@@ -17,7 +17,7 @@ type Going =
     fn(&System, &Parameters, &mut State, &mut Consistent, f64, f64) -> Result<usize, MotionError>;
 
 /// Advances the mechanism to time `end` in steps of at most `largest`, and returns the number of steps. If no positions are found for a step,
-/// it is halved.
+/// the step is halved.
 ///
 /// A step ends where a friction begins or ceases to stick, because creep is counted from that point. A friction that sticks at the start of the
 /// motion creeps from the start.

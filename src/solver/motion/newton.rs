@@ -45,13 +45,13 @@ pub(super) struct Step<'a> {
 pub(super) struct StageValues<'a> {
     /// Time of the stage.
     pub time: f64,
-    /// Changes of all unknowns.
+    /// Changes of all unknowns since the start of the step.
     pub z: &'a [f64],
-    /// Changes of the velocities.
+    /// Changes of the velocities since the start of the step.
     pub w: &'a [f64],
-    /// Time derivative of a velocity, by its index.
+    /// Function that returns the time derivative of the velocity with a given index.
     pub acceleration: &'a dyn Fn(usize) -> f64,
-    /// Time derivative of a state, by its index among the unknowns.
+    /// Function that returns the time derivative of a dynamic state, given the index of the state among the unknowns.
     pub state_rate: &'a dyn Fn(usize) -> f64,
 }
 

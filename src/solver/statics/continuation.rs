@@ -98,8 +98,8 @@ impl Solver {
         state.redundant = redundant;
     }
 
-    /// Starts with a load that balances the initial imbalance, and removes this load in steps (load continuation). Returns the method if it
-    /// succeeded, and the number of iterations.
+    /// Load continuation: starts with an artificial load that balances the initial residual, and removes this load in steps. Returns the method if
+    /// it succeeded, and the number of iterations.
     fn release(
         &mut self,
         system: &System,

@@ -60,10 +60,11 @@ pub struct Solver {
     pub(super) dx: Vec<f64>,
     dx_bar: Vec<f64>,
     step: Vec<f64>,
-    /// Initial imbalance, which continuation releases step by step.
+    /// Residual at the start of load continuation. Load continuation subtracts a fraction of it from the residual, and lowers this fraction to
+    /// zero in steps.
     pub(super) held: Vec<f64>,
     pub(super) start: State,
-    /// True if the initial multipliers were computed because all given ones were zero.
+    /// True if initial multipliers were computed because all given multipliers were zero.
     began: bool,
     trial: State,
     pub(super) history: Vec<Iteration>,
@@ -96,7 +97,7 @@ impl From<NoValue> for Failure {
 /// Options of a sequence of iterations.
 #[derive(Clone, Copy)]
 pub(super) struct NewtonOptions {
-    /// Fraction of the initial imbalance ([`Solver::held`]) that is still held.
+    /// Fraction of the initial residual ([`Solver::held`]) that is subtracted from the residual; zero except in load continuation.
     pub held: f64,
     pub damped: bool,
     /// True if the factors are from an earlier iteration.
@@ -359,7 +360,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Computes the residual at the trial state, minus the held part of the initial imbalance.
+    /// Computes the residual at the trial state. Subtracts the fraction `way.held` of the initial residual, as load continuation requires.
     fn evaluate(
         &mut self,
         system: &System,

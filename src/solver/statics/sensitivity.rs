@@ -3,7 +3,7 @@ use rayon::prelude::*;
 use super::{SolveError, Tangent};
 use crate::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
-/// Sensitivity of an equilibrium, and of quantities measured at it, to the parameters in theta.
+/// Sensitivity of an equilibrium, and of quantities measured at it, to the parameters of the model, which form the vector theta.
 ///
 /// The residual is g(x, theta) = 0, a quantity is q(x, theta), and J = dg/dx. Then `dq/dtheta = q_theta - q_x J^-1 g_theta`. The direct method
 /// solves `J dx = -g_theta` once per parameter. The adjoint method solves `J' a = -q_x` once per quantity; then

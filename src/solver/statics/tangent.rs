@@ -110,7 +110,7 @@ impl Tangent {
         self.factors.solve_transposed(weights);
     }
 
-    /// Returns the derivatives of the unknowns with respect to one parameter in theta.
+    /// Returns the derivatives of the unknowns with respect to one parameter of the model.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.

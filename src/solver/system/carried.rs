@@ -4,13 +4,13 @@ use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model};
 use admire_syntax::hash::QuickMap;
 
-/// Relations between markers and the RM markers that they are defined relative to, possibly on other parts.
+/// Links from markers defined relative to an RM marker to that RM marker, which may be on another part.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Carried {
     /// For each marker with RM: its RM marker, and the pose of the RM marker's part relative to the part of the marker itself, in the
     /// design position.
     base: QuickMap<usize, (usize, Pose)>,
-    /// For each marker: the markers that move with it, each after its reference marker.
+    /// For each marker: the markers that move with it. Each marker in the list comes after its RM marker.
     with: QuickMap<usize, Vec<usize>>,
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn turn(R: &Mat3, D: &Mat6) -> Mat6 {
     out
 }
 
-/// Returns `X_r' M`: the upper rows of M, multiplied by `r x`, are added to the lower rows.
+/// Returns `X_r' M` with `X_r = [1, -r x; 0, 1]`: the upper rows of M, multiplied by `r x`, are added to the lower rows.
 pub(super) fn moved_rows(r: &Mat3, M: &Mat6) -> Mat6 {
     let mut out = *M;
     let lower = M.fixed_view::<3, 6>(3, 0) + r * M.fixed_view::<3, 6>(0, 0);
@@ -50,7 +50,7 @@ pub(super) fn moved_rows(r: &Mat3, M: &Mat6) -> Mat6 {
     out
 }
 
-/// Returns `M X_r`: the left columns of M, multiplied by `r x`, are subtracted from the right columns.
+/// Returns `M X_r` with `X_r = [1, -r x; 0, 1]`: the left columns of M, multiplied by `r x`, are subtracted from the right columns.
 pub(super) fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
     let mut out = *M;
     let right = M.fixed_view::<6, 3>(0, 3) - M.fixed_view::<6, 3>(0, 0) * r;

@@ -35,7 +35,7 @@ impl SlidingWith {
 pub enum StickSlipState {
     /// All surfaces slide.
     Sliding,
-    /// Some surfaces slide.
+    /// Some surfaces slide and others stick.
     Mixed,
     /// No surface slides.
     Sticking,

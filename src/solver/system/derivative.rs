@@ -376,8 +376,8 @@ impl System {
         elements.chain(terms).chain(markers)
     }
 
-    /// Returns whether a function of the model's request number `index` may change with a number at constant unknowns: it measures a marker
-    /// or reads a force, or the number is a literal of the function.
+    /// Returns whether a function of the model's request number `index` may change with a parameter at constant unknowns: the function
+    /// measures a marker or reads a force, or the parameter is a literal of the function.
     pub fn request_reads(&self, index: usize, component: usize, slot: Slot) -> bool {
         let role = self.catalogue().group(slot).role;
         let function = self.requests[index].get(component).copied().flatten();

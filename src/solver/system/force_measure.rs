@@ -5,7 +5,7 @@ use super::forces::DerivativeRequest;
 use super::{Configuration, NoValue};
 use crate::mechanics::{Mat3, Vec3, Vec6};
 
-/// Size of a force relative to its terms below which the force is round-off and has no direction.
+/// Ratio of a torque to the force times the length scale of the model. Below this ratio the torque is round-off and has no direction.
 const NO_DIRECTION: f64 = 1e-13;
 
 impl Configuration<'_> {
@@ -56,7 +56,7 @@ impl Configuration<'_> {
             .axes
             .map_or_else(Mat3::identity, |m| self.scratch.markers[m].R);
         let e: Vec3 = if magnitude {
-            // A force that is round-off of its terms has no direction, and its magnitude gets zero slope.
+            // A zero force, or a torque that is round-off, has no direction; its magnitude gets zero slope.
             let reach = if torque { self.system.length } else { 1.0 };
             let size = w.fixed_rows::<3>(0).norm() * reach;
             half.try_normalize(NO_DIRECTION * size)

@@ -22,7 +22,7 @@ use crate::linear::Sink;
 use crate::mechanics::{Mat3, Vec3, Vec6, log, turning_rate};
 use crate::model::MarkerIx;
 
-/// Values of a friction. Vectors are in the axes of I, except force and torque.
+/// Wrench, coefficients, surface velocities and creeps of a FRICTION. Vectors are in the axes of I, except force and torque.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct FrictionReading {
     /// Force on I at its origin, ground axes.
@@ -152,7 +152,7 @@ impl Configuration<'_> {
         log(&(R_ji * grip.turn.transpose()))
     }
 
-    /// Returns the axis of a rotational sliding direction, fixed at the anchor, in J axes.
+    /// Returns the axis of a rotational sliding direction at the anchor (the end of the last time step), in J axes.
     fn axis(slide: Slide, grip: &StictionState) -> Vec3 {
         match slide {
             Slide::AlongZ => Vec3::z(),
@@ -463,7 +463,8 @@ impl Configuration<'_> {
 /// Lower bound of the overlap, relative to the initial overlap.
 const LEAST_OVERLAP: f64 = 1e-3;
 
-/// Returns the coefficient that multiplies the load, and the direction of the preload, which no coefficient multiplies.
+/// Returns the coefficient mu, which multiplies the normal load, and the direction sigma, which multiplies the preload without a
+/// coefficient.
 pub(super) fn coefficients(law: &FrictionLaw, sliding: &Sliding) -> (Coefficient, Coefficient) {
     (
         law.coefficient(&sliding.v, &sliding.c),

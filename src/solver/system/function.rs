@@ -488,7 +488,7 @@ fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
 }
 
 impl System {
-    /// Returns the angles in functions whose full turns are counted, each with its index in `State::measure_angles`.
+    /// Returns the angle measures of functions whose full turns are counted, each with its index in `State::measure_angles`.
     pub fn counted_angles(&self) -> BTreeMap<Measure, usize> {
         let sources = self.functions.iter().flat_map(|function| &function.sources);
         let counted = sources.filter_map(|source| match source {
@@ -500,8 +500,9 @@ impl System {
             .collect()
     }
 
-    /// Carries over the turn counts of a model from before a change, for every angle that it also counted, whichever function reads it.
-    /// `counted` and `angles` are its [`counted_angles`](Self::counted_angles) and `State::measure_angles`.
+    /// Copies the reference angles for counting full turns from an earlier version of the model into `state`. Copies every angle that the
+    /// earlier version also counted, whichever function reads the angle. `counted` and `angles` are the
+    /// [`counted_angles`](Self::counted_angles) and `State::measure_angles` of the earlier version.
     pub fn count_on(
         &self,
         state: &mut State,

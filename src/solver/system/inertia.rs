@@ -7,7 +7,7 @@ use crate::mechanics::{Mat3, Mat6, Pose, Vec3, eigen::symmetric_eigen, skew};
 use crate::model::PartIx;
 use nalgebra::DMatrix;
 
-/// Principal moment of inertia, relative to the largest moment of inertia, below which it counts as zero.
+/// Ratio of a principal moment of inertia to the largest entry of the inertia matrix. Below this ratio the moment counts as zero.
 const WITHOUT_INERTIA: f64 = 1e-12;
 
 impl Configuration<'_> {

@@ -12,8 +12,8 @@ use crate::linear::{Matrix, Sink as _, dependent_columns};
 /// redundant. Decks give angles and positions with about seven digits, so equations that agree within this rounding are dependent.
 const REDUNDANT: f64 = 1e-6;
 
-/// A distance equation whose row keeps less than this share of its length is postponed. Other equations constrain the same motion better,
-/// for example a rotation by a short lever.
+/// Share of its length that the row of a distance equation must keep after projection onto the complement of the earlier rows; otherwise
+/// the equation is postponed. Other equations then constrain the same motion better, for example a rotation by a short lever.
 const WEAK: f64 = 1e-3;
 
 /// Number of multiplications above which orthogonalisation is abandoned and an elimination finds the redundant equations instead. The
@@ -93,7 +93,7 @@ impl System {
         matrix.finish();
         let mut out = aside.to_vec();
         for equation in dependent_columns(&matrix.view()) {
-            // The matrix is square, so columns behind the equations are empty.
+            // The matrix is square and may have empty columns after the columns of the equations.
             if let Some(out) = out.get_mut(equation as usize) {
                 *out = true;
             }

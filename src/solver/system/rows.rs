@@ -160,8 +160,8 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Adds to `time`, the rates of the constraint rows, the part due to variables and states. `rates` holds the rates of the variables and
-    /// states.
+    /// Adds the part due to variables and states to `time`, which holds the rates of the constraint rows. `rates` holds the rates of the
+    /// variables and states.
     fn row_rates(&self, time: &mut [f64], others: &[(u32, u32, f64)], rates: &[f64]) {
         for &(row, unknown, by) in others {
             time[row as usize] += by * rates[unknown as usize];

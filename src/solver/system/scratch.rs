@@ -48,7 +48,7 @@ pub struct Scratch {
     pub(crate) looks: u64,
     /// For each function outside the equations, the value of `looks` at its last evaluation.
     pub(crate) looked: Vec<u64>,
-    /// Number of undefined functions so far; they count as zero. With `None`, an undefined function is an error.
+    /// Number of undefined functions that were replaced by zero so far. `None` means that an undefined function is an error.
     pub(crate) lacking: Option<usize>,
     /// Additional gradient columns, which follow the columns of the unknowns.
     pub(crate) seeds: Vec<Seed>,

@@ -4,7 +4,7 @@ use super::Name;
 use crate::element::FrictionLaw;
 use crate::mechanics::Vec6;
 
-/// Number of function-value slots for each friction. These slots come after the slots of the functions.
+/// Number of entries reserved for each friction in `Scratch::functions`. These entries follow the entries of the functions.
 pub(crate) const SLOTS: usize = 3;
 /// Sliding direction of a joint's surfaces.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

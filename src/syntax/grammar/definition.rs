@@ -17,7 +17,7 @@ pub struct StatementDef {
     pub presence: &'static [Presence],
     /// Arguments that affect the results of real ADAMS but are ignored by the built-in solver.
     pub left_out: &'static [LeftOut],
-    /// Force laws between the markers I and J that the statement can select; empty if the statement is no such force.
+    /// Force laws that the statement can select; each law acts between the markers I and J. Empty if the statement is not a force of this kind.
     pub laws: &'static [LawDef],
     /// The solver that handles the statement: built-in or real ADAMS.
     pub solved: Solved,

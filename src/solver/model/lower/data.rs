@@ -73,8 +73,8 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
 
 type DenseRows = Vec<Vec<f64>>;
 
-/// Returns whether the numbers of states in the matrices A, B and C of an LSE agree. A mismatch is reported by `dimensions`, and the LSE is
-/// dropped.
+/// Returns whether the matrices A, B and C of an LSE agree in their number of states. If they disagree, `dimensions` reports it and the LSE
+/// is dropped.
 fn fit((a, b, c, _): &(DenseRows, DenseRows, DenseRows, DenseRows)) -> bool {
     let states = a.len();
     let wide = |matrix: &DenseRows| matrix.iter().all(|row| row.len() == states);

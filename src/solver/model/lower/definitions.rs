@@ -93,7 +93,7 @@ impl Definitions {
         let key = (def.name, command.number());
         let settings = def.id.is_none().then(|| Overlay::of(command, source));
         let Some(mut overlay) = self.statement(def, key.1).or(settings) else {
-            // Message text of ADAMS, which then continues.
+            // ADAMS prints this message and continues.
             let message = match command.number() {
                 Some(id) => format!("{}/{id}", def.name),
                 None => def.name.to_string(),
@@ -241,7 +241,7 @@ impl Definitions {
         Some(fresh)
     }
 
-    /// Completes what a redefined body or marker shares with other objects: frames given relative to RM, and inertia given about IM.
+    /// Recomputes the data of the model that depend on a redefined body or marker: frames given relative to RM, and inertia given about IM.
     fn finish_frame(&self, model: &mut Model, def: &'static StatementDef, id: u32) {
         let Some(stated) = self.context(&[]).stated(def.name, id) else {
             return;

@@ -164,8 +164,8 @@ impl Lowering<'_> {
         lower_statement(&mut reader, body.map(PartIx), &mut self.model);
     }
 
-    /// Completes what depends on all bodies and markers. Checks that there is exactly one ground, places markers given relative to other
-    /// markers, and converts inertia given about other markers.
+    /// Completes the model data that depend on all bodies and markers. Checks that there is exactly one ground, places markers given
+    /// relative to other markers, and converts inertia given about other markers.
     fn finish_frames(&mut self, im_parts: &[(PartIx, MarkerIx)]) {
         let source = self.dataset.source();
         let grounds: Vec<usize> = self

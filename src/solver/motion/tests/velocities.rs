@@ -261,7 +261,7 @@ MARKER/21, PART=2, QP=0,0,1
     }
 }
 
-/// With every kind of derivatives, the iteration converges to the same step.
+/// The Newton iteration of a step gives the same result with every kind of derivatives.
 #[test]
 fn every_iteration_finds_the_same_step() {
     use crate::motion::derivatives::Derivatives;

@@ -227,8 +227,8 @@ impl SystemCompiler<'_> {
         MarkerIx(marker)
     }
 
-    /// Returns the elements and constraints that act directly between two markers. The flag of each is true if marker `i` is its J marker.
-    /// Without `j`, returns only the action-only elements at `i`, as for FORCE of REQUEST and INFO.
+    /// Returns the elements and constraints that act directly between two markers. The flag returned with each of them is true if marker
+    /// `i` is its J marker. Without `j`, returns only the action-only elements at `i`, as for FORCE of REQUEST and INFO.
     fn between(&self, i: MarkerIx, j: Option<MarkerIx>) -> Vec<(Exerted, bool)> {
         let Some(j) = j else {
             let alone = |e: &Element| e.i == i.0 && e.reaction.is_none();
@@ -264,8 +264,8 @@ impl SystemCompiler<'_> {
             .collect()
     }
 
-    /// Returns all sources of forces at markers. Each has the marker on which the action acts and, unless it is action-only, the marker on
-    /// which the reaction acts.
+    /// Returns every element and constraint that exerts a force, with the markers at which it acts: the marker on which the action acts
+    /// and, unless the force is action-only, the marker on which the reaction acts.
     fn ends(&self) -> impl Iterator<Item = (Exerted, (usize, Option<usize>))> {
         let elements = self.elements.iter().enumerate();
         let elements = elements.map(|(k, e)| (Exerted::Element(k), (e.i, e.reaction.map(|_| e.j))));

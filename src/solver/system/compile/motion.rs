@@ -73,7 +73,7 @@ fn reading(owner: &Name, what: &str) -> String {
     )
 }
 
-/// Returns the polynomial degree of a function in the velocities that it reads. VM and WM are not linear.
+/// Returns the polynomial degree of a function in the velocities that it reads. The magnitudes VM and WM count as nonlinear.
 fn degree_in_velocities(system: &System, function: usize) -> Degree {
     let mut degrees = BTreeMap::new();
     for read in system.in_turn(function) {
