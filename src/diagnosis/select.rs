@@ -65,7 +65,7 @@ pub(super) fn closed(
     asked.then(|| select(subject, none, data))
 }
 
-/// Selects effects beside the model without any.
+/// Selects effects by comparing fits, starting from `none`, the fitted model without effects.
 fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
     let mut selector = Selector {
         subject,
