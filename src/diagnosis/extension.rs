@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::diagnose::Outcome;
 use super::diagnosis_problem::DiagnosisProblem;
-use super::fit::{DeckOnlyPrediction, FittedModel};
+use super::deck_only::DeckOnlyPrediction;
+use super::fit::FittedModel;
 use admire_identify::global::UnknownTarget;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
