@@ -180,7 +180,7 @@ impl Listing {
                 self.lines
                     .insert(format!("enum {name}{}", text(&of.generics)));
                 for variant in &of.variants {
-                    let fields = text(&variant.fields);
+                    let fields = variant_fields(&variant.fields);
                     self.lines
                         .insert(format!("variant {name}::{}{fields}", variant.ident));
                 }
@@ -235,6 +235,20 @@ impl Listing {
             }
         }
         self.lines.extend(lines);
+    }
+}
+
+/// Formats the fields of a variant: names and types, without attributes.
+fn variant_fields(fields: &syn::Fields) -> String {
+    let field = |field: &syn::Field| match &field.ident {
+        Some(name) => format!("{name}: {}", text(&field.ty)),
+        None => text(&field.ty),
+    };
+    let list: Vec<String> = fields.iter().map(field).collect();
+    match fields {
+        syn::Fields::Named(_) => format!(" {{ {} }}", list.join(", ")),
+        syn::Fields::Unnamed(_) => format!("({})", list.join(", ")),
+        syn::Fields::Unit => String::new(),
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::deck_only::DeckOnlyPrediction;
 use super::diagnose::Outcome;
 use super::diagnosis_problem::DiagnosisProblem;
-use super::deck_only::DeckOnlyPrediction;
 use super::fit::FittedModel;
 use admire_identify::global::UnknownTarget;
 use admire_solver::mechanics::Vec3;
