@@ -15,7 +15,7 @@ use super::shell::{Exit, Shell};
 /// with the command as its only statement, and the address within this dataset.
 ///
 /// # Errors
-/// `undefined-id` if no command matches; `ambiguous-keyword` if several commands match and the text does not select one of them.
+/// `undefined-id` if no command matches; `ambiguous-keyword` if an address without an index (such as `#2`) fits several commands.
 pub(super) fn places(
     file: &CommandFile,
     text: &str,

@@ -100,7 +100,7 @@ pub struct Ranked {
     pub information: Option<f64>,
     /// Standard deviations of the worst-determined combinations after the measurement, in the order of [`Plan::combinations`].
     pub sd_log: Vec<f64>,
-    /// Standard deviations of the predicted wheel after the measurement.
+    /// Standard deviations of the predicted wheel position and angles after the measurement.
     pub curves: Option<WheelSd>,
     /// Expected ability of the measurement to distinguish the two undecided explanations.
     pub causes: Option<Separation>,

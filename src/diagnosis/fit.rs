@@ -364,9 +364,9 @@ impl<'a> EarlyStopping<'a> {
 /// Result of a fit with early stopping.
 #[derive(Clone)]
 pub(super) enum FitOutcome {
-    /// Fitted model, at an optimum that differs from the optimum of the known fit.
+    /// Fitted model, at an optimum that no earlier fit of the same set reached.
     New(Arc<FittedModel>),
-    /// The fit led to the optimum of the known fit.
+    /// The fit led to the optimum of an earlier fit of the same set.
     Duplicate,
 }
 

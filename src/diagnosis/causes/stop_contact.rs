@@ -11,8 +11,7 @@ use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use crate::settings::START_CLEARANCES;
 
-/// Names of the first guesses of the clearance. `above` is measured from the lower end of the displacement range, `below` from the upper
-/// end.
+/// Names of the starting values of the clearance, as fractions of the displacement range: above its lower end, and below its upper end.
 const FORMS: [(&str, &str); 4] = [
     ("above 0.25", "below 0.25"),
     ("above 0.50", "below 0.50"),

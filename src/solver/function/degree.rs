@@ -1,4 +1,4 @@
-//! Degree of a program as a polynomial in some of its inputs.
+//! Polynomial degree of a compiled function expression (program) in some of its inputs.
 
 use super::Input;
 use super::program::{Kind, Program};

@@ -30,7 +30,8 @@ pub(super) struct Coupled {
     levels: Levels,
     rows: Rows,
     g: Vec<f64>,
-    /// Group of each unknown of the three stages: the index of the corresponding unknown in the equations of motion.
+    /// For each unknown of the three-stage system, the index of the same unknown in the equations of motion. The three copies of an unknown form
+    /// a group.
     groups: Vec<u32>,
 }
 

@@ -20,7 +20,7 @@ impl CompiledFunction {
         scratch.by_literal.resize(self.literals.len(), 0.0);
     }
 
-    /// Evaluates the program at the inputs in `scratch`, with its switches held on `pieces`. The derivatives with respect to inputs and
+    /// Evaluates the compiled function at the inputs in `scratch`. Each piecewise function stays on the branch that `pieces` gives. The derivatives with respect to inputs and
     /// literals are left in `scratch`.
     pub(super) fn run(
         &self,
