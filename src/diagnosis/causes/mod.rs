@@ -105,3 +105,55 @@ pub(super) fn candidates(
     hypotheses.extend(dry_friction::by_direction(survey));
     hypotheses
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sought::tests::of_the_axle;
+    use admire_identify::LoadedStudy;
+
+    /// Candidates of the shipped axle with a section `[priors]` in its study.
+    fn candidates_with(priors: &str) -> Vec<CandidateEffect> {
+        let shipped =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../corpus/pseudo-mcpherson");
+        let folder = tempfile::tempdir().expect("a folder");
+        for entry in std::fs::read_dir(shipped).expect("the shipped study") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_name().expect("a name");
+            std::fs::copy(&path, folder.path().join(name)).expect("a copy");
+        }
+        let file = folder.path().join("study.toml");
+        let text = std::fs::read_to_string(&file).expect("study.toml");
+        std::fs::write(&file, format!("{text}\n[priors]\n{priors}\n")).expect("study.toml");
+        let loaded = LoadedStudy::read(folder.path()).value.expect("a study");
+        let problem = loaded.problem();
+        let (subject, none) = of_the_axle(&problem);
+        let survey = OperatingPoints::new(&subject, &none);
+        all(&survey)
+    }
+
+    #[test]
+    fn priors_of_the_study_are_those_of_the_candidates() {
+        let usual = candidates_with("");
+        let other = candidates_with("load_gain = 0.5\nclass_probability = 0.1\nhardpoint_mm = 1.5");
+        assert_eq!(usual.len(), other.len());
+        let mut seen = 0;
+        for (usual, other) in usual.iter().zip(&other) {
+            let change = other.ln_prior - usual.ln_prior;
+            assert!((change - std::f64::consts::LN_2).abs() < 1e-12, "{usual}");
+            let factor = match (usual.cause, usual.side, usual.numbers[0].name.as_str()) {
+                (Cause::LoadGain, ..) => 0.5 / 0.03,
+                (Cause::HardpointError, "point", _) => 0.5,
+                (Cause::DryFriction | Cause::LinkCompliance, ..) => 1.0,
+                _ => continue,
+            };
+            let sd = usual.numbers[0].sd;
+            assert!(
+                (other.numbers[0].sd - factor * sd).abs() < 1e-12 * sd,
+                "{usual}"
+            );
+            seen += 1;
+        }
+        assert!(seen > 10, "{seen}");
+    }
+}
