@@ -41,7 +41,7 @@ pub enum RowColumn {
 /// Index of an unknown while the unknowns are collected. Effects that act directly on rows get their final index last, because they are the
 /// last unknowns.
 #[derive(Clone, Copy)]
-enum Place {
+enum ParameterPosition {
     /// Index among all unknowns.
     Deck(usize),
     /// Index among the effects that act directly on rows.
@@ -163,18 +163,18 @@ impl Unknowns {
                         if before.is_none() && guesses[k] != 0.0 {
                             start[at] = guesses[k] * number.sd;
                         }
-                        place.push(Place::Deck(at));
+                        place.push(ParameterPosition::Deck(at));
                         continue;
                     }
                     (Parametrisation::Linear, Sensitivity::Rows(column)) => {
                         let column = column.iter().map(|(at, v)| (*at, v * number.sd));
-                        place.push(Place::Row(rows.len()));
+                        place.push(ParameterPosition::Row(rows.len()));
                         rows.push(RowColumn::Fixed(column.collect()));
                         row_starts.push(guess);
                         continue;
                     }
                     (Parametrisation::Gain(readings), _) => {
-                        place.push(Place::Row(rows.len()));
+                        place.push(ParameterPosition::Row(rows.len()));
                         rows.push(RowColumn::Gain(number.sd, readings.clone()));
                         row_starts.push(guess);
                         continue;
@@ -233,7 +233,7 @@ impl Unknowns {
                         UnknownTarget::Stiffness(components(std::slice::from_ref(address), &slot)?)
                     }
                 };
-                place.push(Place::Deck(list.len()));
+                place.push(ParameterPosition::Deck(list.len()));
                 start.push(guess);
                 priors.push(own(mean, sd));
                 list.push(FitUnknown {
@@ -255,13 +255,13 @@ impl Unknowns {
         );
         priors.extend(groups.into_iter().map(tolerance::Coefficient::member));
         let first_row = first_mark + layout.sd.len();
-        let index = |place: Place| match place {
-            Place::Deck(at) => at,
-            Place::Row(row) => first_row + row,
+        let index = |place: ParameterPosition| match place {
+            ParameterPosition::Deck(at) => at,
+            ParameterPosition::Row(row) => first_row + row,
         };
         let places = places
             .into_iter()
-            .map(|place: Vec<Place>| place.into_iter().map(index).collect())
+            .map(|place: Vec<ParameterPosition>| place.into_iter().map(index).collect())
             .collect();
         start.extend(row_starts);
         priors.extend(rows.iter().map(|_| own(0.0, 1.0)));
