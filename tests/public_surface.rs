@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use quote::ToTokens;
 use syn::{Item, UseTree, Visibility};
 
-/// The crates whose items are promised: folder of `lib.rs`, and name of the list.
+/// Crates with a stable public surface: folder of `lib.rs`, and name of the list.
 const CRATES: [(&str, &str); 4] = [
     ("src", "admire"),
     ("src/syntax", "admire-syntax"),

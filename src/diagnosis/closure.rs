@@ -92,11 +92,9 @@ impl<'a> Sets<'a> {
     /// Returns true if an effect may be dropped from a set. The main term of a law cannot be dropped while the set contains further terms of that
     /// law.
     fn may_leave(&self, set: &[usize], effect: usize) -> bool {
-        !self.model.effects[effect].is_refined(
-            &set.iter()
-                .map(|k| self.model.effects[*k].clone())
-                .collect::<Vec<_>>(),
-        )
+        let own = &self.model.effects[effect];
+        let mut others = set.iter().map(|k| &self.model.effects[*k]);
+        !others.any(|other| other.term > own.term && other.same_site(own))
     }
 
     /// Returns true for an effect that is not in the fit and whose linearisation is poor. A set that contains such an effect is not enlarged.
@@ -115,7 +113,7 @@ impl<'a> Sets<'a> {
         pool.entry(Vec::new()).or_insert(0.0);
         let mut done = BTreeSet::new();
         if with_pairs {
-            for (set, score) in self.pairs(&Vec::new()) {
+            for (set, score) in self.pairs() {
                 pool.insert(set, score);
             }
         }
@@ -192,12 +190,12 @@ impl<'a> Sets<'a> {
     }
 
     /// Returns the best pairs of effects, each effect with a single column. Two correlated effects may explain the readings only together, so
-    /// that neither is found alone. Effects in `base` are left out.
-    fn pairs(&self, base: &EffectSet) -> Vec<(EffectSet, f64)> {
+    /// that neither is found alone.
+    fn pairs(&self) -> Vec<(EffectSet, f64)> {
         let model = self.model;
         let single: Vec<usize> = (0..model.effects.len())
-            .filter(|k| model.ranges[*k].len() == 1 && !base.contains(k) && !self.is_leaf(*k))
-            .filter(|k| self.may_join(base, *k))
+            .filter(|k| model.ranges[*k].len() == 1 && !self.is_leaf(*k))
+            .filter(|k| model.effects[*k].term == Term::Main)
             .collect();
         let M = &self.reduction.information;
         let g = &self.reduction.gradient;

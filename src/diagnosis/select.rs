@@ -47,7 +47,8 @@ struct Selector<'a, 'b> {
     subject: &'a DiagnosisProblem<'b>,
     data: Data,
     known: Vec<CandidateEffect>,
-    forces: Vec<(usize, GpTerm)>,
+    /// Forces of unknown law that were candidates at a linearisation point.
+    forces: Vec<GpTerm>,
     fits: BTreeMap<Ids, Arc<FittedModel>>,
     /// Sets that are not fitted again: their fit failed, or an effect had the wrong sign.
     discarded: BTreeSet<Ids>,
@@ -55,14 +56,14 @@ struct Selector<'a, 'b> {
     count: usize,
 }
 
-/// Returns the selection by closure if the study asks for it; see [`select`].
+/// Returns the selection by closure if it is the method of the study; see [`select`].
 pub(super) fn closed(
     subject: &DiagnosisProblem<'_>,
     none: &Arc<FittedModel>,
     data: Data,
 ) -> Option<Found> {
-    let asked = subject.problem.selection == Selection::Closure;
-    asked.then(|| select(subject, none, data))
+    let is_closure = subject.problem.selection == Selection::Closure;
+    is_closure.then(|| select(subject, none, data))
 }
 
 /// Selects effects by comparing fits, starting from `none`, the fitted model without effects.
@@ -137,10 +138,7 @@ impl Selector<'_, '_> {
             .map(|reduction| Sets::new(&model, reduction).closure(&start, is_first))
             .collect();
         let ids: Vec<usize> = model.effects.iter().map(|effect| self.id(effect)).collect();
-        for force in forces {
-            let id = self.id(&force.hypothesis);
-            self.forces.push((id, force));
-        }
+        self.forces.extend(forces);
         self.points.push(Point {
             model,
             reductions,
@@ -303,8 +301,8 @@ impl Selector<'_, '_> {
             let force = self
                 .forces
                 .iter()
-                .find(|(_, force)| force.hypothesis.same_form(effect));
-            if let Some((_, force)) = force {
+                .find(|force| force.hypothesis.same_form(effect));
+            if let Some(force) = force {
                 *effect = force.at(self.subject, &found);
                 has_force = true;
             }
@@ -354,8 +352,8 @@ impl Selector<'_, '_> {
             let Some(score) = sets.score(&set) else {
                 continue;
             };
-            let promised = reduction.ln_z + score;
-            if promised > fitted.ln_posterior() + 1.0 && promised > best - OCCAM_WINDOW_NATS {
+            let expected = reduction.ln_z + score;
+            if expected > fitted.ln_posterior() + 1.0 && expected > best - OCCAM_WINDOW_NATS {
                 again.push((other.clone(), set));
             }
         }

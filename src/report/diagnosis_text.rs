@@ -9,7 +9,7 @@ use super::diagnosis_phrases::{
 };
 
 /// Bias of a stiffness, in standard errors, above which a sentence states it.
-const NOTABLE_BIAS: f64 = 2.0;
+const NOTABLE_BIAS_SD: f64 = 2.0;
 /// Largest deficit of the second-best site of the extra force, in nats, at which that site is named.
 const RIVAL_PLACE_NATS: f64 = 5.0;
 /// Maximum number of failed tests of structure that are listed.
@@ -496,7 +496,7 @@ impl Text<'_> {
             .filter(|s| {
                 s.is_identified()
                     && (s.before.0 - s.after.0).abs()
-                        > NOTABLE_BIAS * libm::hypot(s.before.1, s.after.1)
+                        > NOTABLE_BIAS_SD * libm::hypot(s.before.1, s.after.1)
             })
             .collect();
         biased.sort_by(|a, b| b.bias().abs().total_cmp(&a.bias().abs()));
