@@ -167,7 +167,8 @@ pub(super) fn probability(found: &Found, accept: impl Fn(&[CandidateEffect]) -> 
         .models
         .iter()
         .filter(|(model, _)| accept(&model.causes));
-    let sum: f64 = models.map(|(_, probability)| probability).sum();
+    // From zero: the sum of no number at all is negative zero.
+    let sum = models.fold(0.0, |sum, (_, probability)| sum + probability);
     // Of all models it is one but for round-off.
     sum.min(1.0)
 }
