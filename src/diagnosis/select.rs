@@ -5,13 +5,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::candidate_effect::CandidateEffect;
+use super::cause::Cause;
+use super::causes::dry_friction;
 use super::closure::{EffectSet, Pool, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::{
     EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
 };
-use super::reduction::{EffectModel, Reduction};
-use super::remainder::{GpTerm, gp_terms, left_by_laws};
+use super::reduction::{EffectModel, Marginal};
+use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
 use super::rig_errors::Promises;
 use super::settings::{
     EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS, MAX_SELECTION_POINTS,
@@ -26,7 +28,7 @@ type Ids = Vec<usize>;
 /// Linearisation point: a fit at which all effects are linearised.
 struct Point {
     model: EffectModel,
-    reductions: Vec<Reduction>,
+    reductions: Vec<Marginal>,
     /// Sets of effects within Occam's window, one pool for each reduction.
     pools: Vec<Pool>,
     /// Index in `Selector::known` of each effect of `model`.
@@ -43,13 +45,31 @@ struct SetEstimate {
     set: EffectSet,
 }
 
+/// Fitted set of effects.
+struct Fit {
+    ln_posterior: f64,
+    /// The fit itself. `None` if it is outside of Occam's window, to save memory.
+    model: Option<Arc<FittedModel>>,
+}
+
+impl Fit {
+    fn new(fitted: &Arc<FittedModel>) -> Self {
+        Self {
+            ln_posterior: fitted.ln_posterior(),
+            model: Some(Arc::clone(fitted)),
+        }
+    }
+}
+
 struct Selector<'a, 'b> {
+    /// Fit without effects.
+    none: Arc<FittedModel>,
     subject: &'a DiagnosisProblem<'b>,
     data: Data,
     known: Vec<CandidateEffect>,
     /// Forces of unknown law that were candidates at a linearisation point.
     forces: Vec<GpTerm>,
-    fits: BTreeMap<Ids, Arc<FittedModel>>,
+    fits: BTreeMap<Ids, Fit>,
     /// Sets that are not fitted again: their fit failed, or an effect had the wrong sign.
     discarded: BTreeSet<Ids>,
     points: Vec<Point>,
@@ -69,6 +89,7 @@ pub(super) fn closed(
 /// Selects effects by comparing fits, starting from `none`, the fitted model without effects.
 fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
     let mut selector = Selector {
+        none: Arc::clone(none),
         subject,
         data,
         known: Vec::new(),
@@ -78,7 +99,7 @@ fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -
         points: Vec::new(),
         count: 1,
     };
-    selector.fits.insert(Vec::new(), Arc::clone(none));
+    selector.fits.insert(Vec::new(), Fit::new(none));
     selector.add_point(none);
     selector.run();
     selector.into_found()
@@ -101,7 +122,7 @@ impl Selector<'_, '_> {
     }
 
     fn best(&self) -> f64 {
-        let all = self.fits.values().map(|fitted| fitted.ln_posterior());
+        let all = self.fits.values().map(|fit| fit.ln_posterior);
         all.fold(f64::NEG_INFINITY, f64::max)
     }
 
@@ -114,29 +135,30 @@ impl Selector<'_, '_> {
     }
 
     fn add_point(&mut self, fitted: &Arc<FittedModel>) {
-        let mut forces = gp_terms(self.subject, fitted);
-        forces.extend(left_by_laws(self.subject, fitted));
+        let sites = sites_of(self.subject, fitted);
+        let mut forces = gp_terms(self.subject, fitted, &sites);
+        forces.extend(left_by_laws(self.subject, fitted, &sites));
         let further = forces
             .iter()
             .map(|force| force.hypothesis.clone())
             .collect();
-        let mut model = EffectModel::new(self.subject, fitted, further);
+        let mut model = EffectModel::new(self.subject, fitted, &sites, further);
         let modest = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
         let mut sizes = vec![fitted.sizes.clone()];
         if modest.ln != fitted.sizes.ln {
             sizes.push(modest);
         }
-        let reductions: Vec<Reduction> = sizes
+        let reductions: Vec<Marginal> = sizes
             .iter()
-            .filter_map(|sizes| model.reduced(sizes))
+            .filter_map(|sizes| model.marginalised(sizes))
             .collect();
-        model.forget_columns();
         let start: EffectSet = (0..model.own).collect();
         let is_first = self.points.is_empty();
         let pools = reductions
             .iter()
             .map(|reduction| Sets::new(&model, reduction).closure(&start, is_first))
             .collect();
+        model.forget_products();
         let ids: Vec<usize> = model.effects.iter().map(|effect| self.id(effect)).collect();
         self.forces.extend(forces);
         self.points.push(Point {
@@ -165,8 +187,9 @@ impl Selector<'_, '_> {
                 let sets = Sets::new(&point.model, reduction);
                 let mut references = Vec::new();
                 let mut largest = 0.0_f64;
-                for (ids, fitted) in &self.fits {
-                    let own = fitted.ln_posterior();
+                let mut by_law: BTreeMap<Law, f64> = BTreeMap::new();
+                for (ids, fit) in &self.fits {
+                    let own = fit.ln_posterior;
                     if own < best - 3.0 * OCCAM_WINDOW_NATS {
                         continue;
                     }
@@ -179,6 +202,10 @@ impl Selector<'_, '_> {
                     };
                     let error = own - (reduction.ln_z + score);
                     largest = largest.max(error);
+                    for law in new_laws(&point.model, &set) {
+                        let known = by_law.entry(law).or_insert(error);
+                        *known = known.max(error);
+                    }
                     references.push((parts, error));
                 }
                 for (set, score) in pool {
@@ -206,6 +233,9 @@ impl Selector<'_, '_> {
                             correction = libm::exp(-0.5 * apart) * error;
                         }
                     }
+                    // The linear model of a law is rough, in the same way for the same law at another place.
+                    let of_law = new_laws(&point.model, set).filter_map(|law| by_law.get(&law));
+                    correction = of_law.fold(correction, |most, error| error.max(most));
                     let new = SetEstimate {
                         ln_posterior: linear + correction,
                         distance,
@@ -235,30 +265,33 @@ impl Selector<'_, '_> {
         let point = &self.points[estimate.point];
         let reduction = &point.reductions[estimate.reduction];
         let sets = Sets::new(&point.model, reduction);
-        let set: EffectSet = estimate
-            .set
-            .iter()
-            .map(|k| smooth_start(&point.model, *k))
-            .collect();
-        let Some(conditioned) = sets.conditioned(&set) else {
+        let set = &estimate.set;
+        let Some(conditioned) = sets.conditioned(set) else {
             self.discarded.insert(ids.clone());
             return;
         };
         let x = point
             .model
             .start(reduction, &conditioned, MAX_LN_STIFFNESS_START);
-        let guesses = |k: &usize| {
-            let effect = point.model.effects[*k].clone();
-            let guesses = if *k < point.model.own {
-                vec![0.0; effect.numbers.len()]
-            } else {
-                point.model.guesses(reduction, &conditioned, *k)
-            };
-            (effect, guesses)
+        let guesses = |k: usize, start: usize| {
+            let effect = &point.model.effects[k];
+            match &point.model.scans[k] {
+                Some(scan) => dry_friction::started(effect, &scan.starts[start]),
+                None if k < point.model.own => (effect.clone(), vec![0.0; effect.numbers.len()]),
+                None => {
+                    let guesses = point.model.guesses(reduction, &conditioned, k);
+                    (effect.clone(), guesses)
+                }
+            }
         };
-        let chosen: Vec<(CandidateEffect, Vec<f64>)> = set.iter().map(guesses).collect();
+        let is_scanned = set.iter().any(|k| point.model.scans[*k].is_some());
+        let starts = if is_scanned { 2 } else { 1 };
         let parent = Arc::clone(&point.model.fitted);
-        let found = self.fit(&chosen, &parent, &x);
+        let ends = (0..starts).filter_map(|start| {
+            let chosen: Vec<_> = set.iter().map(|k| guesses(*k, start)).collect();
+            self.fit(&chosen, &parent, &x)
+        });
+        let found = ends.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
         let best = self.best();
         match found {
             Some(found) => self.note(ids, &found, best),
@@ -275,9 +308,14 @@ impl Selector<'_, '_> {
         x: &[f64],
     ) -> Option<Arc<FittedModel>> {
         let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
-        let target = EarlyStopping {
-            lead: self.best() - CandidateEffect::ln_prior_of(&effects),
-            ..EarlyStopping::NONE
+        // What a law with memory promises rises while its slip length shortens.
+        let target = if effects.iter().any(|effect| effect.memory.is_some()) {
+            EarlyStopping::NONE
+        } else {
+            EarlyStopping {
+                lead: self.best() - CandidateEffect::ln_prior_of(&effects),
+                ..EarlyStopping::NONE
+            }
         };
         let one = |chosen: &[(CandidateEffect, Vec<f64>)], from: &FittedModel, x: &[f64]| {
             let found = fit_with_early_stopping(
@@ -324,11 +362,20 @@ impl Selector<'_, '_> {
         if self
             .fits
             .get(ids)
-            .is_some_and(|old| old.ln_posterior() >= own)
+            .is_some_and(|old| old.ln_posterior >= own)
         {
             return;
         }
-        self.fits.insert(ids.clone(), Arc::clone(found));
+        if ids.is_empty() {
+            self.none = Arc::clone(found);
+        }
+        self.fits.insert(ids.clone(), Fit::new(found));
+        let least = best.max(own) - OCCAM_WINDOW_NATS;
+        for fit in self.fits.values_mut() {
+            if fit.ln_posterior < least {
+                fit.model = None;
+            }
+        }
         if own < best - 0.5 * OCCAM_WINDOW_NATS || self.points.len() >= MAX_SELECTION_POINTS {
             return;
         }
@@ -341,7 +388,7 @@ impl Selector<'_, '_> {
         let sets = Sets::new(&point.model, reduction);
         let best = self.best();
         let mut again = Vec::new();
-        for (other, fitted) in &self.fits {
+        for (other, fit) in &self.fits {
             let is_subset = other.len() < ids.len() && other.iter().all(|id| ids.contains(id));
             if !is_subset {
                 continue;
@@ -353,7 +400,7 @@ impl Selector<'_, '_> {
                 continue;
             };
             let expected = reduction.ln_z + score;
-            if expected > fitted.ln_posterior() + 1.0 && expected > best - OCCAM_WINDOW_NATS {
+            if expected > fit.ln_posterior + 1.0 && expected > best - OCCAM_WINDOW_NATS {
                 again.push((other.clone(), set));
             }
         }
@@ -372,11 +419,13 @@ impl Selector<'_, '_> {
     fn into_found(self) -> Found {
         let best = self.best();
         let mut visited: Vec<Visited> = Vec::new();
-        for fitted in self.fits.values() {
-            if fitted.ln_posterior() > best - OCCAM_WINDOW_NATS {
+        for fit in self.fits.values() {
+            if let Some(fitted) = &fit.model
+                && fit.ln_posterior > best - OCCAM_WINDOW_NATS
+            {
                 visited.push(Visited {
                     causes: fitted.effects.clone(),
-                    ln_posterior: fitted.ln_posterior(),
+                    ln_posterior: fit.ln_posterior,
                     fitted: Some(Arc::clone(fitted)),
                 });
             }
@@ -390,9 +439,10 @@ impl Selector<'_, '_> {
                 fitted: None,
             });
         }
-        let leading = self.fits.values();
-        let leading = leading.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
-        let none = Arc::clone(&self.fits[&Vec::new()]);
+        let fits = self.fits.values();
+        let leading = fits.max_by(|a, b| a.ln_posterior.total_cmp(&b.ln_posterior));
+        let leading = leading.and_then(|fit| fit.model.as_ref());
+        let none = Arc::clone(&self.none);
         Found {
             best: leading.map_or_else(|| Arc::clone(&none), Arc::clone),
             none,
@@ -408,22 +458,17 @@ impl Selector<'_, '_> {
     }
 }
 
-/// Returns the form of a law with memory with which a fit starts: a form of middle slip length or creep rate, for which the misfit is smooth.
-/// Returns `effect` itself for any other effect.
-fn smooth_start(model: &EffectModel, effect: usize) -> usize {
-    let own = &model.effects[effect];
-    if effect < model.own || own.memory.is_none() || own.form.starts_with("middle") {
-        return effect;
-    }
-    let first = |form: &str| {
-        form.split_once(',')
-            .map_or("", |(_, first)| first)
-            .to_string()
-    };
-    let same = |other: &CandidateEffect| {
-        other.same_law(own)
-            && other.form.starts_with("middle")
-            && first(other.form) == first(own.form)
-    };
-    model.effects.iter().position(same).unwrap_or(effect)
+/// Law whose linear model is rough: all laws with memory together, any other cause by itself.
+type Law = Option<Cause>;
+
+/// Returns the laws of the effects of a set that are not in the fit of the point.
+fn new_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = Law> {
+    let new = set.iter().filter(|k| **k >= model.own);
+    new.filter_map(|k| {
+        let effect = &model.effects[*k];
+        match effect.memory {
+            Some(_) => Some(None),
+            None => effect.is_poorly_linearised().then_some(Some(effect.cause)),
+        }
+    })
 }
