@@ -65,6 +65,21 @@ pub(crate) fn kc_page(
             })),
         ),
         (
+            "Vehicle",
+            given(config.vehicle.map(|v| {
+                format!(
+                    "{} axle, wheelbase {} {length}, centre of mass {} {length} high, sprung mass {} {}, front shares: brake {}, drive {}",
+                    v.axle.word(),
+                    v.wheelbase,
+                    v.cg_height,
+                    v.sprung_mass,
+                    units.mass.word,
+                    v.front_brake,
+                    v.front_drive
+                )
+            })),
+        ),
+        (
             "Ride height",
             match config.ride_load {
                 Some(load) => format!("vertical load {load} {force} on each wheel"),

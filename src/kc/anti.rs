@@ -5,9 +5,18 @@ use serde::{Deserialize, Serialize};
 
 use super::{Compliance, Side, Tyre, ride};
 
+/// Place of an axle in the vehicle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxlePlace {
+    /// Front axle.
+    Front,
+    /// Rear axle.
+    Rear,
+}
+
 /// Vehicle data for the anti effects, in the units of the deck. They are not part of a deck.
-#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Vehicle {
     /// Wheelbase L.
     pub wheelbase: f64,
@@ -22,9 +31,12 @@ pub struct Vehicle {
     /// Axle ratio of a live axle (dependent suspension): turns of the drive shaft per turn of the wheels. `None` means an independent
     /// suspension.
     pub axle_ratio: Option<f64>,
+    /// Place of this axle in the vehicle.
+    pub axle: AxlePlace,
 }
 
-/// Anti effect of one axle in one load case.
+/// Anti effect of one axle in one load case. Braking makes the front of the vehicle dive and its rear lift; driving lifts the front and
+/// makes the rear squat.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Anti {
     /// Front axle, braking.
@@ -37,14 +49,24 @@ pub enum Anti {
     SquatAcceleration,
 }
 
+impl AxlePlace {
+    /// Returns `front` or `rear`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Rear => "rear",
+        }
+    }
+}
+
 impl Anti {
-    /// All four cases. Adams/Car writes all four for any axle; the two values that belong to the other axle have no physical meaning.
-    pub(crate) const ALL: [Self; 4] = [
-        Self::DiveBraking,
-        Self::LiftAcceleration,
-        Self::LiftBraking,
-        Self::SquatAcceleration,
-    ];
+    /// The two load cases of an axle, braking and driving, each with the effect on this axle.
+    pub(crate) const fn of_axle(place: AxlePlace) -> [Self; 2] {
+        match place {
+            AxlePlace::Front => [Self::DiveBraking, Self::LiftAcceleration],
+            AxlePlace::Rear => [Self::LiftBraking, Self::SquatAcceleration],
+        }
+    }
 
     /// Returns the longitudinal force per wheel (+X is rearward) and the vertical load transfer per wheel, both per unit of total
     /// longitudinal force.
@@ -114,13 +136,19 @@ impl Anti {
             * ((1.0 - anti / 100.0) / ride::wheel_rate(c, side) + give)
     }
 
-    /// Returns the names of Adams/Car's two requests: (percentage, height change per g).
-    pub(crate) const fn names(self) -> (&'static str, &'static str) {
-        match self {
-            Self::DiveBraking => ("anti_dive_braking", "dive_braking"),
-            Self::LiftBraking => ("anti_lift_braking", "lift_braking"),
-            Self::LiftAcceleration => ("anti_lift_acceleration", "lift_acceleration"),
-            Self::SquatAcceleration => ("anti_squat_acceleration", "squat_acceleration"),
+    /// Returns the names of Adams/Car's requests, each as (percentage, height change per g), for the front axle and for the rear axle. Adams/Car
+    /// writes this axle's own values under both, whichever axle it is.
+    pub(crate) const fn names(self) -> [(&'static str, &'static str); 2] {
+        if self.brakes() {
+            [
+                ("anti_dive_braking", "dive_braking"),
+                ("anti_lift_braking", "lift_braking"),
+            ]
+        } else {
+            [
+                ("anti_lift_acceleration", "lift_acceleration"),
+                ("anti_squat_acceleration", "squat_acceleration"),
+            ]
         }
     }
 }

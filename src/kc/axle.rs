@@ -33,6 +33,8 @@ pub struct Given {
     pub corner_mass: f64,
     /// Vertical load case used for swing arms and roll centre.
     pub vertical_load: VerticalLoad,
+    /// Turn radius of the last state of the test that has one. It is reported where a state has none.
+    pub last_turn_radius: Option<f64>,
 }
 
 /// Axle in one state.
@@ -69,7 +71,7 @@ impl WheelState {
     }
 }
 
-/// Returns the lateral distance between the wheel centres at design.
+/// Returns the lateral distance between the wheel centres at design, which is that of the tables of the rig.
 fn design_track(left: &WheelState, right: &WheelState) -> f64 {
     right.design.centre.y - left.design.centre.y
 }
@@ -101,7 +103,34 @@ impl AxleState {
     pub(crate) fn patch_roll(&self) -> Option<f64> {
         let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
         let track = design_track(left.as_ref()?, right.as_ref()?);
-        Some(contact::roll_angle(&l, &r, track))
+        Some(contact::roll_angle(l.z, r.z, track))
+    }
+
+    /// Returns the levers from both wheel centres to the points where road forces act.
+    fn levers(&self, tyre: &Tyre) -> Option<[Vec3; 2]> {
+        let [left, right] = &self.wheels;
+        let of = |state: &WheelState| -> Option<Vec3> {
+            let [radius, _] = state.radius?;
+            Some(contact::lever(
+                &state.wheel.spin,
+                &self.normal,
+                radius,
+                tyre,
+            ))
+        };
+        Some([of(left.as_ref()?)?, of(right.as_ref()?)?])
+    }
+
+    /// Returns the steering geometry; `None` unless both wheels, their radii and the vehicle are known.
+    pub(crate) fn steering(&self, given: &Given) -> Option<Steering> {
+        let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
+        let steer = |state: &WheelState| wheel::steer(&state.wheel.spin, &self.normal);
+        Some(Steering {
+            steer: [steer(left.as_ref()?), steer(right.as_ref()?)],
+            y: [l.y, r.y],
+            wheelbase: given.vehicle?.wheelbase,
+            last_radius: given.last_turn_radius,
+        })
     }
 
     /// Computes every characteristic that follows from this state and the given data.
@@ -161,11 +190,8 @@ impl AxleState {
             }
         }
         if let [Some(left), Some(right)] = &self.wheels {
-            let roll = contact::roll_angle(
-                &left.wheel.centre,
-                &right.wheel.centre,
-                design_track(left, right),
-            );
+            let (l, r) = (&left.wheel.centre, &right.wheel.centre);
+            let roll = contact::roll_angle(l.z, r.z, r.y - l.y);
             out.push("roll_angle", "at_wheel_centers", Unit::Angle, AboutX, roll);
         }
     }
@@ -195,10 +221,9 @@ impl AxleState {
                 out.push(entity, name, Unit::Length, sense, value);
             }
         }
-        let (Some([l, r]), [Some(left), Some(right)]) = (self.contacts(), &self.wheels) else {
+        let (Some([l, r]), Some(roll)) = (self.contacts(), self.patch_roll()) else {
             return;
         };
-        let roll = contact::roll_angle(&l, &r, design_track(left, right));
         out.push(
             "roll_angle",
             "at_contact_patches",
@@ -208,13 +233,8 @@ impl AxleState {
         );
         let track = contact::total_track(&l, &r);
         out.push("total_track", "track", Unit::Length, Own, track);
-        let Some(vehicle) = &given.vehicle else {
+        let Some(all) = self.steering(given) else {
             return;
-        };
-        let all = Steering {
-            steer: [left, right].map(|s| wheel::steer(&s.wheel.spin, &self.normal)),
-            y: [l.y, r.y],
-            wheelbase: vehicle.wheelbase,
         };
         for side in Side::BOTH {
             let word = side.word();
@@ -226,7 +246,7 @@ impl AxleState {
             out.push("percent_ackerman", word, Unit::Percent, Own, all.percent());
             let diameter = all.outside_diameter(track);
             out.push("outside_turn_diameter", word, Unit::Length, Own, diameter);
-            let radius = all.turn_radius().unwrap_or(super::steering::STRAIGHT);
+            let radius = all.kept_radius();
             out.push("turn_radius", word, Unit::Length, ToTheRight, radius);
         }
     }
@@ -287,7 +307,7 @@ impl AxleState {
     fn ride(&self, c: &Compliance, given: &Given, out: &mut Readings) {
         use Sense::{Own, ToTheRight};
         let load = given.vertical_load;
-        for (side, _) in self.each() {
+        for (side, state) in self.each() {
             let word = side.word();
             let rate = ride::wheel_rate(c, side);
             out.push("wheel_rate", word, Unit::Rate, Own, rate);
@@ -301,7 +321,8 @@ impl AxleState {
             }
             let mut per_length =
                 |name, sense, value| out.push(name, word, Unit::AnglePerLength, sense, value);
-            per_length("ride_steer", ToTheRight, ride::ride_steer(c, side));
+            let steer = ride::ride_steer(c, side, &state.wheel.spin);
+            per_length("ride_steer", ToTheRight, steer);
             per_length("ride_camber", Own, ride::ride_camber(c, side));
             per_length("ride_caster", Own, ride::ride_caster(c, side));
             let angle = swing_arm::front_view_angle(c, side, load);
@@ -393,12 +414,13 @@ impl AxleState {
                 continue;
             };
             let track = self.contacts().map(|[l, r]| contact::total_track(&l, &r));
-            for anti in Anti::ALL {
-                let (percent, height) = anti.names();
-                let value = anti.percent(c, side, vehicle, tyre.radius, track);
-                out.push(percent, word, Unit::Percent, Own, value);
-                let value = anti.height_per_g(c, side, vehicle, &tyre, track, given.weight);
-                out.push(height, word, Unit::LengthPerG, Own, value);
+            for anti in Anti::of_axle(vehicle.axle) {
+                let share = anti.percent(c, side, vehicle, tyre.radius, track);
+                let change = anti.height_per_g(c, side, vehicle, &tyre, track, given.weight);
+                for (percent, height) in anti.names() {
+                    out.push(percent, word, Unit::Percent, Own, share);
+                    out.push(height, word, Unit::LengthPerG, Own, change);
+                }
             }
         }
     }
@@ -412,6 +434,9 @@ impl AxleState {
             return;
         }
         let track = contact::total_track(&contacts[0], &contacts[1]);
+        let Some(levers) = given.tyre.and_then(|tyre| self.levers(&tyre)) else {
+            return;
+        };
         let tyre = given.tyre.and_then(|tyre| tyre.stiffness);
         let rate = roll::suspension_roll_rate(c, track);
         out.push(
@@ -433,14 +458,12 @@ impl AxleState {
             let rate = roll::tramp_rate(c, track, tyre);
             out.push("tramp_rate", "tramp_rate", Unit::RollRate, Own, rate);
         }
-        let at_patch = c.at([
-            contacts[0] - left.wheel.centre,
-            contacts[1] - right.wheel.centre,
-        ]);
-        for side in Side::BOTH {
+        let at_patch = c.at(levers);
+        for (side, state) in Side::BOTH.into_iter().zip([left, right]) {
             let word = side.word();
+            let spin = &state.wheel.spin;
             // Roll steer is a rotation about Z per rotation about X, so it changes sign exactly when the Y axis is reversed.
-            let value = roll::roll_steer(&at_patch, c, side, track, tyre);
+            let value = roll::roll_steer(&at_patch, side, spin, track, tyre);
             out.push("roll_steer", word, Unit::One, Y, value);
             let value = roll::roll_camber(c, side, track, tyre);
             out.push("roll_camber_coefficient", word, Unit::One, Own, value);

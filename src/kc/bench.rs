@@ -297,10 +297,8 @@ impl Compiled {
                 turn: nalgebra::Matrix3::identity(),
             };
             let radius = config.tyre.map(|tyre| {
-                [
-                    contact::loaded_radius(tyre.radius, load[k], tyre.stiffness),
-                    tyre.radius,
-                ]
+                let now = contact::loaded_radius(&tyre, load[k], &now.spin, &axle.normal);
+                [now, tyre.radius]
             });
             axle.wheels[k] = Some(WheelState {
                 wheel: now,

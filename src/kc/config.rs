@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::test_kind::TestKind;
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
-use super::{Convention, Direction, Frame, Side, Tyre, Vehicle, VerticalLoad};
+use super::{AxlePlace, Convention, Direction, Frame, Side, Tyre, Vehicle, VerticalLoad};
 use admire_solver::system::SlidingWith;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
@@ -52,8 +52,8 @@ pub enum AxisMethod {
     Geometric,
     /// Screw axis of the carrier's motion under the steering input.
     Instant,
-    /// Screw axis of the carrier's motion under a unit moment about the vertical at the wheel centre, for an axle without steering. It is
-    /// not confirmed that Adams/Car uses this method.
+    /// Screw axis of the carrier's motion under a unit moment about the vertical at the wheel centre, with the travel locked: what Adams/Car
+    /// takes for an axle without steering.
     InstantMoment,
     /// Geometric axis if its markers are named; otherwise the instant axis if there is a steering input; otherwise no axis.
     #[default]
@@ -108,7 +108,7 @@ struct File {
     deck: DeckTable,
     wheels: WheelsTable,
     tyre: Option<Tyre>,
-    vehicle: Option<Vehicle>,
+    vehicle: Option<VehicleTable>,
     #[serde(default)]
     ride: RideTable,
     #[serde(default)]
@@ -150,6 +150,38 @@ struct WheelTable {
     spin: Spanned<String>,
     steer_axis: Option<[Spanned<String>; 2]>,
     travel_lock: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+struct VehicleTable {
+    axle: Option<AxlePlace>,
+    wheelbase: f64,
+    cg_height: f64,
+    sprung_mass: f64,
+    front_brake: f64,
+    front_drive: f64,
+    axle_ratio: Option<f64>,
+}
+
+impl VehicleTable {
+    /// Returns the vehicle. An axle whose place is not given is the front axle if it is steered.
+    fn vehicle(self, steered: bool) -> Vehicle {
+        let likely = if steered {
+            AxlePlace::Front
+        } else {
+            AxlePlace::Rear
+        };
+        Vehicle {
+            wheelbase: self.wheelbase,
+            cg_height: self.cg_height,
+            sprung_mass: self.sprung_mass,
+            front_brake: self.front_brake,
+            front_drive: self.front_drive,
+            axle_ratio: self.axle_ratio,
+            axle: self.axle.unwrap_or(likely),
+        }
+    }
 }
 
 #[derive(Deserialize, Default)]
@@ -445,6 +477,7 @@ impl Config {
                 ),
             );
         }
+        let steered = file.steering.lock.is_some() || file.steering.drive.is_some();
         let value = frame.map(|frame| Self {
             source: source.clone(),
             frame,
@@ -453,7 +486,7 @@ impl Config {
             wheels,
             mirror: file.wheels.mirror,
             tyre: file.tyre,
-            vehicle: file.vehicle,
+            vehicle: file.vehicle.map(|table| table.vehicle(steered)),
             ride_load: file.ride.load,
             ride_height: file.ride.height.unwrap_or(0.0),
             steering_lock: file.steering.lock.map(Spelled::from),

@@ -3,7 +3,8 @@
 pub struct Inputs {
     /// Heights of the wheel centres above their design position, where heights are held.
     pub height: [f64; 2],
-    /// Forces along X, Y, Z and torque about Z on each wheel; the vertical force is used where loads are held.
+    /// Force rearward, force to the right, vertical force and torque about Z on each wheel. The first two lie in the road plane and follow
+    /// the heading of the wheel; the vertical force is used where loads are held.
     pub loads: [[f64; 4]; 2],
     /// True if the vertical load acts at the contact patch, otherwise at the wheel centre.
     pub vertical_at_patch: bool,

@@ -48,7 +48,7 @@ mod tyre;
 pub mod wheel;
 mod wheel_rate;
 
-pub(crate) use anti::{Anti, Vehicle};
+pub(crate) use anti::{Anti, AxlePlace, Vehicle};
 pub use axle::{AxleState, Given};
 pub use bench::{Bench, Observation};
 pub use bench_error::BenchError;

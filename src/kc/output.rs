@@ -14,7 +14,7 @@ use admire_results::{Catalogue, Component, Entity, Header, StepKind, Style, Time
 use admire_syntax::units::Units;
 
 /// Version of the definitions in the guide, page `kc`.
-pub const DEFINITIONS: u32 = 1;
+pub const DEFINITIONS: u32 = 2;
 
 /// Conditions stated in every row of an output.
 #[derive(Clone, Debug)]
@@ -336,6 +336,7 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
         "axes": convention.word(),
         "deck_axes": config.axes,
         "choices": {
+            "axle": config.vehicle.map(|vehicle| vehicle.axle.word()),
             "vertical_load": config.vertical_load,
             "friction": config.sliding_with.word(),
             "mirrored": config.mirror,

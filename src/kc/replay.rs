@@ -198,7 +198,7 @@ impl Replay {
     }
 
     fn of_values(&mut self, read: &dyn Fn(usize) -> f64) -> Result<AxleState, ReplayError> {
-        let mut wheels = [None; 2];
+        let (mut wheels, mut force, mut design_radius) = ([None; 2], [0.0; 2], [0.0; 2]);
         let (options, angle) = (&self.options, self.angle);
         for followed in &mut self.wheels {
             let how = (options, angle);
@@ -223,11 +223,6 @@ impl Replay {
                 spin: R.column(column) * sense,
                 turn: R * known.design_R.transpose(),
             };
-            let radius = options.tyre.map(|tyre| {
-                let force = known.normal_force.map_or(0.0, read);
-                let now = contact::loaded_radius(tyre.radius, force, tyre.stiffness);
-                [now, known.design_radius]
-            });
             if wheels[side.index()].is_some() {
                 return Err(ReplayError::SameSide {
                     name: followed.name.clone(),
@@ -237,22 +232,35 @@ impl Replay {
             wheels[side.index()] = Some(WheelState {
                 wheel,
                 design: known.design,
-                radius,
+                radius: None,
                 axis,
             });
+            design_radius[side.index()] = known.design_radius;
+            force[side.index()] = known.normal_force.map_or(0.0, read);
         }
         let mut state = AxleState {
             wheels,
             normal: Vec3::z(),
             compliance: None,
         };
-        match (options.road, self.roll) {
-            (Road::Patches, _) => state.normal = through_patches(&state),
-            (Road::Rig, Some([rolls, at_patches])) if read(rolls).abs() > LEAST_ROLL => {
-                let (sin, cos) = libm::sincos(read(at_patches) * angle);
-                state.normal = Vec3::new(0.0, sin, cos);
+        if let (Road::Rig, Some([rolls, at_patches])) = (options.road, self.roll)
+            && read(rolls).abs() > LEAST_ROLL
+        {
+            let (sin, cos) = libm::sincos(read(at_patches) * angle);
+            state.normal = Vec3::new(0.0, sin, cos);
+        }
+        let set_radii = |state: &mut AxleState| {
+            let Some(tyre) = options.tyre else { return };
+            for (k, wheel) in state.wheels.iter_mut().enumerate() {
+                let Some(wheel) = wheel else { continue };
+                let o = &wheel.wheel.spin;
+                let now = contact::loaded_radius(&tyre, force[k], o, &state.normal);
+                wheel.radius = Some([now, design_radius[k]]);
             }
-            _ => {}
+        };
+        set_radii(&mut state);
+        if options.road == Road::Patches {
+            lay_through_patches(&mut state, &set_radii);
         }
         Ok(state)
     }
@@ -283,16 +291,17 @@ impl Known {
         let side = if p.y < 0.0 { Side::Left } else { Side::Right };
         let sense = side.outboard_sign() * R[(1, axis)].signum();
         let normal_force = forces[side.index()];
+        let spin: Vec3 = R.column(axis) * sense;
         let design_radius = options.tyre.map_or(0.0, |tyre| {
             let force = normal_force.map_or(0.0, read);
-            contact::loaded_radius(tyre.radius, force, tyre.stiffness)
+            contact::loaded_radius(&tyre, force, &spin, &Vec3::z())
         });
         Ok(Self {
             axis: (axis, sense),
             design: Wheel {
                 side,
                 centre: *p,
-                spin: R.column(axis) * sense,
+                spin,
                 turn: Mat3::identity(),
             },
             design_R: *R,
@@ -302,12 +311,11 @@ impl Known {
     }
 }
 
-/// Returns the normal of the plane along X through both contact points. The contact points depend on the normal, so the normal is found by
-/// iteration.
-fn through_patches(state: &AxleState) -> Vec3 {
+/// Sets the road to the plane along X through both contact points. The contact points depend on the road, so it is found by iteration;
+/// `set_radii` computes the loaded radii on the present road.
+fn lay_through_patches(state: &mut AxleState, set_radii: &dyn Fn(&mut AxleState)) {
     /// Largest number of iterations. Each iteration multiplies the correction by less than the ratio of tyre radius to track.
     const ROUNDS: usize = 60;
-    let mut state = *state;
     for _ in 0..ROUNDS {
         let Some(roll) = state.patch_roll() else {
             break;
@@ -316,11 +324,11 @@ fn through_patches(state: &AxleState) -> Vec3 {
         let normal = Vec3::new(0.0, sin, cos);
         let done = (normal - state.normal).norm() < 1e-16;
         state.normal = normal;
+        set_radii(state);
         if done {
             break;
         }
     }
-    state.normal
 }
 
 fn body(catalogue: &Catalogue, name: &str) -> Result<Body, ReplayError> {

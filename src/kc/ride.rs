@@ -3,7 +3,9 @@
 //! Compliance rows count rotations about +Z positive to the left; the ride steer column is positive to the right. Source of every formula:
 //! guide page `kc`, section "Ride and roll".
 
+use super::wheel::angle_rates;
 use super::{Compliance, Side};
+use admire_solver::mechanics::Vec3;
 
 /// Returns the wheel rate, the vertical force per travel of the wheel centre without tyre: `1 / (C33 + C39)`.
 pub fn wheel_rate(c: &Compliance, side: Side) -> f64 {
@@ -15,10 +17,13 @@ pub fn ride_rate(wheel_rate: f64, tyre: f64) -> f64 {
     wheel_rate * tyre / (wheel_rate + tyre)
 }
 
-/// Returns steer per travel, positive to the right in jounce: `-(C63 + C69) / (C33 + C39)`. The formula is exact only at zero camber. The
-/// tangent of a bounce test is exact at any camber, because it differentiates the steer angle itself.
-pub fn ride_steer(c: &Compliance, side: Side) -> f64 {
-    -c.in_phase(side, 6, 3) / c.in_phase(side, 3, 3)
+/// Returns steer per travel, positive to the right in jounce: the derivative of the steer angle atan(o.x / o.y) by the travel.
+///
+/// With the spin axis o and the turn `th = C(4..6, 3) + C(4..6, 9)` of the wheel per vertical load, `do = th x o` and the steer angle changes
+/// by `(o.y do.x - o.x do.y) / (o.x^2 + o.y^2)`. The travel is `C33 + C39`.
+pub fn ride_steer(c: &Compliance, side: Side, o: &Vec3) -> f64 {
+    let turn = Vec3::from([4, 5, 6].map(|i| c.in_phase(side, i, 3)));
+    angle_rates(side, o, &turn).steer / c.in_phase(side, 3, 3)
 }
 
 /// Returns camber per travel, positive with the top outboard. It is `(C43 + C49) / (C33 + C39)` on the left, and the same with opposite

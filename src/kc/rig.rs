@@ -4,9 +4,12 @@
 //! and a ground marker `g` at the design position of the centre in the axes of Adams/Car. Variables carry the loads, and one GFORCE applies
 //! them.
 //!
-//! A load at the contact patch is applied at the wheel centre together with its moment. With the unit spin axis o from `c` to `a` and the
-//! loaded tyre radius r, the lever from the wheel centre to the patch is `d = r (oz ox, oz oy, oz^2 - 1) / sqrt(1 - oz^2)`. A MOTION holds
-//! the height where heights are driven; its reaction is part of the load.
+//! Loads in the road plane follow the heading of the wheel. With the unit spin axis o from `c` to `a` and cos(gamma) = sqrt(1 - oz^2), the
+//! lateral axis to the right is `h = (ox, oy, 0) / cos(gamma)`, with opposite sign on the left, and the rearward axis is `h x z`.
+//!
+//! A load at the contact patch is applied at the wheel centre together with its moment. The lever from the wheel centre to the patch is
+//! `d = l (oz ox, oz oy, oz^2 - 1) / cos(gamma)`, with `l = R0 - max(Fn, 0) / (Kt cos(gamma))` from the law of the tyre in
+//! [`contact`](super::contact). A MOTION holds the height where heights are driven; its reaction is part of the load.
 
 use super::Side;
 use super::config::{Config, Spelled, WheelConfig};
@@ -79,7 +82,7 @@ pub(crate) struct WheelIds {
     pub centre: u32,
     /// Ground marker at the design position of the wheel centre.
     pub ground: u32,
-    /// Variables of the applied forces along X, Y, Z and of the torque about Z, in the axes of Adams/Car.
+    /// Variables of the applied forces rearward and to the right in the heading of the wheel, of the vertical force and of the torque about Z.
     pub loads: [u32; 4],
     /// Two variables that are 1 for loads at the patch and 0 for loads at the centre. The first belongs to the vertical load, the second to
     /// the loads in the road plane.
@@ -407,7 +410,7 @@ fn add_wheel(
         ["fx", "fy", "fz", "mz"].map(|name| builder.variable(&named(name), "0.0".to_string()));
     let patch = ["vertical_at_patch", "plane_at_patch"]
         .map(|name| builder.variable(&named(name), "0.0".to_string()));
-    let [fx, fy, fz, mz] = loads;
+    let [_, _, fz, _] = loads;
     let total = builder.variable(
         &named("load"),
         match motion {
@@ -415,44 +418,56 @@ fn add_wheel(
             None => format!("VARVAL({fz})"),
         },
     );
-    let force = |id: u32| Some(format!("VARVAL({id})"));
-    let mut arguments = vec![
+    let v = |id: u32| format!("VARVAL({id})");
+    let [ox, oy, oz] = ["X", "Y", "Z"].map(|k| {
+        let function = format!("D{k}({axis},{centre},{g})/{}", number(length));
+        v(builder.variable(&named(&format!("spin_{}", k.to_lowercase())), function))
+    });
+    let mut variable = |name: &str, function: String| v(builder.variable(&named(name), function));
+    let tilt = variable("tilt", format!("SQRT(1-{oz}**2)"));
+    // The lateral axis of the wheel in the road plane points to +Y on both sides; the longitudinal one points rearward.
+    let sign = if side.outboard_sign() > 0.0 { "" } else { "-" };
+    let hx = variable("heading_x", format!("{sign}{ox}/{tilt}"));
+    let hy = variable("heading_y", format!("{sign}{oy}/{tilt}"));
+    let (n, [fx, fy, _, mz]) = (v(total), loads.map(v));
+    let fx_road = variable("road_x", format!("{fx}*{hy}+{fy}*{hx}"));
+    let fy_road = variable("road_y", format!("{fy}*{hy}-{fx}*{hx}"));
+    let torques = match &config.tyre {
+        Some(tyre) => {
+            let radius = match tyre.stiffness {
+                // A tyre that pulls keeps the lever of the unloaded radius.
+                Some(k) => format!(
+                    "{}-MAX({n},0.0)/({}*{tilt})",
+                    number(tyre.radius),
+                    number(k)
+                ),
+                None => number(tyre.radius),
+            };
+            let reach = variable("reach", format!("({radius})/{tilt}"));
+            let dx = variable("lever_x", format!("{reach}*{oz}*{ox}"));
+            let dy = variable("lever_y", format!("{reach}*{oz}*{oy}"));
+            let dz = variable("lever_z", format!("{reach}*({oz}**2-1)"));
+            let [up, plane] = patch.map(v);
+            [
+                format!("{up}*{dy}*{n}-{plane}*{dz}*{fy_road}"),
+                format!("{plane}*{dz}*{fx_road}-{up}*{dx}*{n}"),
+                format!("{plane}*({dx}*{fy_road}-{dy}*{fx_road})+{mz}"),
+            ]
+        }
+        None => ["0.0".to_string(), "0.0".to_string(), mz],
+    };
+    let [tx, ty, tz] = torques.map(Some);
+    let arguments = [
         ("I", Some(centre.to_string())),
         ("JFLOAT", Some(reaction.to_string())),
         ("RM", Some(g.to_string())),
-        ("FX", force(fx)),
-        ("FY", force(fy)),
-        ("FZ", force(fz)),
+        ("FX", Some(fx_road)),
+        ("FY", Some(fy_road)),
+        ("FZ", Some(v(loads[2]))),
+        ("TX", tx),
+        ("TY", ty),
+        ("TZ", tz),
     ];
-    if let Some(tyre) = &config.tyre {
-        let [ox, oy, oz] = ["X", "Y", "Z"].map(|k| {
-            let function = format!("D{k}({axis},{centre},{g})/{}", number(length));
-            builder.variable(&named(&format!("spin_{}", k.to_lowercase())), function)
-        });
-        let radius = match tyre.stiffness {
-            Some(k) => format!("({}-VARVAL({total})/{})", number(tyre.radius), number(k)),
-            None => number(tyre.radius),
-        };
-        let v = |id: u32| format!("VARVAL({id})");
-        let (x, y, z) = (v(ox), v(oy), v(oz));
-        let reach = builder.variable(&named("reach"), format!("{radius}/SQRT(1-{z}**2)"));
-        let [dx, dy, dz] = [
-            ("lever_x", format!("{}*{z}*{x}", v(reach))),
-            ("lever_y", format!("{}*{z}*{y}", v(reach))),
-            ("lever_z", format!("{}*({z}**2-1)", v(reach))),
-        ]
-        .map(|(name, function)| v(builder.variable(&named(name), function)));
-        let (n, fx, fy, mz) = (v(total), v(fx), v(fy), v(mz));
-        let [up, plane] = patch.map(v);
-        arguments.push(("TX", Some(format!("{up}*{dy}*{n}-{plane}*{dz}*{fy}"))));
-        arguments.push(("TY", Some(format!("{plane}*{dz}*{fx}-{up}*{dx}*{n}"))));
-        let torque = format!("{plane}*({dx}*{fy}-{dy}*{fx})+{mz}");
-        arguments.push(("TZ", Some(torque)));
-    } else {
-        arguments.push(("TX", Some("0.0".to_string())));
-        arguments.push(("TY", Some("0.0".to_string())));
-        arguments.push(("TZ", force(mz)));
-    }
     builder.add("GFORCE", &named("loads"), &arguments);
     WheelIds {
         side,

@@ -3,15 +3,17 @@
 //! `track` is the distance between the contact points. Coefficients refer to the roll angle of the line through the loaded tyres on the
 //! road, so they include the compliance of the tyres. Source of every formula: guide page `kc`, section "Ride and roll".
 
+use super::wheel::angle_rates;
 use super::{Compliance, Side};
+use admire_solver::mechanics::Vec3;
 
-/// Returns the difference of the wheel travels, left minus right, per unit of opposite vertical loads on the wheels:
-/// `D = C33 - C39 - C93 + C99`.
+/// Returns the difference of the travels, left minus right, per unit of opposite vertical loads on the wheels:
+/// `D = C33 - C39 - C93 + C99`. The travels and loads are those of the points of `c`: wheel centres or contact points.
 pub(crate) fn opposed_travel(c: &Compliance) -> f64 {
     c.c(3, 3) - c.c(3, 9) - c.c(9, 3) + c.c(9, 9)
 }
 
-/// Returns the difference of the wheel travels under opposite loads, with the tyres included: `Dt = D + 2 / Kt`, or D without tyre
+/// Returns the difference of the travels under opposite loads, with the tyres included: `Dt = D + 2 / Kt`, or D without tyre
 /// stiffness.
 pub(crate) fn opposed_travel_on_tyres(c: &Compliance, tyre: Option<f64>) -> f64 {
     opposed_travel(c) + tyre.map_or(0.0, |k| 2.0 / k)
@@ -41,17 +43,22 @@ pub(crate) fn tramp_rate(c: &Compliance, track: f64, tyre: f64) -> f64 {
     track * track / sum
 }
 
-/// Returns steer per roll angle, positive to the left with the left wheel up, with loads at the contact patch. It is `(C63 - C69) T / Dt`
-/// on the left and `(C12,3 - C12,9) T / Dt` on the right.
+/// Returns steer per roll angle, positive to the left with the left wheel up: the derivative of the steer angle atan(o.x / o.y) under
+/// opposite vertical loads at the contact points, +1 on the left and -1 on the right.
+///
+/// `at_patch` is the compliance at the contact points. With the spin axis o and the turn `th = C(4..6, 3) - C(4..6, 9)` of the left wheel per
+/// load, the steer angle changes as in [`ride_steer`](super::ride::ride_steer). The roll angle is `Dt / T`; Dt is of the contact points, not
+/// of the wheel centres.
 pub fn roll_steer(
     at_patch: &Compliance,
-    c: &Compliance,
     side: Side,
+    o: &Vec3,
     track: f64,
     tyre: Option<f64>,
 ) -> f64 {
-    -side.outboard_sign() * at_patch.antiphase(side, 6, 3) * track
-        / opposed_travel_on_tyres(c, tyre)
+    let turn = Vec3::from([4, 5, 6].map(|i| at_patch.antiphase(side, i, 3)));
+    let load = -side.outboard_sign();
+    -load * angle_rates(side, o, &turn).steer * track / opposed_travel_on_tyres(at_patch, tyre)
 }
 
 /// Returns inclination to the road per roll angle. It is `1 + (C43 - C49) T / Dt` on the left and `1 - (C10,9 - C10,3) T / Dt` on the

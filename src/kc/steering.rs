@@ -5,8 +5,10 @@ use super::Side;
 
 /// Smallest inside steer angle that is evaluated, 0.1 degrees, as in Adams/Car.
 pub(crate) const LEAST_STEER: f64 = 0.1 * std::f64::consts::PI / 180.0;
-/// Turn radius that is reported for straight wheels, in length units, as in Adams/Car.
-pub(crate) const STRAIGHT: f64 = 1e5;
+/// Turn radius before the first evaluated state, in length units, as in Adams/Car.
+const STRAIGHT: f64 = 1e5;
+/// Largest percentage that Adams/Car writes.
+const MOST_PERCENT: f64 = 999.0;
 
 /// Geometry of two steered wheels.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -17,21 +19,30 @@ pub struct Steering {
     pub y: [f64; 2],
     /// Wheelbase.
     pub wheelbase: f64,
+    /// Turn radius of the last evaluated state of the test, if any.
+    pub last_radius: Option<f64>,
 }
 
 impl Steering {
-    /// Returns the inside wheel: right for a right turn. `None` straight ahead.
+    /// Returns the inside wheel: right for a right turn. The mean steer angle decides the direction of the turn. `None` unless the inside
+    /// wheel itself is turned that way by [`LEAST_STEER`]; wheels with toe-in on both sides never are.
     pub(crate) fn inside(&self) -> Option<Side> {
-        let mean = self.steer[0] + self.steer[1];
-        let side = if mean > 0.0 { Side::Right } else { Side::Left };
-        (self.steer[side.index()].abs() >= LEAST_STEER).then_some(side)
+        let right = self.steer[0] + self.steer[1] > 0.0;
+        let side = if right { Side::Right } else { Side::Left };
+        let inward = side.outboard_sign() * self.steer[side.index()];
+        (inward >= LEAST_STEER).then_some(side)
     }
 
-    /// Returns the turn radius R, positive for a right turn: `L / tan(steer) + y`, with steer and y of the inside wheel. `None` straight
-    /// ahead.
+    /// Returns the turn radius R, positive for a right turn: `L / tan(steer) + y`, with steer and y of the inside wheel. `None` without an
+    /// inside wheel.
     pub fn turn_radius(&self) -> Option<f64> {
         let k = self.inside()?.index();
         Some(self.wheelbase / libm::tan(self.steer[k]) + self.y[k])
+    }
+
+    /// Returns the turn radius, or that of the last evaluated state where this state has none. It is 1e5 before the first one.
+    pub fn kept_radius(&self) -> f64 {
+        self.turn_radius().or(self.last_radius).unwrap_or(STRAIGHT)
     }
 
     /// Returns the Ackerman angle `atan(L / R)`; zero straight ahead.
@@ -53,10 +64,9 @@ impl Steering {
         }
     }
 
-    /// Returns the steer angle minus the ideal steer angle; zero straight ahead.
+    /// Returns the steer angle minus the ideal steer angle.
     pub fn error(&self, side: Side) -> f64 {
-        self.inside()
-            .map_or(0.0, |_| self.steer[side.index()] - self.ideal(side))
+        self.steer[side.index()] - self.ideal(side)
     }
 
     /// Returns the Ackerman difference `steer right - steer left`.
@@ -64,20 +74,21 @@ impl Steering {
         self.steer[1] - self.steer[0]
     }
 
-    /// Returns the outside turn diameter `2 sqrt((|R| + T/2)^2 + L^2)`.
+    /// Returns the outside turn diameter `2 sqrt((|R| + T/2)^2 + L^2)` with the radius R of [`Self::kept_radius`].
     pub fn outside_diameter(&self, track: f64) -> f64 {
-        let radius = self.turn_radius().unwrap_or(STRAIGHT);
-        2.0 * libm::hypot(radius.abs() + track / 2.0, self.wheelbase)
+        2.0 * libm::hypot(self.kept_radius().abs() + track / 2.0, self.wheelbase)
     }
 
-    /// Returns percent Ackerman `100 (inside - outside) / (inside - ideal outside)`; 100 straight ahead. The formula is not confirmed by
-    /// real results, which contain only clipped values.
-    pub(crate) fn percent(&self) -> f64 {
+    /// Returns percent Ackerman `100 (inside - outside) / (inside - ideal outside)`, cut at 999; 100 straight ahead. Real results contain only
+    /// these two values, so they confirm the cut and not the formula. That negative values are cut at -999 is an assumption.
+    pub fn percent(&self) -> f64 {
         let Some(inside) = self.inside() else {
             return 100.0;
         };
         let (i, o) = (inside.index(), inside.other());
-        100.0 * (self.steer[i] - self.steer[o.index()]) / (self.steer[i] - self.ideal(o))
+        let percent =
+            100.0 * (self.steer[i] - self.steer[o.index()]) / (self.steer[i] - self.ideal(o));
+        percent.clamp(-MOST_PERCENT, MOST_PERCENT)
     }
 }
 
@@ -95,6 +106,7 @@ mod tests {
                 steer,
                 y,
                 wheelbase,
+                last_radius: None,
             };
             assert!((all.turn_radius().unwrap() - radius).abs() < 1e-8);
             for side in Side::BOTH {
@@ -103,5 +115,26 @@ mod tests {
             assert!((all.percent() - 100.0).abs() < 1e-9);
             assert!((all.ackerman_angle() - (wheelbase / radius).atan()).abs() < 1e-14);
         }
+    }
+
+    /// Toe-in on both sides is no turn, however large; toe-in beside a turn of both wheels does not hide the turn.
+    #[test]
+    fn toe_in_on_both_sides_is_not_evaluated() {
+        let of = |left: f64, right: f64| Steering {
+            steer: [left, right],
+            y: [-770.0, 770.0],
+            wheelbase: 2700.0,
+            last_radius: Some(4321.0),
+        };
+        for (left, right) in [(0.05, -0.04), (0.04, -0.05), (0.03, -0.03)] {
+            let all = of(left, right);
+            assert_eq!((all.turn_radius(), all.percent()), (None, 100.0));
+            assert_eq!((all.kept_radius(), all.ackerman_angle()), (4321.0, 0.0));
+            // The ideal angle is 0, so the error is the steer angle itself.
+            assert_eq!(Side::BOTH.map(|side| all.error(side)), [left, right]);
+        }
+        assert_eq!(of(0.004, 0.01).inside(), Some(Side::Right));
+        assert_eq!(of(-0.01, -0.004).inside(), Some(Side::Left));
+        assert_eq!(of(0.0016, 0.0029).percent(), 999.0);
     }
 }

@@ -53,6 +53,7 @@ pub fn given(config: &Config, units: &Units) -> Given {
         weight: mass * g / units.ucf,
         corner_mass: config.ride_load.map_or(0.0, |load| load / g),
         vertical_load: config.vertical_load,
+        last_turn_radius: None,
     }
 }
 
@@ -109,7 +110,7 @@ pub fn run_watched(
         .axle
         .compliance
         .map_or(0.0, |compliance| compliance.asymmetry(length));
-    let at_ride = sample(Branch::Up, 0.0, (ride_inputs, seen), &given);
+    let at_ride = sample(Branch::Up, 0.0, (ride_inputs, seen), &mut { given });
     let mut tests = Vec::new();
     for (kind, settings) in bench.config.tests.clone() {
         tests.push(test(
@@ -441,13 +442,14 @@ fn test(
         .min_by(|a, b| a.abs().total_cmp(&b.abs()));
     let mut branches = Vec::new();
     let mut samples = Vec::new();
+    let mut given = *given;
     let mut go = |bench: &mut Bench<'_>, branch, value: f64| -> Result<(), BenchError> {
         let tangents = rubs && nearest == Some(value);
         let (inputs, seen) = course.observe(bench, &mut chain, (value, tangents))?;
         if tangents {
             branches.push(seen.rates);
         }
-        samples.push(sample(branch, value, (inputs, seen), given));
+        samples.push(sample(branch, value, (inputs, seen), &mut given));
         each();
         Ok(())
     };
@@ -474,11 +476,12 @@ fn test(
     })
 }
 
+/// Evaluates a state. The turn radius of the state, if it has one, is kept in `given` for the states that follow.
 fn sample(
     branch: Branch,
     value: f64,
     (inputs, seen): (Inputs, Observation),
-    given: &Given,
+    given: &mut Given,
 ) -> Sample {
     use Sense::{AboutZ, Own};
     let mut readings = Vec::new();
@@ -537,6 +540,10 @@ fn sample(
         push("wheel_load_align", name, Unit::Torque, AboutZ, mz);
     }
     readings.extend(seen.axle.readings(given));
+    let turn = seen.axle.steering(given);
+    given.last_turn_radius = turn
+        .and_then(|turn| turn.turn_radius())
+        .or(given.last_turn_radius);
     Sample {
         branch,
         value,

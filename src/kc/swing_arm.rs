@@ -63,15 +63,17 @@ pub(crate) fn side_view_length(c: &Compliance, side: Side, load: VerticalLoad) -
 pub struct RollCentre {
     /// y of the roll centre: its distance from the vehicle's centre plane.
     pub lateral: f64,
-    /// Height above the mean of the contact points.
+    /// Height above the mean height of the contact points.
     pub vertical: f64,
     /// y of each contact point minus y of the roll centre.
     pub to_patch: [f64; 2],
 }
 
-/// Intersects the lines from the contact points to the instant centres. `at_patch` is the compliance at the contact points, without tyre.
+/// Intersects the lines through the contact points, both starting from the same height. `at_patch` is the compliance at the contact points,
+/// without tyre.
 ///
-/// The slopes are `m_L = -C(2,3) / C(3,3)` and `m_R = C(8,9) / C(9,9)`. The result is not finite if the lines are parallel.
+/// The slopes are `sL = -C(2,3) / C(3,3)` and `sR = C(8,9) / C(9,9)`. The lines meet at `y = (sL yL + sR yR) / (sL + sR)`, at the height
+/// `sL (y - yL)` above the mean height of the contact points. The result is not finite if the lines are parallel.
 pub(crate) fn roll_centre(
     at_patch: &Compliance,
     contact: &[Vec3; 2],
@@ -79,12 +81,11 @@ pub(crate) fn roll_centre(
 ) -> RollCentre {
     let [l, r] = contact;
     let slope = |side: Side| side.outboard_sign() * load.per_travel(at_patch, side, 2);
-    let (ml, mr) = (slope(Side::Left), slope(Side::Right));
-    let lateral = (r.z - l.z + ml * l.y + mr * r.y) / (ml + mr);
-    let height = l.z + ml * (lateral - l.y);
+    let (sl, sr) = (slope(Side::Left), slope(Side::Right));
+    let lateral = (sl * l.y + sr * r.y) / (sl + sr);
     RollCentre {
         lateral,
-        vertical: height - 0.5 * (l.z + r.z),
+        vertical: sl * (lateral - l.y),
         to_patch: [l.y - lateral, r.y - lateral],
     }
 }

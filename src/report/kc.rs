@@ -115,8 +115,8 @@ fn called(entity: &str) -> String {
         "lat_force_camber_compliance" => "lateral force camber".to_string(),
         "alt_steer_compliance" => "aligning torque steer".to_string(),
         "fore_aft_wheel_center_stiffness" => "fore-aft stiffness".to_string(),
-        "anti_dive_braking" => "anti-dive, braking".to_string(),
-        "anti_squat_acceleration" => "anti-squat, driving".to_string(),
+        "anti_dive_braking" => "anti-dive (rear axle: anti-lift), braking".to_string(),
+        "anti_squat_acceleration" => "anti-squat (front axle: anti-lift), driving".to_string(),
         other => other.replace("_angle", "").replace('_', " "),
     }
 }
@@ -182,7 +182,7 @@ impl KcReport<'_> {
         page.facts(self.facts);
         page.heading("Ride height").table(&self.ride_height());
         page.note(
-            "Angles in degrees. Definitions, signs and their evidence: `admire guide kc`. Columns of the anti effects are formulas for both axles.",
+            "Angles in degrees. Definitions, signs and their evidence: `admire guide kc`. Anti effects are those of this axle, see Vehicle.",
         );
         for test in &self.run.tests {
             self.test(&mut page, test)?;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use admire_kc::{Bench, Compliance, Config};
+use admire_kc::{Bench, Compliance, Config, Wheel};
+use admire_solver::mechanics::Vec3;
 use admire_solver::model::Model;
 use admire_syntax::Dataset;
 use admire_syntax::files::Files;
@@ -46,6 +47,13 @@ pub fn largest(c: &Compliance) -> [f64; 3] {
         let block = all.filter(|(i, j)| i % 6 / 3 == row && j % 6 / 3 == column);
         block.map(|at| c.matrix[at].abs()).fold(0.0, f64::max)
     })
+}
+
+/// Directions of the loads in a level road: rearward and to the right in the heading of the wheel.
+pub fn heading(wheel: &Wheel) -> [Vec3; 2] {
+    let across = Vec3::new(wheel.spin.x, wheel.spin.y, 0.0).normalize();
+    let right = across * wheel.side.outboard_sign();
+    [right.cross(&Vec3::z()), right]
 }
 
 pub fn corpus(name: &str) -> String {

@@ -7,7 +7,8 @@ use admire_kc::{
 use admire_solver::mechanics::{Vec3, Vec6, exp, log};
 
 use crate::axles::{
-    Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, largest, sprung_wishbone,
+    Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, heading, largest,
+    sprung_wishbone,
 };
 
 fn axles() -> Vec<(&'static str, Axle)> {
@@ -62,7 +63,8 @@ fn difference(mut at: impl FnMut(f64) -> Observation, step: f64, side: Side) -> 
     (fine * 4.0 - coarse) / 3.0
 }
 
-/// Columns of X, Y, Z and RZ of both wheels against differences of the statics, loaded and unloaded, at the wheel centre.
+/// Columns of X, Y, Z and RZ of both wheels against differences of the statics, loaded and unloaded, at the wheel centre. Loads along X and Y
+/// follow the heading of the wheel.
 #[test]
 fn the_matrix_is_the_derivative_of_the_statics() {
     for (name, axle) in axles() {
@@ -77,7 +79,15 @@ fn the_matrix_is_the_derivative_of_the_statics() {
                 .unwrap();
             let c = centre.axle.compliance.unwrap();
             for loaded in Side::BOTH {
+                let wheel = centre.axle.wheels[loaded.index()].unwrap().wheel;
+                let [rearward, right] = heading(&wheel);
                 for (k, column) in [(0, 1), (1, 2), (2, 3), (3, 6)] {
+                    // Column of a load of this kind.
+                    let of_load = |row| match k {
+                        0 => along(&c, row, loaded, &rearward),
+                        1 => along(&c, row, loaded, &right),
+                        _ => c.of(row, (loaded, column)),
+                    };
                     let step = if k == 3 { 1e4 } else { 30.0 };
                     for seen in Side::BOTH {
                         let by = difference(
@@ -100,7 +110,7 @@ fn the_matrix_is_the_derivative_of_the_statics() {
                                 .map(|(i, o)| c.c(i + 1, o + column).abs())
                                 .fold(0.0, f64::max);
                             for i in block..block + 3 {
-                                let exact = c.of((seen, i + 1), (loaded, column));
+                                let exact = of_load((seen, i + 1));
                                 let apart = (by[i] - exact).abs();
                                 assert!(
                                     apart <= 1e-7 * largest,
@@ -114,6 +124,14 @@ fn the_matrix_is_the_derivative_of_the_statics() {
             }
         }
     }
+}
+
+/// Displacement per unit of a force at the wheel centre in this direction.
+fn along(c: &Compliance, row: (Side, usize), loaded: Side, force: &Vec3) -> f64 {
+    let parts = force.iter().enumerate();
+    parts
+        .map(|(j, part)| c.of(row, (loaded, j + 1)) * part)
+        .sum()
 }
 
 /// Columns of RX and RY: loads in the road plane at the patch are loads at the centre with their moment.
@@ -131,8 +149,9 @@ fn moments_come_with_loads_at_the_patch() {
                 .observe(LOADED, &mut chain, &base, Some(&drive), name)
                 .unwrap();
             let contacts = seen.axle.contacts().unwrap();
-            let d = contacts[0] - seen.axle.wheels[0].unwrap().wheel.centre;
-            let force = Vec3::ith(k, 1.0);
+            let wheel = seen.axle.wheels[0].unwrap().wheel;
+            let d = contacts[0] - wheel.centre;
+            let force = heading(&wheel)[k];
             let moment = d.cross(&force);
             let c = seen.axle.compliance.unwrap();
             let rate = seen.rates[0].unwrap().motion;
@@ -276,11 +295,15 @@ fn locked_and_free() {
                 }
                 let locked = b.height_held().unwrap();
                 let column = if k == 3 { 6 } else { k + 1 };
+                let heading = heading(&held.axle.wheels[0].unwrap().wheel);
                 for side in Side::BOTH {
                     // A mirrored axle has no coupling; its other side is driven alike.
                     let rate = held.rates[side.index()].unwrap();
                     for i in 1..=6 {
-                        let expected = locked.of((side, i), (Side::Left, column));
+                        let expected = match heading.get(k) {
+                            Some(force) => along(&locked, (side, i), Side::Left, force),
+                            None => locked.of((side, i), (Side::Left, column)),
+                        };
                         let whole = locked.matrix.column(column - 1).into_owned();
                         let size = whole.iter().enumerate();
                         let size = size
@@ -368,6 +391,13 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
             near("toe", exact.toe, toe);
             let camber = slope(&mut bench, &|seen| read(seen, &format!("camber_angle.{w}")));
             near("camber", exact.camber, camber);
+            // The column of ride steer is the slope of the steer angle.
+            let steer = slope(&mut bench, &|seen| read(seen, &format!("steer_angle.{w}")));
+            near(
+                "ride steer",
+                read(&centre, &format!("ride_steer.{w}")),
+                steer,
+            );
             // In phase, as driven.
             let y = slope(&mut bench, &|seen| {
                 seen.axle.wheels[k].unwrap().wheel.centre.y

@@ -10,4 +10,6 @@ mod common;
 mod compliance;
 mod friction;
 mod invariance;
+mod patch;
 mod real;
+mod whole_rig;
