@@ -57,6 +57,7 @@
 //! |---|---|
 //! | `admire-guide` | the pages of the guide, text only |
 //! | `admire-syntax` | datasets and command files as text, units, grammar, diagnostics |
+//! | `admire-car` | property, subsystem and assembly files of Adams/Car |
 //! | `admire-results` | results files: readers and writers |
 //! | `admire-solver` | model, laws, joints, equations, equilibrium, motion |
 //! | `admire-session` | execution of command files, backends, checks of single files |

@@ -56,7 +56,8 @@ pub enum DiffKind {
 }
 
 impl DiffTolerance {
-    fn same(self, a: f64, b: f64) -> bool {
+    /// Returns true if two numbers count as equal.
+    pub fn same(self, a: f64, b: f64) -> bool {
         a == b || (a - b).abs() <= self.absolute + self.relative * a.abs().max(b.abs())
     }
 }

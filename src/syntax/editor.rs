@@ -279,13 +279,9 @@ impl Dataset {
         })
     }
 
-    /// Encodes a text in the encoding of the file: one byte per character for a Latin-1 deck, UTF-8 otherwise.
+    /// Encodes a text in the encoding of the file ([`Source::encoded`](crate::text::Source::encoded)).
     pub(super) fn encoded(&self, text: &str) -> Vec<u8> {
-        let latin1: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
-        match latin1 {
-            Some(bytes) if !text.is_ascii() && std::str::from_utf8(self.bytes()).is_err() => bytes,
-            _ => text.as_bytes().to_vec(),
-        }
+        self.source().encoded(text)
     }
 
     /// Returns the edits that add a statement in the style of the file: after the last statement of its kind, or before END if there is

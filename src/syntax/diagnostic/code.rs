@@ -194,6 +194,8 @@ codes! {
     CsvDialect = "csv-dialect",
     /// A note on the source of each curve of the `[kc]` table: the column of the rig's file, its unit and its sign.
     KcCurves = "kc-curves",
+    /// A note on how many hardpoints and bushings of the subsystem of section `[car]` are in the deck; a warning if no hardpoint is.
+    CarSubsystem = "car-subsystem",
     /// An address in `study.toml` refers to nothing in the deck, or to an object of another kind than required.
     UnknownTarget = "unknown-target",
     /// A CSV file names a part that is not in the deck.

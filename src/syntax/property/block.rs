@@ -25,6 +25,8 @@ pub struct Parameter {
     pub name: String,
     /// Value after the equals sign.
     pub value: Cell,
+    /// Location of the line, without surrounding blanks and without its comment.
+    pub span: Span,
 }
 
 /// A table: rows of cells under a heading in braces.
@@ -49,7 +51,7 @@ pub enum Cell {
 
 impl Block {
     /// Returns the last parameter with this name, which is given in capitals.
-    pub(crate) fn parameter(&self, name: &str) -> Option<&Parameter> {
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters
             .iter()
             .rev()
@@ -59,25 +61,38 @@ impl Block {
 
 impl Parameter {
     /// Returns the value if it is a number.
-    pub(crate) fn number(&self) -> Option<f64> {
+    pub fn number(&self) -> Option<f64> {
         self.value.number()
     }
 
     /// Returns the text of the value, without quotes and surrounding blanks.
-    pub(crate) fn text<'s>(&self, source: &'s Source) -> Cow<'s, str> {
-        match source.text(self.value.span()) {
-            Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
-            Cow::Owned(text) => Cow::Owned(text.trim().to_string()),
-        }
+    pub fn text<'s>(&self, source: &'s Source) -> Cow<'s, str> {
+        self.value.text(source)
+    }
+}
+
+impl Table {
+    /// Returns true for a row of a single text in a table of several columns. Such a row is a remark on the row above, as below the parameters
+    /// of an assembly file.
+    pub fn is_remark(&self, row: &[Cell]) -> bool {
+        self.columns.len() > 1 && matches!(row, [Cell::Text(_)])
     }
 }
 
 impl Cell {
     /// Returns the number in the cell, or `None` if the cell is a text.
-    pub(crate) fn number(&self) -> Option<f64> {
+    pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(number.value),
             Self::Text(_) => None,
+        }
+    }
+
+    /// Returns the text of the cell, without quotes and surrounding blanks.
+    pub fn text<'s>(&self, source: &'s Source) -> Cow<'s, str> {
+        match source.text(self.span()) {
+            Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
+            Cow::Owned(text) => Cow::Owned(text.trim().to_string()),
         }
     }
 

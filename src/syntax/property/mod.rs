@@ -14,10 +14,9 @@ mod curve;
 mod read;
 mod units;
 
-pub(crate) use block::Block;
-pub use block::{Cell, Parameter, Table};
-pub(crate) use curve::PropertyCurve;
-pub(crate) use units::PropertyUnits;
+pub use block::{Block, Cell, Parameter, Table};
+pub use curve::PropertyCurve;
+pub use units::PropertyUnits;
 
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::text::{Source, Span};
@@ -156,7 +155,7 @@ impl PropertyFile {
     }
 
     /// Returns the first block with this name in capitals; parts of blocks are not considered.
-    pub(crate) fn block(&self, name: &str) -> Option<&Block> {
+    pub fn block(&self, name: &str) -> Option<&Block> {
         self.blocks
             .iter()
             .find(|block| block.name == name && block.part.is_none())
@@ -164,7 +163,7 @@ impl PropertyFile {
 
     /// Returns a parameter of a block, or of one of its parts, in units of the file: for example `FX_DAMPING` in `DAMPING`, or
     /// `FREE_LENGTH` in `SPRING_DATA`.
-    pub(crate) fn number(&self, block: &str, name: &str) -> Option<f64> {
+    pub fn number(&self, block: &str, name: &str) -> Option<f64> {
         self.blocks
             .iter()
             .filter(|one| one.name == block)

@@ -107,7 +107,7 @@ impl Reader<'_> {
             .copied()
             .unwrap_or(Cell::Text(value));
         if let Some(block) = self.block(span) {
-            block.parameters.push(Parameter { name, value });
+            block.parameters.push(Parameter { name, value, span });
         }
     }
 
@@ -135,9 +135,10 @@ impl Reader<'_> {
             (columns, None) => columns,
         };
         let found = row.len();
+        let is_remark = table.is_remark(&row) && !table.rows.is_empty();
         table.rows.push(row);
         self.open_table = true;
-        if found != width {
+        if found != width && !is_remark {
             self.complain(
                 Diagnostic::error(
                     Code::WrongCount,

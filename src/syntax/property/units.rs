@@ -74,7 +74,7 @@ impl PropertyUnits {
 
     /// Returns the factor that converts a value of this dimension from the units of the file to the units of a model, with angles in
     /// radians.
-    pub(crate) fn factor(&self, dimension: Dimension, units: &Units) -> f64 {
+    pub fn factor(&self, dimension: Dimension, units: &Units) -> f64 {
         [
             (self.force / units.force.si, dimension.force),
             (self.mass / units.mass.si, dimension.mass),

@@ -70,6 +70,15 @@ impl Source {
         }
     }
 
+    /// Encodes a text in the encoding of the file: one byte per character for a Latin-1 file, UTF-8 otherwise.
+    pub fn encoded(&self, text: &str) -> Vec<u8> {
+        let latin1: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
+        match latin1 {
+            Some(bytes) if !text.is_ascii() && std::str::from_utf8(self.bytes()).is_err() => bytes,
+            _ => text.as_bytes().to_vec(),
+        }
+    }
+
     /// Returns the whole file as text, for file formats that require UTF-8.
     ///
     /// # Errors
