@@ -47,6 +47,47 @@ impl<'a> Assignment<'a> {
     }
 }
 
+impl Operator {
+    fn apply(self, old: f64, operand: f64) -> f64 {
+        match self {
+            Self::Add => old + operand,
+            Self::Subtract => old - operand,
+            Self::Multiply => old * operand,
+            Self::Divide => old / operand,
+            Self::Set => operand,
+        }
+    }
+}
+
+impl Assignment<'_> {
+    /// Returns the new text of one value, which is now the number `old` or a text. A computed number follows the spelling `written`.
+    pub(super) fn reckoned(
+        &self,
+        address: &str,
+        old: Option<f64>,
+        written: &[u8],
+        shell: &Shell,
+    ) -> Result<String, Exit> {
+        if self.operator == Operator::Set {
+            return Ok(self.value.to_string());
+        }
+        let Some(operand) = plain_number(self.value) else {
+            let message = format!("`{}` is not a number to reckon with", self.value);
+            return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
+        };
+        let Some(old) = old else {
+            let message = format!("{address} is not a number");
+            return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
+        };
+        let new = rounded(self.operator.apply(old, operand));
+        if !new.is_finite() {
+            let message = format!("{address} cannot be {new}: it is not a number");
+            return Err(shell.fail(Diagnostic::error(Code::OutOfRange, message)));
+        }
+        Ok(spell_like(new, written))
+    }
+}
+
 /// Expands an assignment into plain assignments: addresses, each with the text of its new value. With `degrees`, numbers for angles without
 /// a suffix are in degrees.
 pub(super) fn expanded(
@@ -118,11 +159,8 @@ pub(super) fn evaluated(
             _ => operand,
         };
         let new = match operator {
-            Operator::Add => old + term,
-            Operator::Subtract => old - term,
-            Operator::Multiply => old * operand,
-            Operator::Divide => old / operand,
-            Operator::Set => term,
+            Operator::Add | Operator::Subtract | Operator::Set => operator.apply(old, term),
+            Operator::Multiply | Operator::Divide => operator.apply(old, operand),
         };
         if !new.is_finite() {
             let message = format!("{address} cannot be {new}: it is not a number");

@@ -17,7 +17,7 @@ use super::inputs::files_of;
 use super::plausibility;
 use super::shell::{Exit, Shell, exit_of};
 
-/// Check datasets, command files, property files and studies.
+/// Check datasets, command files, files of Adams/Car and studies.
 ///
 /// Prints each complaint at its place in the file. A command file is checked
 /// against the deck that it names. The exit code is 1 if any complaint is an
@@ -38,7 +38,7 @@ use super::shell::{Exit, Shell, exit_of};
 #[derive(clap::Args, Debug)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Datasets (.adm), command files (.acf), property files of Adams/Car (.bus, .spr, ...), folders (with a study.toml: the study too), or
+    /// Datasets (.adm), command files (.acf), files of Adams/Car (.sub, .asy, .bus, .spr, .tir, ...), folders (with a study.toml: the study too), or
     /// patterns: `runs/*.adm`.
     #[arg(required = true)]
     files: Vec<PathBuf>,
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let own = if is_command_file(path) {
             of_command_file(source, shell)
         } else if PropertyFile::is_one(source.bytes()) {
-            PropertyFile::parse(source).diagnostics
+            admire_car::check(source)
         } else {
             of_dataset(source, settings.fortran, shell)
         };

@@ -1,6 +1,7 @@
 use admire_design::propose;
 use std::path::PathBuf;
 
+use crate::front::car_files;
 use crate::front::fit_view::changed_lines;
 use crate::front::foreign_parts;
 use admire_diagnosis::{
@@ -17,7 +18,7 @@ use super::Outcome;
 use super::format::Format;
 use super::input::study;
 use super::interrupt;
-use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::output_folder::{Replacing, refuse_car_files, refuse_replacing, write_folder};
 use super::permission::Permission;
 use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
@@ -25,7 +26,8 @@ use super::shell::{Exit, Shell};
 
 /// Find what a model still gets wrong after its best fit, name the cause, and extend the model by it.
 ///
-/// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`.
+/// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`. If the study names a subsystem of Adams/Car (`[car]`), a new
+/// subsystem file, property files with learned curves and the list `changes.json` are written to the subfolder `adams_car`.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire diagnose corpus/kc-experiment --out target/kc\n  admire diagnose my-axle --out answer --format json | jq .findings"
@@ -68,6 +70,7 @@ const OUTPUTS: [&str; 4] = [
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
     let mut loaded = study(&arguments.study, shell)?;
+    refuse_car_files(&loaded, &arguments.out, arguments.replacing, shell)?;
     let foreign = foreign_parts(&loaded);
     if !foreign.is_empty() {
         // If the readings belong to other parts, a diagnosis of the model is meaningless.
@@ -163,15 +166,21 @@ fn write(
     let html = report
         .html()
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+    let car = car_files::diagnosed(loaded, outcome, &deck).unwrap_or_default();
     let texts = [
         deck,
         commands.into_bytes(),
         outcome.diagnosis.to_json().into_bytes(),
         html.into_bytes(),
     ];
-    let files: Vec<(PathBuf, Vec<u8>)> =
+    let mut files: Vec<(PathBuf, Vec<u8>)> =
         OUTPUTS.map(PathBuf::from).into_iter().zip(texts).collect();
-    write_folder(&arguments.out, &files, arguments.replacing, shell)
+    files.extend(car.files);
+    write_folder(&arguments.out, &files, arguments.replacing, shell)?;
+    for sentence in car.sentences {
+        shell.say(&format!("{sentence}\n"));
+    }
+    Ok(())
 }
 
 /// Formats the result as text.

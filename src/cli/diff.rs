@@ -1,23 +1,28 @@
 use std::path::PathBuf;
 
 use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::diff::{DiffKind, DiffTolerance, Difference, diff};
+use admire_syntax::property::PropertyFile;
+use admire_syntax::text::Source;
 
 use super::Outcome;
 use super::format::Format;
 use super::shell::{Exit, Shell};
 use super::tolerance::tolerance;
 
-/// Show what changed between two datasets, object by object.
+/// Show what changed between two datasets, object by object, or between two files of Adams/Car, value by value.
 ///
 /// Layout, order, comments, the spelling of keywords and numbers, and default values that are written out are ignored. The exit code is 1
 /// if anything changed.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  admire diff before.adm after.adm")]
+#[command(
+    after_help = "Examples:\n  admire diff before.adm after.adm\n  admire diff front.sub new.sub"
+)]
 pub(super) struct Arguments {
-    /// Dataset before the change.
+    /// Dataset or file of Adams/Car before the change.
     a: PathBuf,
-    /// Dataset after the change.
+    /// Dataset or file of Adams/Car after the change.
     b: PathBuf,
     /// Numbers that differ by at most this fraction count as equal.
     #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
@@ -30,12 +35,29 @@ pub(super) struct Arguments {
 /// Prints one line for each change and returns the exit code.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let (a, b) = (shell.read(&arguments.a)?, shell.read(&arguments.b)?);
-    let (a, b) = (Dataset::parse(a).value, Dataset::parse(b).value);
     let tolerance = DiffTolerance {
         absolute: arguments.abs,
         relative: arguments.rel,
     };
-    let changes = diff(&a, &b, tolerance);
+    let changes = match [&a, &b].map(|source| PropertyFile::is_one(source.bytes())) {
+        [true, true] => {
+            let parse = |source: Source| PropertyFile::parse(source).value;
+            admire_car::diff(&parse(a), &parse(b), tolerance)
+        }
+        [false, false] => {
+            let parse = |source: Source| Dataset::parse(source).value;
+            diff(&parse(a), &parse(b), tolerance)
+        }
+        [car, _] => {
+            let (car, other) = if car { (a, b) } else { (b, a) };
+            let message = format!(
+                "`{}` is a file of Adams/Car, `{}` is not",
+                car.name(),
+                other.name()
+            );
+            return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
+        }
+    };
     shell.tell(&match shell.format {
         Format::Json => serde_json::to_string_pretty(&changes).expect("JSON values print") + "\n",
         _ => changes.iter().map(line).collect(),
@@ -71,7 +93,6 @@ fn line(difference: &Difference) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use admire_syntax::text::Source;
 
     #[test]
     fn each_kind_of_change_is_one_line() {

@@ -6,23 +6,26 @@ use serde_json::Value;
 use crate::front::value;
 use admire_session::check::is_command_file;
 use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::property::PropertyFile;
 use admire_syntax::{Address, CommandFile, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;
+use super::car_edits;
 use super::command_edits;
 use super::format::Format;
 use super::shell::{Exit, Shell};
 
-/// Print values of a dataset or of a command file.
+/// Print values of a dataset, of a command file or of a file of Adams/Car.
 ///
 /// Numbers are in the deck's units, angles in radians or with --degrees in degrees. An argument that is not written has its default value.
 /// `*` matches any id or name, or every value of an argument; each value is then printed behind its address. In a command file (.acf), a
-/// command is named KIND or KIND/id, with #2 for the second of several.
+/// command is named KIND or KIND/id, with #2 for the second of several. In a file of Adams/Car (.sub, .asy, .bus, .spr, .tir, ...), a value is BLOCK.KEY or
+/// BLOCK/ROW.COLUMN; a block or row alone prints all its values.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// The dataset or command file.
+    /// The dataset, command file or file of Adams/Car.
     deck: PathBuf,
     /// Addresses, such as `BUSHING/12.K.2`, `front_arm_bushing.K`, `SFORCE/3`.
     #[arg(required = true, add = ArgValueCompleter::new(complete))]
@@ -36,12 +39,15 @@ const EXAMPLES: &str = "Examples:
   admire get deck.adm BUSHING/12.K.2 front_arm_bushing.KT
   admire get deck.adm 'BUSHING/*.K' --format json
   admire get deck.adm 'MARKER/*.REULER' --degrees
-  admire get run.acf SIMULATE#2.END 'SIMULATE#*.END'";
+  admire get run.acf SIMULATE#2.END 'SIMULATE#*.END'
+  admire get front.sub HARDPOINT/lca_outer 'HARDPOINT/*.z_value' UNITS.LENGTH";
 
 /// Prints the values, one per line.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
-    let file = if is_command_file(&arguments.deck) {
+    let file = if PropertyFile::is_one(source.bytes()) {
+        Looked::Car(PropertyFile::parse(source).value)
+    } else if is_command_file(&arguments.deck) {
         Looked::Commands(CommandFile::parse(source).value)
     } else {
         Looked::Deck(Dataset::parse(source).value)
@@ -85,6 +91,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 enum Looked {
     Deck(Dataset),
     Commands(CommandFile),
+    Car(PropertyFile),
 }
 
 /// Returns the values at an address, or at all addresses that match a pattern. Each value is named: by the requested text, or for a pattern
@@ -97,6 +104,7 @@ fn values(
 ) -> Result<Vec<(String, Value)>, Exit> {
     let mut all = Vec::new();
     match file {
+        Looked::Car(file) => all = car_edits::values(file, text, shell)?,
         Looked::Deck(dataset) if Address::is_pattern(text) => {
             let addresses = Address::matching(text, dataset)
                 .map_err(|refused| of_text(refused, text, shell))?;

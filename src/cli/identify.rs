@@ -3,6 +3,7 @@ use std::sync::{Arc, Mutex};
 
 use comfy_table::{CellAlignment, Table, presets};
 
+use crate::front::car_files;
 use crate::front::fit_view::{changed_lines, positions};
 use admire_diagnosis::study_fit::{identify_with, not_repeatable, nothing_to_identify};
 use admire_identify::{Fit, LoadedStudy, Repeated};
@@ -21,7 +22,7 @@ use super::Outcome;
 use super::format::Format;
 use super::input::study;
 use super::interrupt;
-use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::output_folder::{Replacing, refuse_car_files, refuse_replacing, write_folder};
 use super::permission::Permission;
 use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress as Bar};
@@ -30,7 +31,8 @@ use super::width::{hanging, table_text};
 
 /// Identify the stiffnesses of a study from its measurements.
 ///
-/// Writes `identified.adm`, `identification.json` and `report.html`.
+/// Writes `identified.adm`, `identification.json` and `report.html`. If the study names a subsystem of Adams/Car (`[car]`), a new subsystem file
+/// with the scale factors and the list `changes.json` are written to the subfolder `adams_car`.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire identify corpus/pseudo-mcpherson --out target/first\n  admire identify my-axle --out answer --method direct\n  admire identify my-axle --out answer --bootstrap 1000 --posterior 1000"
@@ -120,6 +122,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     outputs.extend(tables(arguments));
     refuse_replacing(&arguments.out, &outputs, arguments.replacing, shell)?;
     let mut loaded = study(&arguments.study, shell)?;
+    refuse_car_files(&loaded, &arguments.out, arguments.replacing, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
@@ -223,11 +226,17 @@ fn write(
     let html = report
         .html()
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
+    let car = car_files::identified(loaded, fit, &deck).unwrap_or_default();
     let texts = [deck, fit.to_json().into_bytes(), html.into_bytes()];
     let mut files: Vec<(PathBuf, Vec<u8>)> =
         OUTPUTS.map(PathBuf::from).into_iter().zip(texts).collect();
     files.extend(more);
-    write_folder(&arguments.out, &files, arguments.replacing, shell)
+    files.extend(car.files);
+    write_folder(&arguments.out, &files, arguments.replacing, shell)?;
+    for sentence in car.sentences {
+        shell.say(&format!("{sentence}\n"));
+    }
+    Ok(())
 }
 
 /// Subfolder for the journals and tables of repetitions that are in progress.

@@ -75,6 +75,9 @@ pub(super) fn read_study(folder: &Path, shell: &mut Shell) -> Checked<Option<Loa
     if let Some(loaded) = &checked.value {
         shell.sources.add(loaded.study.source.clone());
         shell.sources.add(loaded.study.deck.clone());
+        if let Some(car) = &loaded.study.car {
+            shell.sources.add(car.subsystem.file.source().clone());
+        }
     }
     checked
 }

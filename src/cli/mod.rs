@@ -7,6 +7,7 @@ mod add;
 mod addresses;
 mod annotations;
 mod assignment;
+mod car_edits;
 mod check;
 mod check_settings;
 mod command_edits;

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::front::car_files::possible_names;
+use admire_identify::LoadedStudy;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
@@ -92,6 +94,18 @@ pub(super) fn refuse_replacing(
         .map(|name| folder.join(name))
         .collect();
     refuse(taken, replacing, shell)
+}
+
+/// Refuses to start a computation if its files for Adams/Car would replace the user's files.
+pub(super) fn refuse_car_files(
+    loaded: &LoadedStudy,
+    folder: &Path,
+    replacing: Replacing,
+    shell: &Shell,
+) -> Result<(), Exit> {
+    let names = possible_names(loaded);
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    refuse_replacing(folder, &names, replacing, shell)
 }
 
 /// Writes files into a folder, each atomically, and lists them in the folder's manifest. Files of the user are replaced only with

@@ -6,18 +6,20 @@ use clap_complete::ArgValueCompleter;
 use crate::front::{Before, edits, new_errors, structure_digest};
 use admire_session::check::is_command_file;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::property::PropertyFile;
 use admire_syntax::text::{Edit, EditConflict, Source};
 use admire_syntax::{Address, Dataset, MarkerPoints};
 
 use super::Outcome;
 use super::addresses::complete;
 use super::assignment::{Assignment, expanded};
+use super::car_edits;
 use super::command_edits;
 use super::edited::refuse_faults;
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// Change values of a dataset; only their own bytes change.
+/// Change values of a dataset, of a command file or of a file of Adams/Car; only their own bytes change.
 ///
 /// A number is in the deck's units. An angle is in radians, or in degrees with the suffix D. `true` and `false` switch a flag
 /// (`MARKER/7.FLOATING=true`). Any other text replaces the whole value as it is (`SFORCE/3.FUNCTION=10*TIME`, `TITLE=new`). A deck in which
@@ -26,11 +28,12 @@ use super::target::Target;
 ///
 /// `*` in an address matches any id or name, or every value of an argument. `*=`, `/=`, `+=` and `-=` compute the new value from the
 /// present value. A marker is moved without rotation: ZP and XP move along with QP. In a command file (.acf), a command is named KIND or
-/// KIND/id, with #2 for the second of several.
+/// KIND/id, with #2 for the second of several. In a file of Adams/Car (.sub, .asy, .bus, .spr, .tir, ...), a value is BLOCK.KEY or
+/// BLOCK/ROW.COLUMN.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// The dataset.
+    /// The dataset, command file or file of Adams/Car.
     deck: PathBuf,
     /// Assignments, such as `BUSHING/12.K.2=15000`, `front_arm_bushing.K=1,2,3`.
     #[arg(value_name = "ADDRESS=VALUE", add = ArgValueCompleter::new(complete))]
@@ -50,11 +53,18 @@ const EXAMPLES: &str = "Examples:
   admire set deck.adm 'BUSHING/*.K.1*=1.2' --in-place
   admire set deck.adm 'front_*.KT.**=0.9' MARKER/7.QP.3+=5
   admire set deck.adm MARKER/7.REULER.1=30 --degrees
-  admire set run.acf SIMULATE#2.END=4 EQUILIBRIUM.MAXIT=200";
+  admire set run.acf SIMULATE#2.END=4 EQUILIBRIUM.MAXIT=200
+  admire set front.sub HARDPOINT/lca_outer.y_value=-701.5 -o new.sub
+  admire set soft.bus 'FX_CURVE/*.fx*=1.2' --in-place";
 
 /// Applies the assignments and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
+    if PropertyFile::is_one(source.bytes()) {
+        let file = car_edits::set(source, &arguments.assignments, arguments.force, shell)?;
+        arguments.target.deliver(&arguments.deck, &file, shell)?;
+        return Ok(Exit::Fine);
+    }
     if is_command_file(&arguments.deck) {
         let file = command_edits::set(
             source,

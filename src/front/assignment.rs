@@ -81,7 +81,7 @@ impl Before {
 }
 
 /// Returns the errors in `new` that are not in `old`, regardless of their places.
-fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
+pub(crate) fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
     let mut known: BTreeMap<(Code, &str), usize> = BTreeMap::new();
     for diagnostic in old {
         *known

@@ -5,6 +5,8 @@
 mod assignment;
 #[cfg(feature = "kc")]
 mod axle;
+#[cfg(feature = "report")]
+pub(crate) mod car_files;
 mod commands;
 mod deck;
 mod deck_edits;
@@ -33,7 +35,7 @@ mod value;
 mod writing;
 
 pub use admire_diagnosis::{ProgressObserver, ProgressSnapshot, SharedProgress};
-pub(crate) use assignment::{Before, edits, new_errors, structure_digest};
+pub(crate) use assignment::{Before, beyond, edits, new_errors, structure_digest};
 #[cfg(feature = "kc")]
 pub use axle::{AxleTests, Beside};
 pub use commands::{Command, Commands};

@@ -13,6 +13,7 @@ use admire_study::settings::{BackendChoice, Method};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, read_at_most};
 
+use super::car_files;
 use super::error::{Complaint, Error, ErrorKind};
 use super::fit_view::{changed_lines, positions};
 use super::foreign::foreign_parts;
@@ -46,6 +47,8 @@ pub struct Identification {
     pub html: String,
     /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
+    /// Files in the words of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
+    pub car_files: Vec<(PathBuf, Vec<u8>)>,
 }
 
 /// Result of a diagnosis: the faults of a model that remain after its best fit.
@@ -63,6 +66,8 @@ pub struct DiagnosisAnswer {
     pub html: String,
     /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
+    /// Files in the words of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
+    pub car_files: Vec<(PathBuf, Vec<u8>)>,
 }
 
 /// Recommended further measurements for a study.
@@ -206,7 +211,9 @@ impl Study {
         let html = report
             .html()
             .map_err(|error| self.no_fit(&error.to_string()))?;
+        let car = car_files::identified(&loaded, &fit, &deck);
         Ok(Identification {
+            car_files: car.unwrap_or_default().files,
             lead: lead(&fit),
             deck,
             html,
@@ -260,7 +267,9 @@ impl Study {
         let html = report
             .html()
             .map_err(|error| self.no_fit(&error.to_string()))?;
+        let car = car_files::diagnosed(&loaded, &outcome, &deck);
         Ok(DiagnosisAnswer {
+            car_files: car.unwrap_or_default().files,
             sentences: admire_report::diagnosis_sentences(&outcome),
             commands: outcome.extended_commands(),
             deck,

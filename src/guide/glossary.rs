@@ -18,7 +18,7 @@ pub struct Entry {
 }
 
 /// Topics of the guide pages whose tables explain words.
-const EXPLAINING: [&str; 5] = ["study", "diagnosis", "plan", "kc", "sweep"];
+const EXPLAINING: [&str; 6] = ["study", "diagnosis", "plan", "car", "kc", "sweep"];
 
 /// Returns all words that tables explain, in the order of the pages.
 pub fn entries() -> impl Iterator<Item = Entry> {
@@ -32,7 +32,8 @@ pub fn entries() -> impl Iterator<Item = Entry> {
 /// - the whole term equals the word;
 /// - a dotted term with placeholders in capitals, such as `tests.TEST.hold`, matches the word;
 /// - the last piece of a dotted term equals the word;
-/// - a term begins with the word and a dot.
+/// - a term begins with the word and a dot;
+/// - the whole term equals the word in another case.
 ///
 /// If nothing matches a word with dots, its last piece is taken for a component and dropped. The rest is then looked up on the pages `kc`
 /// and `sweep` only. A unit after the word (`toe_angle.left [rad]`) is ignored.
@@ -54,7 +55,9 @@ pub fn find(word: &str) -> Vec<Entry> {
             && terms.clone().count() == words.clone().count()
             && terms.zip(words).all(|(t, w)| t == w || own(t))
     };
-    let ways: [&dyn Fn(&str) -> bool; 4] = [&|term| term == word, &fits, &last, &within];
+    let whole = |term: &str| term == word;
+    let any_case = |term: &str| term.eq_ignore_ascii_case(word);
+    let ways: [&dyn Fn(&str) -> bool; 5] = [&whole, &fits, &last, &within, &any_case];
     let found = ways.into_iter().map(all).find(|found| !found.is_empty());
     match (found, word.rsplit_once('.')) {
         (Some(found), _) => found,

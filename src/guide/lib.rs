@@ -54,6 +54,7 @@ pages! {
     editors
     python
     conventions
+    car
     kc
     sweep
     mathematics

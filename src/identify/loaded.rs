@@ -6,7 +6,7 @@ use admire_session::{FilePolicy, folder_of, read_files};
 use admire_solver::model::Model;
 use admire_solver::system::System;
 use admire_study::settings::BackendChoice;
-use admire_study::{Measurement, Study, programme};
+use admire_study::{CarLink, Measurement, Study, programme};
 use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
@@ -30,6 +30,8 @@ pub struct LoadedStudy {
     pub unknowns: Vec<Unknown>,
     /// Reference deck, for reports only.
     pub reference: Option<Dataset>,
+    /// Objects of the subsystem of Adams/Car that are in the deck; `None` if the study names no subsystem. No fit reads it.
+    pub car: Option<CarLink>,
 }
 
 impl LoadedStudy {
@@ -68,6 +70,7 @@ impl LoadedStudy {
             let measured = Measurement::resolve(&study, &model);
             own.extend(measured.diagnostics);
             let programme = programme(&study, &dataset, &measured.value, &mut own);
+            let car = CarLink::new(&study, &model, &mut own);
             let compiled = System::compile(&model);
             let is_whole = !has_errors(&compiled.diagnostics);
             let external = study.solver.backend != BackendChoice::Native;
@@ -105,6 +108,7 @@ impl LoadedStudy {
                     free: free.unwrap_or_default(),
                     unknowns,
                     reference,
+                    car,
                 };
                 return Checked {
                     value: Some(loaded),

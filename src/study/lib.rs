@@ -12,6 +12,7 @@
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
+mod car;
 mod check;
 mod constant;
 pub mod deflection;
@@ -50,6 +51,7 @@ mod tests;
 pub mod wheel;
 mod wheel_readings;
 
+pub use car::{CarLink, CarSettings};
 pub use constant::Constant;
 pub use digest::digest;
 pub use frame_place::FramePlace;

@@ -18,6 +18,7 @@ pub fn schema() -> Value {
     required(&mut root["properties"]["loads"], &["file", "columns"]);
     required(&mut root["properties"]["marks"], &["on_parts", "measured"]);
     required(&mut root["properties"]["wheel"], &["marker"]);
+    required(&mut root["properties"]["car"], &["subsystem"]);
     root["$schema"] = json!("http://json-schema.org/draft-07/schema#");
     root["title"] = json!("study.toml of admire");
     root

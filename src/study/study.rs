@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
+use super::car::CarSettings;
 use super::kc_curves::KcSettings;
 use super::priors::CausePriors;
 use super::section::{Key, SchemaRecorder, Section, SpannedText};
@@ -71,6 +72,8 @@ pub struct Study {
     pub hold_out: Option<Vec<SpannedText>>,
     /// Reference deck of section `[reference]`, used only for reports.
     pub reference: Option<Source>,
+    /// Section `[car]`: the subsystem of Adams/Car to which results are written back. No fit reads it.
+    pub car: Option<CarSettings>,
 }
 
 impl Study {
@@ -357,6 +360,15 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let reference = files.optional(&mut section, "deck", out);
     section.finish(out);
 
+    let mut section = root.section("car", out);
+    let car = if section.is_present() {
+        let file = files.required(&mut section, "subsystem", out);
+        CarSettings::read(&mut section, file.map(|(source, _)| source), out)
+    } else {
+        None
+    };
+    section.finish(out);
+
     let (deck, deck_path) = deck?;
     let (loads, _) = loads?;
     Some(Study {
@@ -379,6 +391,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         selection,
         hold_out,
         reference: reference.map(|(source, _)| source),
+        car,
     })
 }
 

@@ -1,0 +1,429 @@
+//! Results of a study in the words of Adams/Car: a new subsystem file, property files with learned curves, and a list of all changes.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use admire_car::{
+    BushingChange, BushingProperty, HardpointMove, NotWritten, OddLaw, Side, Subsystem, WriteBack,
+};
+use admire_diagnosis::{Cause, Finding, Outcome};
+use admire_identify::{Fit, LoadedStudy};
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::{Bushing, MarkerIx, Model, lower};
+use admire_study::CarLink;
+use admire_study::deflection::{DeflectionForm, deflection};
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
+
+/// Folder of the files below the output folder.
+const FOLDER: &str = "adams_car";
+
+/// List of the changes, inside the folder.
+const LIST: &str = "changes.json";
+
+/// Files in the words of Adams/Car.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(crate) struct CarFiles {
+    /// Paths relative to the output folder, with the bytes of each file.
+    pub(crate) files: Vec<(PathBuf, Vec<u8>)>,
+    /// Changes as sentences.
+    pub(crate) sentences: Vec<String>,
+}
+
+/// Returns the names of all files that may be written for a study, relative to the output folder.
+pub(crate) fn possible_names(loaded: &LoadedStudy) -> Vec<String> {
+    let Some(car) = &loaded.study.car else {
+        return Vec::new();
+    };
+    let name = subsystem_name(&car.subsystem);
+    [name, LIST.to_string()]
+        .into_iter()
+        .chain(WriteBack::file_names(&car.subsystem))
+        .map(|name| format!("{FOLDER}/{name}"))
+        .collect()
+}
+
+/// Returns the results of an identification in the words of Adams/Car; `None` if the study names no subsystem. `deck` is the text of the deck
+/// with the identified numbers.
+pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option<CarFiles> {
+    let subject = Subject::new(loaded, deck)?;
+    let errors = fit
+        .parameters
+        .iter()
+        .flat_map(|parameter| {
+            let addresses = std::iter::once(&parameter.address).chain(&parameter.tied);
+            addresses.filter_map(move |address| Some((address.as_str(), parameter.std_error?)))
+        })
+        .collect();
+    let mut not_written = Vec::new();
+    for parameter in &fit.parameters {
+        if !parameter.address.starts_with("BUSHING/") {
+            not_written.push(NotWritten {
+                what: format!("identified {}", parameter.address),
+                why: "it is no number of a bushing".to_string(),
+            });
+        }
+    }
+    let bushings = subject.bushings(&errors, &BTreeMap::new(), "identified", &mut not_written);
+    Some(subject.files(&[], &bushings, not_written))
+}
+
+/// Returns the findings and fitted numbers of a diagnosis in the words of Adams/Car; `None` if the study names no subsystem. `deck` is the text
+/// of the extended deck.
+pub(crate) fn diagnosed(
+    loaded: &LoadedStudy,
+    outcome: &Outcome<'_>,
+    deck: &[u8],
+) -> Option<CarFiles> {
+    let subject = Subject::new(loaded, deck)?;
+    let parameters = outcome.diagnosis.parameters.iter();
+    let errors = parameters
+        .map(|parameter| (parameter.address.as_str(), parameter.std_error))
+        .collect();
+    let (mut moves, mut not_written) = (Vec::new(), Vec::new());
+    let mut laws: BTreeMap<u32, Vec<LearnedTerm>> = BTreeMap::new();
+    for finding in &outcome.diagnosis.findings {
+        let what = format!("{} {}", finding.cause, finding.address);
+        let refused = |why: String| NotWritten {
+            what: what.clone(),
+            why,
+        };
+        match finding.cause {
+            Cause::HardpointError => match subject.moved(finding) {
+                Ok(found) => moves.push(found),
+                Err(why) => not_written.push(refused(why)),
+            },
+            Cause::ProgressiveStiffness => match subject.learned(finding, outcome) {
+                Some((id, term)) => laws.entry(id).or_default().push(term),
+                None => not_written.push(refused(
+                    "its bushing is not one of the subsystem".to_string(),
+                )),
+            },
+            // The offset of a bushing is a preload of the extended deck, and a wrong stiffness is a stiffness of it.
+            Cause::AssemblyOffset => {}
+            Cause::ElementParameter if finding.address.starts_with("BUSHING/") => {}
+            cause if cause.is_reading_fault() => {}
+            _ => not_written.push(refused("a subsystem file has no number for it".to_string())),
+        }
+    }
+    let bushings = subject.bushings(&errors, &laws, "fitted", &mut not_written);
+    Some(subject.files(&moves, &bushings, not_written))
+}
+
+/// Component of a bushing whose force grows faster than linearly.
+struct LearnedTerm {
+    axis: usize,
+    terms: Vec<(i32, f64)>,
+    /// Largest deflection of the component in any load case.
+    range: f64,
+}
+
+/// Study with a subsystem, and its deck after the fit.
+struct Subject<'a> {
+    loaded: &'a LoadedStudy,
+    subsystem: &'a Subsystem,
+    link: &'a CarLink,
+    /// Model of the deck after the fit.
+    after: Model,
+}
+
+impl<'a> Subject<'a> {
+    fn new(loaded: &'a LoadedStudy, deck: &[u8]) -> Option<Self> {
+        let source = Source::new(loaded.study.deck.name(), deck);
+        Some(Self {
+            loaded,
+            subsystem: &loaded.study.car.as_ref()?.subsystem,
+            link: loaded.car.as_ref()?,
+            after: lower(&Dataset::parse(source).value).value,
+        })
+    }
+
+    /// Returns the displacement of the hardpoint that a finding names, or the reason why it is not a displacement of one hardpoint.
+    fn moved(&self, finding: &Finding) -> Result<HardpointMove, String> {
+        if finding.form.as_deref() != Some("point") {
+            return Err(
+                "one part alone is made otherwise; a hardpoint moves all parts that meet there"
+                    .to_string(),
+            );
+        }
+        let names = std::iter::once(&finding.address).chain(&finding.members);
+        let markers: Vec<u32> = names
+            .filter_map(|name| name.strip_prefix("MARKER/")?.parse().ok())
+            .collect();
+        let found: BTreeSet<(usize, Side)> = markers
+            .iter()
+            .filter_map(|id| self.link.hardpoints.get(id))
+            .flatten()
+            .copied()
+            .collect();
+        let (hardpoint, side) = self.only(&found, &markers)?;
+        let place = |model: &Model, id: u32| -> Option<Vec3> {
+            let marker = model.markers.iter().find(|m| m.header.id == id)?;
+            Some(model.parts[marker.part.0].pose.point(&marker.qp))
+        };
+        let shift = markers
+            .first()
+            .and_then(|id| Some(place(&self.after, *id)? - place(&self.loaded.model, *id)?));
+        let by = shift.ok_or("its marker is not in the deck")?;
+        let error = |name: &str| finding.std_error.get(name).copied();
+        Ok(HardpointMove {
+            hardpoint,
+            side,
+            by: [by.x, by.y, by.z],
+            std_error: ["x", "y", "z"].map(error),
+            because: format!("{} {}", finding.cause, finding.address),
+        })
+    }
+
+    /// Returns the only hardpoint among those at one place. If there are several, the names of the markers decide.
+    fn only(
+        &self,
+        found: &BTreeSet<(usize, Side)>,
+        markers: &[u32],
+    ) -> Result<(usize, Side), String> {
+        let point = |at: usize| &self.subsystem.hardpoints[at];
+        let named: Vec<(usize, Side)> = if found.len() > 1 {
+            let names: Vec<String> = self
+                .loaded
+                .model
+                .markers
+                .iter()
+                .filter(|marker| markers.contains(&marker.header.id))
+                .map(|marker| marker.header.name.to_ascii_lowercase())
+                .collect();
+            let is_named = |at: usize| {
+                let own = point(at).name.to_ascii_lowercase();
+                names.iter().any(|name| name.contains(&own))
+            };
+            found
+                .iter()
+                .copied()
+                .filter(|(at, _)| is_named(*at))
+                .collect()
+        } else {
+            found.iter().copied().collect()
+        };
+        match (named.as_slice(), found.len()) {
+            ([one], _) => Ok(*one),
+            (_, 0) => Err("no hardpoint of the subsystem is there".to_string()),
+            _ => {
+                let names: Vec<String> = found
+                    .iter()
+                    .map(|(at, side)| point(*at).full_name(*side))
+                    .collect();
+                Err(format!(
+                    "{} are at this place; the table `car.hardpoints` of study.toml says which one it is",
+                    names.join(", ")
+                ))
+            }
+        }
+    }
+
+    /// Returns the bushing and the terms of the law that a finding names.
+    fn learned(&self, finding: &Finding, outcome: &Outcome<'_>) -> Option<(u32, LearnedTerm)> {
+        let (id, component) = finding.address.strip_prefix("BUSHING/")?.split_once('.')?;
+        let id: u32 = id.parse().ok()?;
+        let (kind, index) = component.split_once('.')?;
+        let first = if kind == "KT" { 3 } else { 0 };
+        let axis = first + index.parse::<usize>().ok()?.checked_sub(1)?;
+        let terms = [("quadratic", 2), ("cubic", 3), ("quintic", 5)]
+            .into_iter()
+            .filter_map(|(name, power)| Some((power, *finding.parameters.get(name)?)))
+            .collect();
+        if axis > 5 || !self.link.bushings.contains_key(&id) {
+            return None;
+        }
+        let deck = &outcome.extended.deck.model;
+        let bushing = deck.bushings.iter().find(|b| b.header.id == id)?;
+        let states = outcome.extended.states.iter();
+        let range = states
+            .map(|state| deflected(deck, bushing, &state.poses)[axis].abs())
+            .fold(0.0, f64::max);
+        (range > 0.0).then_some((id, LearnedTerm { axis, terms, range }))
+    }
+
+    /// Returns the changes of all bushings of the subsystem. `errors` holds standard errors by address.
+    fn bushings(
+        &self,
+        errors: &BTreeMap<&str, f64>,
+        laws: &BTreeMap<u32, Vec<LearnedTerm>>,
+        how: &str,
+        not_written: &mut Vec<NotWritten>,
+    ) -> Vec<BushingChange> {
+        let mut out = Vec::new();
+        for new in &self.after.bushings {
+            let id = new.header.id;
+            let mut before = self.loaded.model.bushings.iter();
+            let Some(old) = before.find(|bushing| bushing.header.id == id) else {
+                continue;
+            };
+            let [(k, f), (k_old, f_old)] =
+                [new, old].map(|b| (six(b.k, b.kt), six(b.force, b.torque)));
+            let because = format!("{how} BUSHING/{id}");
+            let terms = laws.get(&id);
+            if k == k_old && f == f_old && terms.is_none() {
+                continue;
+            }
+            let Some(name) = self.link.bushings.get(&id) else {
+                not_written.push(NotWritten {
+                    what: because,
+                    why: format!(
+                        "its name `{}` is none of the subsystem; the table `car.bushings` of study.toml says which one it is",
+                        old.header.name
+                    ),
+                });
+                continue;
+            };
+            let mut scale = [None; 6];
+            for axis in 0..6 {
+                if k[axis] == k_old[axis] {
+                    continue;
+                }
+                let address = address(id, axis);
+                if k_old[axis] > 0.0 {
+                    let error = errors
+                        .get(address.as_str())
+                        .map(|error| error / k_old[axis]);
+                    scale[axis] = Some((k[axis] / k_old[axis], error));
+                } else if terms.is_none() {
+                    not_written.push(NotWritten {
+                        what: format!("{how} {address}"),
+                        why: "the deck's own stiffness is zero, so that no factor leads to it"
+                            .to_string(),
+                    });
+                }
+            }
+            out.push(BushingChange {
+                name: name.clone(),
+                scale,
+                preload: std::array::from_fn(|axis| (f[axis] != f_old[axis]).then_some(f[axis])),
+                learned: terms.map(|terms| self.property(new, terms)),
+                because: if terms.is_some() {
+                    format!("progressive-stiffness BUSHING/{id}")
+                } else {
+                    because
+                },
+            });
+        }
+        out
+    }
+
+    /// Returns the contents of a property file for a bushing with learned components.
+    fn property(&self, bushing: &Bushing, learned: &[LearnedTerm]) -> BushingProperty {
+        let stiffness = six(bushing.k, bushing.kt);
+        let millimetre = 1e-3 / self.after.units.length.si;
+        let curves = std::array::from_fn(|axis| {
+            let own = learned.iter().filter(|term| term.axis == axis);
+            let terms: Vec<(i32, f64)> = own.clone().flat_map(|term| term.terms.clone()).collect();
+            let usual = if axis < 3 {
+                millimetre
+            } else {
+                1f64.to_radians()
+            };
+            let range = own.map(|term| term.range).fold(0.0, f64::max);
+            let law = OddLaw {
+                stiffness: stiffness[axis],
+                terms,
+            };
+            let acts = law.stiffness != 0.0 || !law.terms.is_empty();
+            acts.then(|| law.curve(if range > 0.0 { range } else { usual }))
+        });
+        BushingProperty {
+            curves,
+            damping: six(bushing.c, bushing.ct),
+        }
+    }
+
+    /// Writes the results into the subsystem and lists what was changed.
+    fn files(
+        &self,
+        moves: &[HardpointMove],
+        bushings: &[BushingChange],
+        mut not_written: Vec<NotWritten>,
+    ) -> CarFiles {
+        let in_deck = self.link.found().collect();
+        let named = self.link.bushings.values();
+        let sides = named.map(|name| (name.usage.clone(), name.side)).collect();
+        let units = &self.loaded.model.units;
+        let written = WriteBack::new(self.subsystem, units, &in_deck, moves, &sides, bushings);
+        not_written.extend(written.not_written);
+        let name = subsystem_name(self.subsystem);
+        let list = json!({
+            "subsystem": name,
+            "changes": written.changes,
+            "property_files": written.files.iter().map(|file| &file.name).collect::<Vec<_>>(),
+            "not_written": not_written,
+        });
+        let list = serde_json::to_string_pretty(&list).expect("names and numbers print") + "\n";
+        let path = |name: &str| Path::new(FOLDER).join(name);
+        let mut sentences: Vec<String> = written
+            .changes
+            .iter()
+            .map(|word| {
+                let unit = if word.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(" {}", word.unit)
+                };
+                format!(
+                    "{name}: {}.{} ({}) from {} to {}{unit}: {}",
+                    word.element, word.factor, word.symmetry, word.before, word.after, word.because
+                )
+            })
+            .collect();
+        sentences.extend(
+            not_written
+                .iter()
+                .map(|one| format!("not in {name}: {}, {}", one.what, one.why)),
+        );
+        let mut files = vec![
+            (path(&name), written.bytes),
+            (path(LIST), list.into_bytes()),
+        ];
+        let learned = written.files.into_iter();
+        files.extend(learned.map(|file| (path(&file.name), file.text.into_bytes())));
+        CarFiles { files, sentences }
+    }
+}
+
+/// Returns the file name of a subsystem without its folder.
+fn subsystem_name(subsystem: &Subsystem) -> String {
+    let path = Path::new(subsystem.file.source().name());
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+fn six(first: [f64; 3], second: [f64; 3]) -> [f64; 6] {
+    std::array::from_fn(|k| if k < 3 { first[k] } else { second[k - 3] })
+}
+
+/// Returns the address of a stiffness of a bushing.
+fn address(id: u32, axis: usize) -> String {
+    if axis < 3 {
+        format!("BUSHING/{id}.K.{}", axis + 1)
+    } else {
+        format!("BUSHING/{id}.KT.{}", axis - 2)
+    }
+}
+
+/// Returns the deflection of a bushing at these poses of the parts.
+fn deflected(model: &Model, bushing: &Bushing, poses: &[Pose]) -> [f64; 6] {
+    let frame = |marker: MarkerIx| {
+        let marker = &model.markers[marker.0];
+        let part = poses
+            .get(marker.part.0)
+            .copied()
+            .unwrap_or(model.parts[marker.part.0].pose);
+        (
+            part,
+            Pose {
+                p: marker.qp,
+                R: marker.R,
+            },
+        )
+    };
+    let ((part_i, i), (part_j, j)) = (frame(bushing.i), frame(bushing.j));
+    deflection(&part_i, &i, &part_j, &j, DeflectionForm::Corrected).into()
+}
