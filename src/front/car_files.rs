@@ -427,3 +427,116 @@ fn deflected(model: &Model, bushing: &Bushing, poses: &[Pose]) -> [f64; 6] {
     let ((part_i, i), (part_j, j)) = (frame(bushing.i), frame(bushing.j));
     deflection(&part_i, &i, &part_j, &j, DeflectionForm::Corrected).into()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use admire_syntax::Address;
+
+    /// Reads the shipped study with the shipped subsystem.
+    fn study(added: &str) -> (tempfile::TempDir, LoadedStudy) {
+        let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
+        let folder = tempfile::tempdir().unwrap();
+        for entry in std::fs::read_dir(corpus.join("pseudo-mcpherson")).unwrap() {
+            let path = entry.unwrap().path();
+            std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        }
+        let sub = std::fs::read_to_string(corpus.join("adams-car/front.sub")).unwrap();
+        // A second hardpoint at the inner end of the tie rod.
+        let row =
+            " 'tierod_inner                '  'left/right'      130.0      -345.0       232.0\n";
+        let twice = format!("{row}{}", row.replace("tierod_inner", "rack_end    "));
+        std::fs::write(folder.path().join("front.sub"), sub.replace(row, &twice)).unwrap();
+        let toml = folder.path().join("study.toml");
+        let text = std::fs::read_to_string(&toml).unwrap();
+        let car = format!("{text}\n[car]\nsubsystem = \"front.sub\"\n{added}");
+        std::fs::write(&toml, car).unwrap();
+        let read = LoadedStudy::read(folder.path());
+        (folder, read.value.expect("a study"))
+    }
+
+    fn finding(form: &str, markers: &[u32]) -> Finding {
+        let names: Vec<String> = markers.iter().map(|id| format!("MARKER/{id}")).collect();
+        Finding {
+            cause: Cause::HardpointError,
+            address: names[0].clone(),
+            form: Some(form.to_string()),
+            members: names,
+            probability: 0.9,
+            group_probability: 0.9,
+            parameters: BTreeMap::from([("y".to_string(), -2.5)]),
+            std_error: BTreeMap::from([("y".to_string(), 0.2)]),
+            minor: false,
+            evidence: admire_diagnosis::Evidence {
+                statistic: "evidence",
+                value: 10.0,
+                p_value: 0.0,
+                bic_gain: 10.0,
+            },
+            indistinguishable_from: Vec::new(),
+            gain: admire_diagnosis::Gain::default(),
+        }
+    }
+
+    /// Returns the text of the deck with changed components of QP: marker, component from 1, and change.
+    fn with_moved(loaded: &LoadedStudy, markers: &[(u32, usize, f64)]) -> Vec<u8> {
+        let mut deck = loaded.dataset.clone();
+        for (id, axis, by) in markers {
+            let address = Address::parse(&format!("MARKER/{id}.QP.{axis}"), &deck).expect("QP");
+            let value = deck.value_at(&address).expect("a number");
+            let edits = deck.set(&address, value + by).expect("a number");
+            deck = deck.edited(&edits).expect("one place").value;
+        }
+        deck.bytes().to_vec()
+    }
+
+    #[test]
+    fn a_displaced_hardpoint_is_one_changed_line() {
+        let (folder, loaded) = study("");
+        // MARKER/8 is the front ball joint on the knuckle. It moves along ground axes.
+        let knuckle = loaded.model.markers.iter().find(|m| m.header.id == 8);
+        let part = &loaded.model.parts[knuckle.expect("MARKER/8").part.0];
+        let along = part.pose.R.transpose() * Vec3::new(0.0, -2.5, 0.0);
+        let moves: Vec<(u32, usize, f64)> = (0..3).map(|k| (8, k + 1, along[k])).collect();
+        let deck = with_moved(&loaded, &moves);
+        let subject = Subject::new(&loaded, &deck).expect("a subsystem");
+        let moved = subject
+            .moved(&finding("point", &[8, 7]))
+            .expect("a hardpoint");
+        let written = subject.files(&[moved], &[], Vec::new());
+        let old = std::fs::read_to_string(folder.path().join("front.sub")).unwrap();
+        let row = "-25.0      -700.0       185.0";
+        assert_eq!(old.matches(row).count(), 1);
+        let expected = old.replace(row, "-25.0      -702.5       185.0");
+        assert_eq!(String::from_utf8_lossy(&written.files[0].1), expected);
+        let list: serde_json::Value = serde_json::from_slice(&written.files[1].1).unwrap();
+        assert_eq!(list["changes"][0]["element"], "hpl_ball_joint_front");
+        assert_eq!(list["changes"][0]["std_error"], 0.2);
+        assert_eq!(list["changes"].as_array().map(Vec::len), Some(1));
+        let again = Subsystem::parse(Source::new("a.sub", written.files[0].1.as_slice()));
+        assert_eq!(again.diagnostics, []);
+    }
+
+    #[test]
+    fn what_is_no_displacement_of_one_hardpoint_is_said() {
+        let (_folder, loaded) = study("");
+        let subject = Subject::new(&loaded, loaded.dataset.bytes()).expect("a subsystem");
+        let refused =
+            |form: &str, markers: &[u32]| subject.moved(&finding(form, markers)).unwrap_err();
+        assert!(refused("part", &[7]).contains("one part alone"));
+        assert!(refused("point", &[19]).contains("no hardpoint"));
+        let two = refused("point", &[15, 16]);
+        assert!(two.contains("hpl_tierod_inner, hpl_rack_end"), "{two}");
+        let (_folder, loaded) = study(
+            "[car.hardpoints]\n\"MARKER/15\" = \"hpl_rack_end\"\n\"MARKER/16\" = \"hpl_rack_end\"\n",
+        );
+        let subject = Subject::new(&loaded, loaded.dataset.bytes()).expect("a subsystem");
+        let moved = subject
+            .moved(&finding("point", &[15, 16]))
+            .expect("as stated");
+        assert_eq!(
+            subject.subsystem.hardpoints[moved.hardpoint].name,
+            "rack_end"
+        );
+    }
+}

@@ -192,6 +192,87 @@ pub fn property(bytes: &[u8]) {
             }
         }
     }
+    car_file(bytes);
+}
+
+/// Edits one value of a file of Adams/Car, compares the files, reads all typed views, and writes results into it.
+fn car_file(bytes: &[u8]) {
+    let name = "a.sub";
+    let source = Source::new(name, bytes);
+    assert_inside(&admire_car::check(source.clone()), name, bytes);
+    let read = admire_car::Subsystem::parse(source);
+    assert_inside(&read.diagnostics, name, bytes);
+    let subsystem = read.value;
+    let file = &subsystem.file;
+    let units = Units::default();
+    admire_car::Assembly::of(file, &mut Vec::new());
+    admire_car::Spring::of(file, &units);
+    admire_car::Tire::of(file, &units);
+    let all = admire_car::entries(file);
+    assert_eq!(
+        admire_car::diff(file, file, admire_syntax::diff::DiffTolerance::default()),
+        []
+    );
+    // Which value is edited follows from the length of the file.
+    if let Some(entry) = all.get(bytes.len() % all.len().max(1)) {
+        let found = admire_car::select(file, &entry.address).unwrap_or_default();
+        assert!(found.iter().any(|one| one == entry), "{entry:?}");
+        for text in ["1.5", "word"] {
+            let Ok(edits) = admire_car::set(file, entry, text) else {
+                continue;
+            };
+            let new = apply_edits(bytes, &edits).expect("one place");
+            let again = PropertyFile::parse(Source::new(name, new)).value;
+            assert_eq!(admire_car::entries(&again).len(), all.len(), "{entry:?}");
+        }
+    }
+    let moves: Vec<admire_car::HardpointMove> = subsystem
+        .hardpoints
+        .iter()
+        .enumerate()
+        .map(|(hardpoint, point)| admire_car::HardpointMove {
+            hardpoint,
+            side: point.symmetry.sides()[0],
+            by: [1.0, -2.0, 0.0],
+            std_error: [None; 3],
+            because: "a test".to_string(),
+        })
+        .collect();
+    let sides = subsystem
+        .hardpoints
+        .iter()
+        .enumerate()
+        .flat_map(|(at, point)| {
+            let sides = point.symmetry.sides().iter();
+            sides.map(move |side| (at, *side))
+        });
+    let changes: Vec<admire_car::BushingChange> = subsystem
+        .bushings
+        .iter()
+        .map(|one| admire_car::BushingChange {
+            name: admire_car::BushingName {
+                side: one.symmetry.sides()[0],
+                usage: one.usage.to_ascii_lowercase(),
+            },
+            scale: [Some((1.5, None)), None, None, None, None, Some((0.5, None))],
+            preload: [None, Some(3.0), None, None, None, None],
+            learned: None,
+            because: "a test".to_string(),
+        })
+        .collect();
+    let there = subsystem.bushings.iter().flat_map(|one| {
+        let sides = one.symmetry.sides().iter();
+        sides.map(|side| (one.usage.to_ascii_lowercase(), *side))
+    });
+    let written = admire_car::WriteBack::new(
+        &subsystem,
+        &units,
+        &sides.collect(),
+        &moves,
+        &there.collect(),
+        &changes,
+    );
+    admire_car::Subsystem::parse(Source::new(name, written.bytes));
 }
 
 #[test]
@@ -208,9 +289,14 @@ fn command_files() {
 
 #[test]
 fn property_files() {
-    let seeds: Vec<Vec<u8>> = seeds::PROPERTIES
+    let mut seeds: Vec<Vec<u8>> = seeds::PROPERTIES
         .map(|text| text.as_bytes().to_vec())
         .into();
+    seeds.extend(
+        ["sub", "bus", "spr"]
+            .iter()
+            .flat_map(|ending| seeds::all(ending)),
+    );
     let words = [
         "[",
         "]",
@@ -225,6 +311,13 @@ fn property_files() {
         "[FX_CURVE]\n",
         "[UNITS]\n",
         "inch",
+        "[HARDPOINT]\n",
+        "{hardpoint_name symmetry x_value y_value z_value}\n",
+        "'left/right'",
+        "'right'",
+        "[BUSHING_ASSEMBLY]\n",
+        "SYMMETRY = 'left/right'\n",
+        "USAGE = 'a'\n",
     ];
     fuzz("property-file", 6000, &seeds, &words.map(String::from));
 }

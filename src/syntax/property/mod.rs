@@ -90,7 +90,10 @@ impl PropertyFile {
         };
         for block in &file.blocks {
             for table in &block.tables {
-                if let Some(curve) = PropertyCurve::of(&file.kind, block, table) {
+                // A table of two columns need not be a curve: [SHAPE] of a tyre file lists the outline of its section.
+                if let Some(curve) = PropertyCurve::of(&file.kind, block, table)
+                    && curve.dimensions.is_some()
+                {
                     curve.check(table, &file.source, &mut diagnostics);
                 }
             }

@@ -1,0 +1,9 @@
+//! Files of Adams/Car: reading, editing, and results of a study that are written back.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod learned_curve;
+mod real_files;
+mod toolkit;
+mod written_back;
