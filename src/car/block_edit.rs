@@ -52,7 +52,7 @@ pub(crate) fn new_key(file: &PropertyFile, block: usize, key: &str, value: &str)
             .iter()
             .take_while(|b| b.is_ascii_whitespace())
             .count();
-        (last.span.start() >= after.start()).then(|| (lead, equals, blanks))
+        (last.span.start() >= after.start()).then_some((lead, equals, blanks))
     });
     let (lead, equals, blanks) = style.unwrap_or((1, 0, 2));
     let name = format!("{}{key}", " ".repeat(lead));

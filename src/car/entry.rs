@@ -83,15 +83,14 @@ pub fn entries(file: &PropertyFile) -> Vec<Entry> {
     // A part belongs to the block above it and has that block's label.
     let mut above = String::new();
     for (at, block) in file.blocks.iter().enumerate() {
-        let label = match &block.part {
-            Some(part) => format!("{above}({})", cut(part)),
-            None => {
-                let name = cut(&block.name).to_string();
-                let usage = block.parameter("USAGE").map(|usage| usage.text(source));
-                match usage.filter(|_| count.get(&key(block)).is_some_and(|count| *count > 1)) {
-                    Some(usage) if !usage.is_empty() => format!("{name}/{}", cut(&usage)),
-                    _ => name,
-                }
+        let label = if let Some(part) = &block.part {
+            format!("{above}({})", cut(part))
+        } else {
+            let name = cut(&block.name).to_string();
+            let usage = block.parameter("USAGE").map(|usage| usage.text(source));
+            match usage.filter(|_| count.get(&key(block)).is_some_and(|count| *count > 1)) {
+                Some(usage) if !usage.is_empty() => format!("{name}/{}", cut(&usage)),
+                _ => name,
             }
         };
         let label = labels.unique(label);
