@@ -45,6 +45,7 @@ mod permission;
 mod plan;
 mod plausibility;
 mod progress;
+mod rebuild;
 mod record;
 mod remove;
 mod render;
@@ -132,6 +133,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Plan(plan::Arguments),
     Record(record::Arguments),
+    Rebuild(rebuild::Arguments),
     Rig(rig::Arguments),
     Kc(kc::Arguments),
     Sweep(sweep::Arguments),
@@ -193,6 +195,7 @@ pub fn main() -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Plan(arguments) => plan::run(&arguments, &mut shell),
+        Command::Rebuild(arguments) => rebuild::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Kc(arguments) => kc::run(&arguments, &mut shell),
         Command::Sweep(arguments) => sweep::run(&arguments, &mut shell),

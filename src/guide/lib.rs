@@ -50,6 +50,7 @@ pages! {
     study
     diagnosis
     plan
+    rebuild
     toolkit
     editors
     python

@@ -1,0 +1,166 @@
+use super::assignment::Known;
+use super::names::{affinity, digits};
+
+/// Placement of joints whose forces never change: those of parts that only hang on others, such as half shafts.
+///
+/// Forces that never change balance in any sum. Motions tell which clusters a joint may connect, masses must not be negative, and names and
+/// round masses decide the rest.
+pub(crate) struct Constants<'c, 'k> {
+    known: &'c Known<'k>,
+    /// Joints, each with the pairs of clusters (I, J) that it may connect.
+    options: Vec<(usize, Vec<(usize, usize)>)>,
+    /// Upward force on each cluster by the elements that are placed already; `None` for clusters without any, and for ground.
+    carried: Vec<Option<f64>>,
+    /// Pairs of clusters that have a joint.
+    joined: Vec<(usize, usize)>,
+    chosen: Vec<Option<(usize, usize)>>,
+    best: Option<(f64, Vec<Option<(usize, usize)>>)>,
+    tries: usize,
+}
+
+/// Largest number of placements that are tried.
+const MOST_TRIES: usize = 500_000;
+/// Score of a joint that is not placed, and of a negative mass.
+const WORST: f64 = 20.0;
+
+impl<'c, 'k> Constants<'c, 'k> {
+    /// Finds the clusters of all joints with constant forces; the answer has an entry for each that is placed.
+    pub(crate) fn place(
+        known: &'c Known<'k>,
+        ends: &[[Option<usize>; 2]],
+    ) -> Vec<(usize, (usize, usize))> {
+        let count = known.clusters.members.len();
+        let mut carried = vec![None; count];
+        let mut joined = Vec::new();
+        for (element, pair) in ends.iter().enumerate() {
+            for (end, sign) in pair.iter().zip([1.0, -1.0]) {
+                if let Some(cluster) = end
+                    && *cluster != 0
+                {
+                    *carried[*cluster].get_or_insert(0.0) += known.upward(&[(element, sign)]);
+                }
+            }
+            if let [Some(a), Some(b)] = pair
+                && known.record.elements[element].ent_type == "Joint"
+            {
+                joined.push((*a, *b));
+            }
+        }
+        let joints = known
+            .forces
+            .constant
+            .iter()
+            .copied()
+            .filter(|e| known.record.elements[*e].ent_type == "Joint");
+        let options = joints
+            .map(|element| {
+                let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+                let fits = |(a, b): &(usize, usize)| {
+                    a != b
+                        && known.allows(element, *a, *b)
+                        && !joined.contains(&(*a, *b))
+                        && !joined.contains(&(*b, *a))
+                };
+                let mut pairs: Vec<(usize, usize)> = pairs.filter(fits).collect();
+                let score = |pair: &(usize, usize)| {
+                    speaks(known, element, pair.0) + speaks(known, element, pair.1)
+                };
+                pairs.sort_by(|a, b| score(b).total_cmp(&score(a)));
+                (element, pairs)
+            })
+            .collect();
+        let mut search = Self {
+            known,
+            options,
+            carried,
+            joined,
+            chosen: Vec::new(),
+            best: None,
+            tries: 0,
+        };
+        search.descend(0.0);
+        let chosen = search.best.map(|(_, chosen)| chosen).unwrap_or_default();
+        let placed = search.options.iter().zip(chosen);
+        placed
+            .filter_map(|((element, _), pair)| Some((*element, pair?)))
+            .collect()
+    }
+
+    fn descend(&mut self, score: f64) {
+        self.tries += 1;
+        let depth = self.chosen.len();
+        // The most that the names of the joints that are left can add.
+        let left = self.options[depth..].iter();
+        let most: f64 = left
+            .map(|(element, pairs)| self.named(*element, pairs.first()))
+            .sum();
+        if self.tries > MOST_TRIES
+            || self
+                .best
+                .as_ref()
+                .is_some_and(|(best, _)| score + most <= *best)
+        {
+            return;
+        }
+        if depth == self.options.len() {
+            let total = score + self.masses();
+            if self.best.as_ref().is_none_or(|(best, _)| total > *best) {
+                self.best = Some((total, self.chosen.clone()));
+            }
+            return;
+        }
+        let (element, pairs) = self.options[depth].clone();
+        for (a, b) in pairs {
+            if self.joined.contains(&(a, b)) || self.joined.contains(&(b, a)) {
+                continue;
+            }
+            self.joined.push((a, b));
+            self.chosen.push(Some((a, b)));
+            self.descend(score + self.named(element, Some(&(a, b))));
+            self.chosen.pop();
+            self.joined.pop();
+        }
+        self.chosen.push(None);
+        self.descend(score - WORST);
+        self.chosen.pop();
+    }
+
+    /// Returns how much a name speaks for a pair of clusters.
+    fn named(&self, element: usize, pair: Option<&(usize, usize)>) -> f64 {
+        pair.map_or(-WORST, |(a, b)| {
+            speaks(self.known, element, *a) + speaks(self.known, element, *b)
+        })
+    }
+
+    /// Scores the masses: none may be negative, and the rounder they are the better.
+    fn masses(&self) -> f64 {
+        let mut carried = self.carried.clone();
+        for ((element, _), pair) in self.options.iter().zip(&self.chosen) {
+            let Some((a, b)) = pair else { continue };
+            for (cluster, sign) in [(*a, 1.0), (*b, -1.0)] {
+                if cluster != 0 {
+                    *carried[cluster].get_or_insert(0.0) += self.known.upward(&[(*element, sign)]);
+                }
+            }
+        }
+        let mut score = 0.0;
+        for weight in carried.iter().flatten() {
+            if *weight < -1e-6 * self.known.forces.largest {
+                score -= WORST;
+            }
+            score -= 0.2 * f64::from(digits(self.known.mass(*weight)));
+        }
+        score
+    }
+}
+
+/// Returns how much the name of an element speaks for a cluster; ground has no name, and no word against it.
+fn speaks(known: &Known<'_>, element: usize, cluster: usize) -> f64 {
+    if cluster == 0 {
+        return 0.5;
+    }
+    let name = &known.record.elements[element].name;
+    let bodies = known.clusters.members[cluster].iter();
+    let all = bodies.map(|body| affinity(name, &known.record.bodies[*body].name));
+    all.fold(f64::MIN, f64::max).min(3.0)
+}
