@@ -176,6 +176,9 @@ impl Motion {
     }
 }
 
+/// Factor by which what a pair of axes other than x and y leaves counts more.
+const UNUSUAL: f64 = 10.0;
+
 /// Finds the law of a bushing: per axis linear or a curve, radial axes coupled where that fits best.
 pub(crate) fn law(motion: &Motion, size: f64) -> Law {
     let column =
@@ -223,7 +226,14 @@ pub(crate) fn law(motion: &Motion, size: f64) -> Law {
         });
         (left, force, pair)
     });
-    let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    // Radial axes of Adams/Car are x and y; another pair must fit far better.
+    let usual = |pair: &Option<[usize; 2]>| matches!(pair, None | Some([0, 1]));
+    let score = |(left, _, pair): &(f64, [AxisLaw; 3], Option<[usize; 2]>)| {
+        if usual(pair) { *left } else { UNUSUAL * left }
+    };
+    let best = tried
+        .into_iter()
+        .min_by(|a, b| score(a).total_cmp(&score(b)));
     let Some((_, force, coupled)) = best else {
         unreachable!("four are tried")
     };

@@ -15,11 +15,13 @@ pub(crate) struct Constants<'c, 'k> {
     joined: Vec<(usize, usize)>,
     chosen: Vec<Option<(usize, usize)>>,
     best: Option<(f64, Vec<Option<(usize, usize)>>)>,
+    /// The placement for which names speak most, before masses are looked at.
+    first: Vec<Option<(usize, usize)>>,
     tries: usize,
 }
 
 /// Largest number of placements that are tried.
-const MOST_TRIES: usize = 500_000;
+const MOST_TRIES: usize = 300_000;
 /// Score of a joint that is not placed, and of a negative mass.
 const WORST: f64 = 20.0;
 
@@ -76,10 +78,23 @@ impl<'c, 'k> Constants<'c, 'k> {
             joined,
             chosen: Vec::new(),
             best: None,
+            first: Vec::new(),
             tries: 0,
         };
         search.descend(0.0);
-        let chosen = search.best.map(|(_, chosen)| chosen).unwrap_or_default();
+        let best = search
+            .best
+            .take()
+            .map(|(_, chosen)| chosen)
+            .unwrap_or_default();
+        let first = std::mem::take(&mut search.first);
+        let starts = [best, first].map(|start| search.improved(start));
+        let [best, first] = starts;
+        let chosen = if search.total(&first) > search.total(&best) {
+            first
+        } else {
+            best
+        };
         let placed = search.options.iter().zip(chosen);
         placed
             .filter_map(|((element, _), pair)| Some((*element, pair?)))
@@ -103,6 +118,9 @@ impl<'c, 'k> Constants<'c, 'k> {
             return;
         }
         if depth == self.options.len() {
+            if self.first.is_empty() {
+                self.first.clone_from(&self.chosen);
+            }
             let total = score + self.masses();
             if self.best.as_ref().is_none_or(|(best, _)| total > *best) {
                 self.best = Some((total, self.chosen.clone()));
@@ -123,6 +141,47 @@ impl<'c, 'k> Constants<'c, 'k> {
         self.chosen.push(None);
         self.descend(score - WORST);
         self.chosen.pop();
+    }
+
+    /// Improves a placement by other pairs for one joint, and by exchanged pairs of two, until none is better.
+    fn improved(&mut self, mut chosen: Vec<Option<(usize, usize)>>) -> Vec<Option<(usize, usize)>> {
+        let same = |a: &(usize, usize), b: &(usize, usize)| a == b || (a.0 == b.1 && a.1 == b.0);
+        let mut best = self.total(&chosen);
+        loop {
+            let mut better: Option<Vec<Option<(usize, usize)>>> = None;
+            for k in 0..chosen.len() {
+                for option in self.options[k].1.clone() {
+                    let mut other = chosen.clone();
+                    // A joint that has the pair already gets the pair that becomes free.
+                    let holder = (0..other.len())
+                        .find(|l| *l != k && other[*l].is_some_and(|pair| same(&pair, &option)));
+                    if let Some(holder) = holder {
+                        other[holder] =
+                            other[k].filter(|pair| self.options[holder].1.contains(pair));
+                    }
+                    other[k] = Some(option);
+                    let total = self.total(&other);
+                    if total > best + 1e-9 {
+                        best = total;
+                        better = Some(other);
+                    }
+                }
+            }
+            match better {
+                Some(other) => chosen = other,
+                None => return chosen,
+            }
+        }
+    }
+
+    /// Scores a whole placement.
+    fn total(&mut self, chosen: &[Option<(usize, usize)>]) -> f64 {
+        let each = self.options.iter().zip(chosen);
+        let names: f64 = each
+            .map(|((element, _), pair)| self.named(*element, pair.as_ref()))
+            .sum();
+        self.chosen = chosen.to_vec();
+        names + self.masses()
     }
 
     /// Returns how much a name speaks for a pair of clusters.

@@ -291,7 +291,8 @@ fn convel(i: &[Pose], j: &[Pose]) -> Option<(Mat3, Mat3)> {
     for a in 0..3 {
         for b in 0..3 {
             for sign in [1.0, -1.0] {
-                let mut R_i = frame_along(&Vec3::ith(a, 1.0));
+                let start_i = frame_along(&Vec3::ith(a, 1.0));
+                let mut R_i = start_i;
                 let z_j = Vec3::ith(b, sign);
                 // The J frame is the I frame of the first state, bent over to its own shaft.
                 let carried = first * R_i;
@@ -332,13 +333,17 @@ fn convel(i: &[Pose], j: &[Pose]) -> Option<(Mat3, Mat3)> {
                         break;
                     }
                 }
-                let left = worst(&R_i, &R_j);
-                if best.as_ref().is_none_or(|(least, ..)| left < *least) {
-                    best = Some((left, R_i, R_j));
+                if worst(&R_i, &R_j) > 1e-9 {
+                    continue;
+                }
+                // Several axes may fit the states; shafts lie along axes of their frames.
+                let off = start_i.column(2).cross(&R_i.column(2)).norm()
+                    + z_j.cross(&R_j.column(2)).norm();
+                if best.as_ref().is_none_or(|(least, ..)| off < *least) {
+                    best = Some((off, R_i, R_j));
                 }
             }
         }
     }
-    best.filter(|(left, ..)| *left < 1e-9)
-        .map(|(_, R_i, R_j)| (R_i, R_j))
+    best.map(|(_, R_i, R_j)| (R_i, R_j))
 }
