@@ -62,6 +62,7 @@
 //! | `admire-solver` | model, laws, joints, equations, equilibrium, motion |
 //! | `admire-session` | execution of command files, backends, checks of single files |
 //! | `admire-study` | study files, marks, readings |
+//! | `admire-rebuild` | decks and studies out of results files |
 //! | `admire-rig` | the virtual rig, planted effects |
 //! | `admire-kc` | standard tests and characteristics of an axle |
 //! | `admire-identify` | regression, direct, Gauss-Newton; tolerances of axle and rig |

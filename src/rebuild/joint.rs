@@ -296,6 +296,10 @@ fn convel(i: &[Pose], j: &[Pose]) -> Option<(Mat3, Mat3)> {
                 let z_j = Vec3::ith(b, sign);
                 // The J frame is the I frame of the first state, bent over to its own shaft.
                 let carried = first * R_i;
+                // Shafts that point against each other make the equation hold for every twist.
+                if carried.column(2).dot(&z_j) < 0.5 {
+                    continue;
+                }
                 let bend =
                     nalgebra::Rotation3::rotation_between(&carried.column(2).into_owned(), &z_j);
                 let Some(bend) = bend else { continue };
