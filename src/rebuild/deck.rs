@@ -2,6 +2,7 @@ use std::fmt::Write as _;
 
 use admire_solver::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
 
+use super::deck_text::{both_sides, broken, identifier, list, named, number, signed};
 use super::joint::Joint;
 use super::law::{AxisLaw, Law};
 use super::mechanism::{Mechanism, Role};
@@ -77,69 +78,6 @@ struct Writer<'w> {
     next: Next,
     drives: Vec<Drive>,
     addresses: Vec<(usize, String)>,
-}
-
-/// Returns a number as a deck has it: all digits, and a point or an exponent.
-fn number(value: f64) -> String {
-    let plain = format!("{value:?}");
-    plain.replace('e', "E")
-}
-
-/// Returns the numbers of a list, separated by commas, in lines of at most 80 columns.
-fn list(values: impl Iterator<Item = f64>) -> String {
-    let mut text = String::new();
-    let mut width = 0;
-    for (k, value) in values.enumerate() {
-        let word = number(value);
-        if k > 0 {
-            text.push_str(if width + word.len() > 60 {
-                "\n, "
-            } else {
-                ", "
-            });
-            if width + word.len() > 60 {
-                width = 0;
-            }
-        }
-        width += word.len() + 2;
-        text += &word;
-    }
-    text
-}
-
-/// Returns the line that names an object in Adams/View.
-fn named(name: &str) -> String {
-    format!(
-        "!                 adams_view_name='{}'\n",
-        name.replace('\'', "")
-    )
-}
-
-/// Returns a function expression in lines of at most 80 columns; the comma that continues a line is no part of it.
-fn broken(expression: &str) -> String {
-    let mut text = String::new();
-    let mut width = 14;
-    for piece in expression.split_inclusive(['*', '+', ',', '/']) {
-        if width + piece.len() > 72 && !text.ends_with("**") && !piece.starts_with('*') {
-            text += "\n, ";
-            width = 2;
-        }
-        width += piece.len();
-        text += piece;
-    }
-    text
-}
-
-/// Returns an identifier for a column: letters, digits and underscores.
-fn identifier(name: &str) -> String {
-    let word = |c: char| {
-        if c.is_ascii_alphanumeric() {
-            c.to_ascii_lowercase()
-        } else {
-            '_'
-        }
-    };
-    name.chars().map(word).collect()
 }
 
 impl Writer<'_> {
@@ -564,52 +502,5 @@ impl Writer<'_> {
                 .collect(),
             addresses: self.addresses,
         }
-    }
-}
-
-/// Returns a factor as it stands behind a sign.
-fn signed(value: f64) -> String {
-    if value < 0.0 {
-        format!("({})", number(value))
-    } else {
-        number(value)
-    }
-}
-
-/// Continues an odd curve to both sides of the origin.
-fn both_sides(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mirrored = points.iter().rev().map(|(r, x)| (-r, -x));
-    let mut all: Vec<(f64, f64)> = mirrored.collect();
-    all.push((0.0, 0.0));
-    all.extend(points.iter().copied());
-    all.dedup_by(|a, b| a.0 <= b.0);
-    all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_keep_all_digits() {
-        for value in [1.0, -0.1, 1.0 / 3.0, 1e-300, 6.022e23] {
-            assert_eq!(number(value).replace('E', "e").parse::<f64>(), Ok(value));
-            assert!(number(value).contains(['.', 'E']));
-        }
-    }
-
-    #[test]
-    fn an_odd_curve_runs_through_the_origin() {
-        let all = both_sides(&[(1.0, 10.0), (2.0, 30.0)]);
-        assert_eq!(
-            all,
-            [
-                (-2.0, -30.0),
-                (-1.0, -10.0),
-                (0.0, 0.0),
-                (1.0, 10.0),
-                (2.0, 30.0)
-            ]
-        );
     }
 }

@@ -22,6 +22,8 @@ mod bushing;
 mod connection;
 mod constant;
 mod deck;
+mod deck_text;
+mod held;
 mod joint;
 mod law;
 mod least_squares;

@@ -4,7 +4,7 @@ use super::assignment::{Known, assign, down};
 use super::balance::Forces;
 use super::bushing::{self, Motion};
 use super::connection::{Connection, Connections, connect};
-use super::joint::{Joint, frame_along, joint, pins};
+use super::joint::{Joint, frame_along, joint};
 use super::law::Law;
 use super::linear_law::point_by_law;
 use super::moments::{Balanced, Point, Term, Whole, spread};
@@ -492,7 +492,12 @@ impl Builder<'_> {
 }
 
 /// Returns the place of I along the z axis of J, or the angle of I about it, in every state.
-fn motion_values(record: &Record, i: (usize, &Pose), j: (usize, &Pose), turns: bool) -> Vec<f64> {
+pub(crate) fn motion_values(
+    record: &Record,
+    i: (usize, &Pose),
+    j: (usize, &Pose),
+    turns: bool,
+) -> Vec<f64> {
     let (a, b) = (&record.bodies[i.0].poses, &record.bodies[j.0].poses);
     let poses = a.iter().zip(b);
     poses
@@ -529,94 +534,5 @@ impl Mechanism {
     /// Returns true if the moments of all bodies are balanced by the points that were found.
     pub fn is_balanced(&self) -> bool {
         self.lever_left <= LEVER_RELATIVE * self.size
-    }
-
-    /// Gives a rod between two ball joints the universal joint that keeps it from spinning, where its motion fits one.
-    ///
-    /// A universal joint without torque shows in the motion only: its pins stay at right angles.
-    fn hold_rods(&mut self, record: &Record) {
-        for body in 1..record.bodies.len() {
-            let touches =
-                |member: &Member| member.connection.i == body || member.connection.j == body;
-            let on: Vec<usize> = (0..self.members.len())
-                .filter(|k| touches(&self.members[*k]))
-                .collect();
-            let ball = |k: &usize| matches!(&self.members[*k].role, Role::Joint(joint) if joint.kind == "SPHERICAL");
-            if on.len() != 2 || !on.iter().all(ball) {
-                continue;
-            }
-            let found = on.iter().filter_map(|k| {
-                let Connection { i, j, .. } = self.members[*k].connection;
-                Some((*k, pins(&record.bodies[i].poses, &record.bodies[j].poses)?))
-            });
-            let best = found.min_by(|a, b| a.1.2.total_cmp(&b.1.2));
-            if let Some((k, (pin_i, pin_j, _))) = best
-                && let Role::Joint(joint) = &mut self.members[k].role
-            {
-                joint.kind = "UNIVERSAL";
-                joint.i.R = frame_along(&pin_i);
-                joint.j.R = frame_along(&pin_j);
-            }
-        }
-    }
-
-    /// Holds bodies that no element connects: those at rest to ground.
-    fn fasten(&mut self, clusters: &Clusters, record: &Record) {
-        for body in &clusters.members[0][1..] {
-            let held = self
-                .members
-                .iter()
-                .any(|member| member.connection.i == *body || member.connection.j == *body);
-            if !held && !self.rigid.iter().any(|(a, _)| a == body) {
-                self.rigid.push((*body, 0));
-            }
-        }
-        self.rigid
-            .retain(|(a, b)| a != b && *a < record.bodies.len());
-        self.rigid.sort_unstable();
-        self.rigid.dedup();
-    }
-
-    /// Prescribes the motion of sliding parts that only given loads hold: their place is an input of the test, not an answer.
-    fn prescribe(&mut self, clusters: &Clusters, record: &Record) {
-        let mut motions = Vec::new();
-        for member in &self.members {
-            let Role::Joint(joint) = &member.role else {
-                continue;
-            };
-            let Connection { element, i, j } = member.connection;
-            if joint.kind != "TRANSLATIONAL" || (i != 0 && j != 0) {
-                continue;
-            }
-            let own = clusters.of[i.max(j)];
-            let on_cluster = |other: &Member| {
-                let ends = [other.connection.i, other.connection.j];
-                ends.iter().any(|body| clusters.of[*body] == own)
-            };
-            let only_loads = self
-                .members
-                .iter()
-                .filter(|other| on_cluster(other))
-                .all(|other| {
-                    let inside = clusters.of[other.connection.i] == clusters.of[other.connection.j];
-                    let same = other.connection.element == element;
-                    inside || same || matches!(other.role, Role::Load(_))
-                });
-            if !only_loads {
-                continue;
-            }
-            let values = motion_values(record, (i, &joint.i), (j, &joint.j), false);
-            motions.push(Member {
-                connection: member.connection,
-                role: Role::Motion {
-                    i: joint.i,
-                    j: joint.j,
-                    turns: false,
-                    values,
-                },
-                open: 0.0,
-            });
-        }
-        self.members.extend(motions);
     }
 }
