@@ -466,7 +466,7 @@ impl Search<'_, '_> {
                     }
                     [None, None] => {}
                     [None, Some(_)] if self.expected[*element].is_some_and(|on| on != 0) => {
-                        score += NOWHERE
+                        score += NOWHERE;
                     }
                     [Some(cluster), None] | [None, Some(cluster)] => {
                         used_classes.insert(k);

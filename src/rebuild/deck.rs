@@ -277,8 +277,7 @@ impl Writer<'_> {
             };
             [0, 1, 2].map(|axis| match &laws[axis] {
                 AxisLaw::Linear { preload, stiffness } => (*preload, *stiffness),
-                AxisLaw::Unseen(preload) => (*preload, usual),
-                AxisLaw::Odd { preload, .. } => (*preload, usual),
+                AxisLaw::Unseen(preload) | AxisLaw::Odd { preload, .. } => (*preload, usual),
                 AxisLaw::Curve(_) => (0.0, usual),
             })
         };

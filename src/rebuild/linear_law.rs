@@ -122,7 +122,7 @@ mod tests {
             state = state
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1);
-            (state >> 40) as f64 / (1 << 23) as f64 - 1.0
+            (state >> 40) as f64 / f64::from(1 << 23) - 1.0
         };
         let poses: Vec<Pose> = (0..30)
             .map(|_| Pose {

@@ -61,6 +61,10 @@ pub struct Member {
 
 /// What an element does.
 #[derive(Clone, Debug)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "a mechanism has tens of elements"
+)]
 pub enum Role {
     /// A joint.
     Joint(Joint),
@@ -411,36 +415,35 @@ impl Builder<'_> {
     fn bushing(&self, connection: Connection, point: Vec3, open: f64) -> (Role, f64) {
         let Connection { element, i, j } = connection;
         let object = &self.record.elements[element];
-        let (frame_i, frame_j, open) = match self.frames[element] {
-            Some((frame_i, frame_j)) => (frame_i, frame_j, 0.0),
-            None => {
-                let bodies = &self.record.bodies;
-                let at = bodies[j]
-                    .design
-                    .inverse()
-                    .point(&bodies[i].design.point(&point));
-                let axes = self
-                    .axes(connection)
-                    .filter(|axes| axes.left_rad < 1e-6 && !axes.open);
-                let (axes_i, axes_j) = axes.map_or_else(
-                    || {
-                        let axes_j = bushing::stiffness_axes(self.record, object, i, j, &point);
-                        (
-                            bodies[i].design.R.transpose() * bodies[j].design.R * axes_j,
-                            axes_j,
-                        )
-                    },
-                    |axes| (axes.i, axes.j),
-                );
-                (
-                    Pose {
-                        p: point,
-                        R: axes_i,
-                    },
-                    Pose { p: at, R: axes_j },
-                    open,
-                )
-            }
+        let (frame_i, frame_j, open) = if let Some((frame_i, frame_j)) = self.frames[element] {
+            (frame_i, frame_j, 0.0)
+        } else {
+            let bodies = &self.record.bodies;
+            let at = bodies[j]
+                .design
+                .inverse()
+                .point(&bodies[i].design.point(&point));
+            let axes = self
+                .axes(connection)
+                .filter(|axes| axes.left_rad < 1e-6 && !axes.open);
+            let (axes_i, axes_j) = axes.map_or_else(
+                || {
+                    let axes_j = bushing::stiffness_axes(self.record, object, i, j, &point);
+                    (
+                        bodies[i].design.R.transpose() * bodies[j].design.R * axes_j,
+                        axes_j,
+                    )
+                },
+                |axes| (axes.i, axes.j),
+            );
+            (
+                Pose {
+                    p: point,
+                    R: axes_i,
+                },
+                Pose { p: at, R: axes_j },
+                open,
+            )
         };
         let motion = Motion::of(self.record, object, (i, &frame_i), (j, &frame_j));
         let law = bushing::law(&motion, self.known.size);

@@ -196,15 +196,12 @@ impl Clusters {
                 let first = &record.bodies[members[0]];
                 relation(&first.poses, &body.poses, size) == Relation::Fixed
             });
-            match same {
-                Some(cluster) => {
-                    members[cluster].push(k);
-                    of.push(cluster);
-                }
-                None => {
-                    of.push(members.len());
-                    members.push(vec![k]);
-                }
+            if let Some(cluster) = same {
+                members[cluster].push(k);
+                of.push(cluster);
+            } else {
+                of.push(members.len());
+                members.push(vec![k]);
             }
         }
         Self { of, members }

@@ -184,7 +184,7 @@ codes! {
     MissingSetting = "missing-setting",
     /// A path in `study.toml` leads out of the study folder; files outside of that folder are not read.
     OutsideStudy = "outside-study",
-    /// A CSV or results file lacks a required column.
+    /// A CSV file lacks a required column.
     MissingColumn = "missing-column",
     /// A study is implausible: a unit, the noise or the loads do not match the readings. The option `--force` fits it nevertheless.
     ImplausibleStudy = "implausible-study",
