@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::candidate_effect::{CandidateEffect, Term};
 use super::cause::Cause;
-use super::reduction::{Conditioned, EffectModel, Reduction};
+use super::reduction::{Conditioned, EffectModel, Marginal, Reduction};
 use super::settings::{MAX_EFFECTS, MAX_EXPANSIONS, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY};
 
 /// Set of effects, given by the indices of the effects in an [`EffectModel`], in ascending order.
@@ -21,12 +21,15 @@ pub(super) type Pool = BTreeMap<EffectSet, f64>;
 /// Evaluation of sets of effects in the linear model of one fit, at fixed variance components.
 pub(super) struct Sets<'a> {
     model: &'a EffectModel,
-    reduction: &'a Reduction,
+    reduction: Reduction<'a>,
 }
 
 impl<'a> Sets<'a> {
-    pub(super) const fn new(model: &'a EffectModel, reduction: &'a Reduction) -> Self {
-        Self { model, reduction }
+    pub(super) const fn new(model: &'a EffectModel, marginal: &'a Marginal) -> Self {
+        Self {
+            model,
+            reduction: model.reduction(marginal),
+        }
     }
 
     /// Computes the posterior of the parameters of a set of effects in the linear model. Returns `None` if the information matrix is not positive
@@ -53,7 +56,13 @@ impl<'a> Sets<'a> {
         })
     }
 
+    /// Returns the log prior odds of a set, with the corrections of scanned laws.
     fn ln_prior(&self, set: &[usize]) -> f64 {
+        let corrections: f64 = set.iter().map(|k| self.model.corrections[*k]).sum();
+        corrections + self.ln_prior_odds(set)
+    }
+
+    fn ln_prior_odds(&self, set: &[usize]) -> f64 {
         let effects = &self.model.effects;
         let progressive = |k: &&usize| effects[**k].cause == Cause::ProgressiveStiffness;
         if set.iter().filter(progressive).count() < 2 {
@@ -75,7 +84,7 @@ impl<'a> Sets<'a> {
             return false;
         }
         match new.term {
-            Term::Main => !there.any(|other| other.same_site(new)),
+            Term::Main => !there.any(|other| other.same_site(new) || is_rival(other, new)),
             term => {
                 let mut main = false;
                 for other in there.filter(|other| other.same_site(new)) {
@@ -163,7 +172,7 @@ impl<'a> Sets<'a> {
                 if range.is_empty() || base.contains(&effect) || !self.may_join(base, effect) {
                     continue;
                 }
-                let Some((gain, mean)) = self.reduction.beside(&known, range) else {
+                let Some((gain, mean)) = self.reduction.beside(&known, range, effect) else {
                     continue;
                 };
                 let new = &self.model.effects[effect];
@@ -176,7 +185,7 @@ impl<'a> Sets<'a> {
                 let prior = if new.cause == Cause::ProgressiveStiffness {
                     self.ln_prior(&larger)
                 } else {
-                    ln_prior + new.ln_prior
+                    ln_prior + new.ln_prior + self.model.corrections[effect]
                 };
                 if known.ln_bayes_factor + gain + prior > least
                     && let Some(score) = self.score(&larger)
@@ -197,14 +206,15 @@ impl<'a> Sets<'a> {
             .filter(|k| model.ranges[*k].len() == 1 && !self.is_leaf(*k))
             .filter(|k| model.effects[*k].term == Term::Main)
             .collect();
-        let M = &self.reduction.information;
-        let g = &self.reduction.gradient;
+        let M = self.reduction.information();
+        let g = self.reduction.gradient();
         let column = |k: usize| model.ranges[k].start;
         let of = |(n, &a): (usize, &usize)| {
             let (i, mut out) = (column(a), Vec::new());
             for &b in &single[n + 1..] {
                 let j = column(b);
-                let (p, q, x) = (1.0 + M[(i, i)], 1.0 + M[(j, j)], M[(i, j)]);
+                let (p, q) = (1.0 + M[(i, i)], 1.0 + M[(j, j)]);
+                let x = M[(i.max(j), i.min(j))];
                 // Nearly uncorrelated effects need no joint test: each of them is also found alone.
                 if x * x < 0.25 * p * q {
                     continue;
@@ -250,10 +260,11 @@ impl<'a> Sets<'a> {
     /// Returns the squared distance between the predictions of two sets, in units of noise. `a` and `b` hold the contributions of their effects.
     /// The effects are paired so that the sum of squared differences is smallest; an unpaired contribution counts in full.
     pub(super) fn distance(&self, a: &[Vec<(usize, f64)>], b: &[Vec<(usize, f64)>]) -> f64 {
-        let M = &self.reduction.information;
         let product = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
-            let of =
-                |(i, u): &(usize, f64)| -> f64 { b.iter().map(|(j, v)| u * v * M[(*i, *j)]).sum() };
+            let of = |(i, u): &(usize, f64)| -> f64 {
+                let M = self.reduction.information_column(*i);
+                b.iter().map(|(j, v)| u * v * M[*j]).sum()
+            };
             a.iter().map(of).sum()
         };
         let [own, other] =
@@ -270,6 +281,11 @@ impl<'a> Sets<'a> {
             .collect();
         least_assignment(&costs)
     }
+}
+
+/// Returns true for a cause and a force of unknown law at the same place: what the cause does not explain is a further term of its law.
+fn is_rival(a: &CandidateEffect, b: &CandidateEffect) -> bool {
+    a.address == b.address && a.is_in_catalogue() != b.is_in_catalogue()
 }
 
 /// Returns the minimum cost of an assignment that gives each row a different column (Hungarian method with potentials).

@@ -12,6 +12,8 @@ use admire_identify::global::{
     CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations, StateSensitivities,
     channel_changes,
 };
+use admire_solver::mechanics::Vec6;
+use admire_solver::model::MarkerIx;
 use admire_solver::statics::Tangents;
 use admire_solver::system::{Parameters, Scratch, Slot, State};
 use admire_syntax::Address;
@@ -80,6 +82,57 @@ impl<'a> OperatingPoints<'a> {
     /// Returns the effects of these parameters on every residual row; see [`Responses::columns`].
     pub(super) fn columns(&self, numbers: &[&EffectParameter]) -> DMatrix<f64> {
         self.responses(numbers).columns(numbers.len())
+    }
+
+    /// Returns the effects of unit forces at sites, and the compliances of the sites. A site is a pair of markers and a component along the axes
+    /// of J. There is one matrix of effects per site, over the residual rows; its column `l` holds the effect of a force in case `l` only. The
+    /// compliance of a site in a case is the change of its displacement by a unit force there.
+    pub(super) fn unit_force_effects(
+        &self,
+        sites: &[((MarkerIx, MarkerIx), usize)],
+    ) -> (Vec<DMatrix<f64>>, Vec<Vec<f64>>) {
+        let cases = self.cases();
+        let number = |(pair, axis): &((MarkerIx, MarkerIx), usize)| {
+            let wrench = vec![Vec6::ith(*axis, 1.0); cases];
+            EffectParameter::linear("force", 1.0, Sensitivity::Wrench(*pair, wrench))
+        };
+        let numbers: Vec<EffectParameter> = sites.iter().map(number).collect();
+        let columns = self.columns(&numbers.iter().collect::<Vec<_>>());
+        let effects = columns.column_iter().map(|column| {
+            let mut out = DMatrix::zeros(column.len(), cases);
+            for (k, (row, value)) in self.rows().iter().zip(column.iter()).enumerate() {
+                out[(k, row.case())] = *value;
+            }
+            out
+        });
+        let system = &self.fitted.deck.prepared.system;
+        let mut known = Tangents::new(system);
+        if let (Some(theta), Some(state)) = (self.fitted.thetas.first(), self.fitted.states.first())
+        {
+            let _ = known.at(system, theta, state);
+        }
+        let of_case = |scratch: &mut Scratch, case: usize| -> Vec<f64> {
+            let (theta, state) = (&self.fitted.thetas[case], &self.fitted.states[case]);
+            let mut tangents = known.clone();
+            let Ok(tangent) = tangents.at(system, theta, state) else {
+                return vec![0.0; sites.len()];
+            };
+            let one = |(pair, axis): &((MarkerIx, MarkerIx), usize)| {
+                let wrench = Vec6::ith(*axis, 1.0);
+                // The column of a unit force holds the derivatives of the displacement, by the principle of virtual work.
+                let by_pose = system.unit_wrench_column(theta, state, scratch, *pair, &wrench);
+                let mut change = by_pose.clone();
+                tangent.respond(&mut change);
+                by_pose.iter().zip(&change).map(|(a, b)| a * b).sum()
+            };
+            sites.iter().map(one).collect()
+        };
+        let by_case: Vec<Vec<f64>> = (0..cases)
+            .into_par_iter()
+            .map_init(|| Scratch::new(system), of_case)
+            .collect();
+        let compliance = (0..sites.len()).map(|k| by_case.iter().map(|case| case[k]).collect());
+        (effects.collect(), compliance.collect())
     }
 
     /// Computes the responses of all cases to these parameters.

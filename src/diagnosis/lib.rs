@@ -58,6 +58,8 @@ mod searched;
 mod select;
 pub mod settings;
 mod settle;
+mod site;
+mod site_law;
 mod solver_difference;
 mod sought;
 mod stand_in;

@@ -9,17 +9,20 @@
 //! Sources: George and McCulloch, Statistica Sinica 7 (1997) 339; Rasmussen and Williams, Gaussian Processes, section 2.7.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::candidate_effect::{CandidateEffect, EffectParameter, Parametrisation, Sensitivity};
-use super::causes;
+use super::causes::{self, dry_friction};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
+use super::site::Sites;
+use super::site_law::Scanned;
+use admire_identify::global::Evolution;
 use admire_identify::tolerance::{
-    LinearModel, RowsByVarianceClass, VarianceComponents, transposed,
+    EffectProducts, LinearModel, RowsByVarianceClass, VarianceComponents, transposed,
 };
 
 /// Effects linearised at a fit, with the linear model of all other unknowns.
@@ -32,30 +35,41 @@ pub(super) struct EffectModel {
     pub own: usize,
     /// Range of column indices of each effect.
     pub ranges: Vec<Range<usize>>,
-    /// Change of the prediction per prior standard deviation of each effect parameter, one column per parameter. Rows are decorrelated, but not
-    /// scaled to unit variance.
-    columns: DMatrix<f64>,
+    /// Result of the scan of each effect whose law is scanned at its site.
+    pub scans: Vec<Option<Scanned>>,
+    /// Correction of the log Bayes factor of each effect, from that of its column to that of its scanned law. Zero for all other effects.
+    pub corrections: Vec<f64>,
+    /// Products of the columns of the effects. A column is the change of the prediction per prior standard deviation of a parameter.
+    products: EffectProducts,
     /// Indices of the fit's unknowns in the order of `base`. Parameters of effects are left out.
     kept: Vec<usize>,
     base: LinearModel,
-    /// Jacobian of the unknowns in `kept`, in decorrelated rows that are not scaled to unit variance.
-    jacobian: DMatrix<f64>,
-    /// Residual (reading minus prediction) without the effects of the fit, in decorrelated rows that are not scaled to unit variance.
-    residual: DVector<f64>,
 }
 
 /// [`EffectModel`] at fixed variance components, with all unknowns marginalised except the parameters of effects.
-pub(super) struct Reduction {
+pub(super) struct Reduction<'m> {
+    model: &'m EffectModel,
+    marginal: &'m Marginal,
+}
+
+/// Marginalisation of the unknowns of an [`EffectModel`] at fixed variance components.
+pub(super) struct Marginal {
     /// Log evidence of the model without effects.
     pub ln_z: f64,
-    /// Information matrix `M` of the effect parameters, defined in the module documentation.
-    pub information: DMatrix<f64>,
     /// Gradient `g` of the log evidence with respect to the effect parameters, defined in the module documentation.
     pub gradient: DVector<f64>,
+    /// Logarithms of the standard deviations.
+    ln: Vec<f64>,
     /// Change of the other unknowns from the fit to the optimum of the linear model without effects.
     step: DVector<f64>,
+    /// Products of the Jacobian with the columns of the effects, weighted by the reciprocal variances of the rows.
+    cross: DMatrix<f64>,
     /// Decrease of `step` per unit of each effect parameter, one column per parameter.
     absorbed: DMatrix<f64>,
+    /// Block of the information matrix of each effect.
+    own: Vec<DMatrix<f64>>,
+    /// Columns of the information matrix `M` that were needed so far.
+    columns: Vec<OnceLock<DVector<f64>>>,
 }
 
 /// Posterior of the parameters of one set of effects in a [`Reduction`].
@@ -71,17 +85,30 @@ pub(super) struct Conditioned {
 }
 
 impl EffectModel {
-    /// Linearises the effects in a fit and all other candidates. `further` holds candidates in addition to the catalogue of causes.
+    /// Linearises the effects in a fit and all other candidates. `further` holds candidates in addition to the catalogue of causes, and `sites`
+    /// the sites of the fit.
     pub(super) fn new(
         subject: &DiagnosisProblem<'_>,
         fitted: &Arc<FittedModel>,
+        sites: &Sites,
         further: Vec<CandidateEffect>,
     ) -> Self {
         let survey = OperatingPoints::new(subject, fitted);
         let mut effects = fitted.effects.clone();
         let own = effects.len();
+        let mut scans: Vec<Option<Scanned>> = vec![None; own];
+        let is_slider = |effect: &CandidateEffect| {
+            let memory = effect.memory.as_ref();
+            memory.is_some_and(|plan| plan.carries == Evolution::Slider)
+        };
         let candidates = causes::candidates(&survey, fitted);
-        effects.extend(candidates.into_iter().chain(further));
+        effects.extend(candidates.into_iter().filter(|effect| !is_slider(effect)));
+        effects.extend(further);
+        scans.resize(effects.len(), None);
+        for (effect, scan) in dry_friction::scanned(&survey, sites) {
+            effects.push(effect);
+            scans.push(Some(scan));
+        }
         let seen: Vec<&EffectParameter> = effects[own..].iter().flat_map(with_column).collect();
         let mut responses = survey.responses(&seen);
         let fresh = fitted.whitening.apply(&responses.columns(seen.len()));
@@ -116,9 +143,11 @@ impl EffectModel {
         }
         let kept: Vec<usize> = (0..is_kept.len()).filter(|k| is_kept[*k]).collect();
         let jacobian = whole.select_columns(&kept);
+        let whitening = &fitted.whitening;
+        let by_class = RowsByVarianceClass::new(whitening, &jacobian);
         let base = LinearModel::new(
-            &fitted.whitening,
-            &RowsByVarianceClass::new(&fitted.whitening, &jacobian),
+            whitening,
+            &by_class,
             &residual,
             kept.iter().map(|k| priors[*k]).collect(),
             DVector::from_iterator(kept.len(), kept.iter().map(|k| fitted.x[*k])),
@@ -128,57 +157,60 @@ impl EffectModel {
         } else {
             DMatrix::from_columns(&columns)
         };
+        let columns = RowsByVarianceClass::new(whitening, &columns);
+        let products = EffectProducts::new(whitening, &by_class, &residual, columns);
+        let correction = |scan: &Option<Scanned>| scan.as_ref().map_or(0.0, |s| s.correction);
         Self {
             fitted: Arc::clone(fitted),
+            corrections: scans.iter().map(correction).collect(),
             effects,
             own,
             ranges,
-            columns,
+            scans,
+            products,
             kept,
             base,
-            jacobian,
-            residual,
         }
-    }
-
-    /// Frees the memory of the columns. Existing reductions remain valid, but new ones can no longer be computed.
-    pub(super) fn forget_columns(&mut self) {
-        self.columns = DMatrix::zeros(0, 0);
-        self.jacobian = DMatrix::zeros(0, 0);
     }
 
     /// Marginalises all unknowns except the parameters of effects, at the variance components `sizes`. Returns `None` if the linear model has no
     /// finite solution.
-    pub(super) fn reduced(&self, sizes: &VarianceComponents) -> Option<Reduction> {
+    pub(super) fn marginalised(&self, sizes: &VarianceComponents) -> Option<Marginal> {
         let posterior = self.base.posterior(sizes)?;
-        let weights = self.fitted.whitening.weights(&sizes.ln);
-        let weighted = |mut columns: DMatrix<f64>| {
-            for (mut row, weight) in columns.row_iter_mut().zip(weights.iter()) {
-                row *= *weight;
-            }
-            columns
-        };
-        let E = weighted(self.columns.clone());
-        let A = weighted(self.jacobian.clone());
-        let z = self.residual.component_mul(&weights) - &A * &posterior.step;
-        let cross = transposed(&A, &E);
+        let cross = self.products.cross(&sizes.ln);
         let absorbed = transposed(&posterior.covariance, &cross);
-        Some(Reduction {
+        let own = self.ranges.iter().map(|range| {
+            let [cross, absorbed] =
+                [&cross, &absorbed].map(|of| of.columns(range.start, range.len()));
+            self.products.gram_block(&sizes.ln, range.clone()) - cross.tr_mul(&absorbed)
+        });
+        Some(Marginal {
             ln_z: posterior.ln_z,
-            information: transposed(&E, &E) - transposed(&cross, &absorbed),
-            gradient: E.tr_mul(&z),
+            gradient: self.products.gradient(&sizes.ln) - cross.tr_mul(&posterior.step),
+            own: own.collect(),
+            columns: vec![OnceLock::new(); cross.ncols()],
+            ln: sizes.ln.clone(),
             step: posterior.step,
+            cross,
             absorbed,
         })
+    }
+
+    /// Returns the reduced model.
+    pub(super) const fn reduction<'m>(&'m self, marginal: &'m Marginal) -> Reduction<'m> {
+        Reduction {
+            model: self,
+            marginal,
+        }
     }
 
     /// Returns start values of the fit's unknowns for a new fit with a set of effects: the optimum of the linear model with this set. Changes of
     /// unknowns without a tolerance group, such as logarithms of stiffnesses, are limited to `reach`. Parameters of the fit's effects keep their
     /// values if the effect is not in the set, or if the fit uses the logarithm of the parameter.
-    pub(super) fn start(&self, reduction: &Reduction, set: &Conditioned, reach: f64) -> Vec<f64> {
-        let mut step = reduction.step.clone();
+    pub(super) fn start(&self, marginal: &Marginal, set: &Conditioned, reach: f64) -> Vec<f64> {
+        let mut step = marginal.step.clone();
         for (column, mean) in set.columns.iter().zip(set.mean.iter()) {
-            step.axpy(-mean, &reduction.absorbed.column(*column), 1.0);
+            step.axpy(-mean, &marginal.absorbed.column(*column), 1.0);
         }
         let mut x = self.fitted.x.clone();
         for (at, step) in self.kept.iter().zip(step.iter()) {
@@ -218,14 +250,14 @@ impl EffectModel {
     /// Returns first guesses of the parameters of an effect that the fit does not contain yet, in units of their prior standard deviations.
     pub(super) fn guesses(
         &self,
-        reduction: &Reduction,
+        marginal: &Marginal,
         set: &Conditioned,
         effect: usize,
     ) -> Vec<f64> {
         let mut column = self.ranges[effect].start;
-        let mut step = reduction.step.clone();
+        let mut step = marginal.step.clone();
         for (column, mean) in set.columns.iter().zip(set.mean.iter()) {
-            step.axpy(-mean, &reduction.absorbed.column(*column), 1.0);
+            step.axpy(-mean, &marginal.absorbed.column(*column), 1.0);
         }
         let numbers = self.effects[effect].numbers.iter();
         numbers
@@ -251,7 +283,43 @@ impl EffectModel {
     }
 }
 
-impl Reduction {
+impl Reduction<'_> {
+    /// Log evidence of the model without effects.
+    #[cfg(test)]
+    pub(super) const fn ln_z(&self) -> f64 {
+        self.marginal.ln_z
+    }
+
+    /// Gradient `g` of the log evidence with respect to the effect parameters.
+    pub(super) const fn gradient(&self) -> &DVector<f64> {
+        &self.marginal.gradient
+    }
+
+    /// Returns column `k` of the information matrix.
+    pub(super) fn information_column(&self, k: usize) -> &DVector<f64> {
+        let Marginal {
+            columns,
+            cross,
+            absorbed,
+            ln,
+            ..
+        } = self.marginal;
+        columns[k].get_or_init(|| {
+            self.model.products.gram_column(ln, k) - absorbed.tr_mul(&cross.column(k))
+        })
+    }
+
+    /// Returns the lower triangle of the information matrix.
+    pub(super) fn information(&self) -> DMatrix<f64> {
+        let Marginal {
+            cross,
+            absorbed,
+            ln,
+            ..
+        } = self.marginal;
+        self.model.products.gram(ln) - transposed(cross, absorbed)
+    }
+
     /// Returns the posterior of the effects with these column ranges. Returns `None` if `1 + M` of these columns is not positive definite.
     pub(super) fn conditioned<'r>(
         &self,
@@ -260,7 +328,7 @@ impl Reduction {
         let columns: Vec<usize> = ranges.flat_map(Range::clone).collect();
         let Q = self.block(&columns, &columns) + DMatrix::identity(columns.len(), columns.len());
         let factor = Cholesky::new(Q)?;
-        let g = self.gradient.select_rows(&columns);
+        let g = self.marginal.gradient.select_rows(&columns);
         let mean = factor.solve(&g);
         let ln_bayes_factor = 0.5 * g.dot(&mean) - half_ln_det(&factor);
         Some(Conditioned {
@@ -271,17 +339,20 @@ impl Reduction {
         })
     }
 
-    /// Returns the log Bayes factor for adding the columns in `range` to a set, and the posterior mean of their parameters in the enlarged set.
+    /// Returns the log Bayes factor for adding an effect, with its columns in `range`, to a set, and the posterior mean of its parameters in the
+    /// enlarged set.
     pub(super) fn beside(
         &self,
         set: &Conditioned,
         range: &Range<usize>,
+        effect: usize,
     ) -> Option<(f64, DVector<f64>)> {
         let own: Vec<usize> = range.clone().collect();
-        let cross = self.block(&set.columns, &own);
-        let mut Q = self.block(&own, &own) + DMatrix::identity(own.len(), own.len());
-        let mut g = self.gradient.select_rows(&own);
+        let mut Q = &self.marginal.own[effect] + DMatrix::identity(own.len(), own.len());
+        let mut g = self.marginal.gradient.select_rows(&own);
         if !set.columns.is_empty() {
+            // The columns of the set are at hand; those of the effect need not be computed.
+            let cross = self.block(&own, &set.columns).transpose();
             Q -= cross.tr_mul(&set.factor.solve(&cross));
             g -= cross.tr_mul(&set.mean);
         }
@@ -290,10 +361,16 @@ impl Reduction {
         Some((0.5 * g.dot(&mean) - half_ln_det(&factor), mean))
     }
 
+    /// Returns a block of the information matrix. Its columns are computed.
     fn block(&self, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
-        DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
-            self.information[(rows[i], columns[j])]
-        })
+        let mut out = DMatrix::zeros(rows.len(), columns.len());
+        for (j, k) in columns.iter().enumerate() {
+            let column = self.information_column(*k);
+            for (i, row) in rows.iter().enumerate() {
+                out[(i, j)] = column[*row];
+            }
+        }
+        out
     }
 }
 
@@ -338,6 +415,7 @@ mod tests {
     use crate::diagnosis_problem::Data;
     use crate::fit::fit;
     use crate::settings::OCCAM_WINDOW_NATS;
+    use crate::remainder::sites_of;
     use crate::sought::tests::{of_the_axle, shipped_axle};
 
     /// Fits sets of effects. The evidence of each fit must equal the evidence of the same set in the linear model reduced at that fit.
@@ -347,7 +425,8 @@ mod tests {
         let problem = loaded.problem();
         let (subject, none) = of_the_axle(&problem);
         let none = Arc::new(none);
-        let model = EffectModel::new(&subject, &none, Vec::new());
+        let sites = sites_of(&subject, &none);
+        let model = EffectModel::new(&subject, &none, &sites, Vec::new());
         // Only effects whose prior is the same in a fit and in the linear model are compared: neither compliances nor slip lengths.
         let is_same = |k: &usize| {
             let numbers = &model.effects[*k].numbers;
@@ -377,21 +456,23 @@ mod tests {
                 continue;
             };
             let fitted = Arc::new(fitted);
-            let there = EffectModel::new(&subject, &fitted, Vec::new());
-            let reduction = there.reduced(&fitted.sizes).expect("a finite model");
+            let sites = sites_of(&subject, &fitted);
+            let there = EffectModel::new(&subject, &fitted, &sites, Vec::new());
+            let marginal = there.marginalised(&fitted.sizes).expect("a finite model");
+            let reduction = there.reduction(&marginal);
             let own: Vec<usize> = (0..there.own).collect();
-            let sets = Sets::new(&there, &reduction);
+            let sets = Sets::new(&there, &marginal);
             let score = sets.conditioned(&own).expect("positive").ln_bayes_factor;
             let reached = fitted.posterior.ln_z;
             assert!(
-                (reduction.ln_z + score - reached).abs() < 1e-7,
+                (reduction.ln_z() + score - reached).abs() < 1e-7,
                 "{}: {} and {reached}",
                 chosen
                     .iter()
                     .map(|(h, _)| h.to_string())
                     .collect::<Vec<_>>()
                     .join(", "),
-                reduction.ln_z + score
+                reduction.ln_z() + score
             );
             compared += 1;
         }
@@ -405,15 +486,17 @@ mod tests {
         let problem = loaded.problem();
         let (subject, none) = of_the_axle(&problem);
         let none = Arc::new(none);
-        let mut model = EffectModel::new(&subject, &none, Vec::new());
+        let sites = sites_of(&subject, &none);
+        let mut model = EffectModel::new(&subject, &none, &sites, Vec::new());
         let keep: Vec<usize> = (0..model.effects.len())
             .filter(|k| !model.effects[*k].is_poorly_linearised())
             .step_by(5)
             .collect();
         model.effects = keep.iter().map(|k| model.effects[*k].clone()).collect();
         model.ranges = keep.iter().map(|k| model.ranges[*k].clone()).collect();
-        let reduction = model.reduced(&none.sizes).expect("a finite model");
-        let sets = Sets::new(&model, &reduction);
+        model.corrections = vec![0.0; keep.len()];
+        let marginal = model.marginalised(&none.sizes).expect("a finite model");
+        let sets = Sets::new(&model, &marginal);
         let pool = sets.closure(&Vec::new(), true);
         let best = pool.values().copied().fold(f64::NEG_INFINITY, f64::max);
         let count = model.effects.len();

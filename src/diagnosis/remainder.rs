@@ -10,10 +10,12 @@
 //! [`gp_terms`] makes the force a candidate, which a search compares with several causes of the catalogue. One effect outside the catalogue
 //! looks like many effects within it. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::candidate_effect::{CandidateEffect, EffectParameter, Sensitivity, Term, component};
+use super::candidate_effect::{CandidateEffect, EffectParameter, Sensitivity, Term};
 use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
@@ -21,12 +23,11 @@ use super::gaussian_process::{GRID_SIZE, GpPosterior, Reach};
 use super::hold_out_test::{compared, unseen};
 use super::operating_points::OperatingPoints;
 use super::predictive::PredictiveDistribution;
-use crate::priors::FORCE_LEVER_MM;
+use super::site::{Site, SiteModel, Sites};
 use crate::settings::{GP_SITE_NATS, MAX_LN_STIFFNESS_STEP};
 use admire_identify::settings::NORMAL_QUANTILE_975;
-use admire_identify::tolerance::{Posterior, VarianceComponents, transposed};
-use admire_solver::mechanics::Vec6;
-use admire_solver::model::{Header, JointKind, MarkerIx, Model};
+use admire_identify::tolerance::{Posterior, VarianceComponents};
+use admire_solver::model::{Header, MarkerIx, Model};
 use admire_study::orientation::chi_square_p_value;
 
 /// Coordinate on which the extra force depends.
@@ -95,16 +96,6 @@ pub struct Predicted {
     pub p_value: f64,
 }
 
-/// Component of an element at which the model may lack a force.
-struct Place {
-    address: String,
-    pair: (MarkerIx, MarkerIx),
-    axis: usize,
-    deflection: Vec<f64>,
-    /// Typical force at the site, which scales the prior of the extra force.
-    force: f64,
-}
-
 /// Gaussian process over one coordinate, with its posterior.
 struct Process {
     over: Over,
@@ -116,7 +107,7 @@ struct Process {
 /// Site, coordinate and process with the largest evidence.
 struct Best {
     address: String,
-    place: Place,
+    place: Site,
     process: Process,
     next: Option<(String, f64)>,
     /// Effects on all rows of a unit force in each single case, one column per case.
@@ -145,7 +136,7 @@ pub(super) fn remainder(
         next,
         posterior,
         ..
-    } = most_spoken_for(subject, fitted, sizes, None)?;
+    } = most_spoken_for(subject, fitted, &sites_of(subject, fitted), sizes, None)?;
     let cases = &subject.problem.programme.cases;
     let mut points: Vec<RemainderPoint> = (0..cases.len())
         .map(|k| RemainderPoint {
@@ -169,6 +160,11 @@ pub(super) fn remainder(
     })
 }
 
+/// Returns the sites of a fit.
+pub(super) fn sites_of(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Sites {
+    Sites::new(&OperatingPoints::new(subject, fitted))
+}
+
 /// Predicts the held-out cases by a fit without them, plus the extra force found in the residuals of that fit. Let `f` and `V` be the mean
 /// and the covariance of the force, `R` the response of the rows to the force, `J` the Jacobian of the fit, and `C` the covariance of its
 /// unknowns. The force changes the prediction by `R f`; the covariance of the prediction is `J C J' + R V R'` plus noise. Returns `None` if
@@ -178,7 +174,7 @@ pub(super) fn predicted(
     fitted: &FittedModel,
     sizes: &VarianceComponents,
 ) -> Option<Predicted> {
-    let found = most_spoken_for(subject, fitted, sizes, None)?;
+    let found = most_spoken_for(subject, fitted, &sites_of(subject, fitted), sizes, None)?;
     let before = &fitted.residual + &fitted.jacobian * &found.posterior.step;
     let after = &before + &found.response * &found.process.law.mean;
     let rows = compared(subject);
@@ -234,7 +230,7 @@ pub(super) struct GpTerm {
     pub x: Vec<f64>,
     /// Gain in log evidence predicted by the linear model, in nats, without prior odds.
     pub nats: f64,
-    place: Place,
+    place: Site,
     root: DMatrix<f64>,
 }
 
@@ -246,8 +242,10 @@ impl GpTerm {
         fitted: &FittedModel,
     ) -> CandidateEffect {
         let survey = OperatingPoints::new(subject, fitted);
+        let site = (self.place.pair, self.place.axis);
+        let (effects, _) = survey.unit_force_effects(&[site]);
         CandidateEffect {
-            numbers: numbers(&effect(&survey, &self.place), &self.root),
+            numbers: numbers(&effects[0], &self.root),
             ..self.hypothesis.clone()
         }
     }
@@ -256,10 +254,14 @@ impl GpTerm {
 /// Returns up to two forces of unknown law as candidates. One has the largest evidence at the fit's own variance components. The other has the
 /// largest evidence at components reduced to their medians, because the fit's own components may have absorbed the effect. The prior probability
 /// of one kind of cause is divided among all sites, coordinates, length scales and standard deviations tried.
-pub(super) fn gp_terms(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<GpTerm> {
+pub(super) fn gp_terms(
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+    sites: &Sites,
+) -> Vec<GpTerm> {
     let usual = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
     let each = [&usual, &fitted.sizes].into_iter();
-    let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes, None));
+    let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sites, sizes, None));
     let mut out: Vec<GpTerm> = Vec::new();
     for unnamed in found.map(|best| as_hypothesis(subject, fitted, best)) {
         if !out
@@ -274,7 +276,11 @@ pub(super) fn gp_terms(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> 
 
 /// Returns the misfits of the force laws in a fit, each as a further term of its cause. Only laws known in kind but not in shape have a
 /// misfit: friction may differ from a slider, and rubber from a polynomial.
-pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<GpTerm> {
+pub(super) fn left_by_laws(
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+    sites: &Sites,
+) -> Vec<GpTerm> {
     let chosen = &fitted.effects;
     let is_closed = |h: &CandidateEffect| {
         let mut parts = chosen.iter().filter(|other| other.same_site(h));
@@ -283,7 +289,7 @@ pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel)
     let usual = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
     let priors = subject.problem.priors;
     let left = |h: &CandidateEffect| {
-        let best = most_spoken_for(subject, fitted, &usual, Some(&h.address))?;
+        let best = most_spoken_for(subject, fitted, sites, &usual, Some(&h.address))?;
         let mut left = as_hypothesis(subject, fitted, best);
         left.hypothesis.cause = h.cause;
         left.hypothesis.side = h.side;
@@ -373,36 +379,26 @@ fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Be
 fn most_spoken_for(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
+    sites: &Sites,
     sizes: &VarianceComponents,
     only: Option<&str>,
 ) -> Option<Best> {
-    let survey = OperatingPoints::new(subject, fitted);
-    let mut places = places(&survey);
-    let reach = if let Some(address) = only {
-        places.retain(|place| place.address == address);
-        for place in &mut places {
-            place.force *= survey.priors().law_misfit_size;
-        }
+    let reach = if only.is_some() {
         Reach::Short
     } else {
         Reach::Smooth
     };
-    let weights = fitted.whitening.weights(&sizes.ln);
+    let size = only.map_or(1.0, |_| subject.problem.priors.law_misfit_size);
     let posterior = fitted.linear.posterior(sizes)?;
-    let (residual, jacobian) = fitted.whitened_at(sizes, &posterior);
-    let (mut tried, mut responses) = (0_usize, Vec::new());
+    let whitened = fitted.whitened_at(sizes, &posterior);
+    let is_tried =
+        |site: &Site| site.force > 0.0 && only.is_none_or(|address| site.address == address);
+    let mut tried = 0_usize;
+    let mut absorbed: BTreeMap<usize, DMatrix<f64>> = BTreeMap::new();
     let mut found: Vec<(usize, Process)> = Vec::new();
-    for (at, place) in places.iter().enumerate() {
-        let plain = effect(&survey, place);
-        let mut effect = fitted.whitening.apply(&plain);
-        for (mut row, weight) in effect.row_iter_mut().zip(weights.iter()) {
-            row *= *weight;
-        }
-        let cross = transposed(&jacobian, &effect);
-        let taken_up = transposed(&posterior.covariance, &cross);
-        let information = transposed(&effect, &effect) - transposed(&cross, &taken_up);
-        let gradient = effect.tr_mul(&residual);
-        responses.push((plain, taken_up));
+    for (at, place) in sites.all.iter().enumerate().filter(|(_, s)| is_tried(s)) {
+        let model = SiteModel::new(fitted, &sites.effects[at], sizes, &posterior, &whitened);
+        absorbed.insert(at, model.absorbed);
         for (over, load, coordinate) in coordinates(subject, place) {
             if only.is_some() && over == Over::Load {
                 continue;
@@ -411,9 +407,9 @@ fn most_spoken_for(
             let is_stiffness_apart = over == Over::Deflection;
             let Some(law) = GpPosterior::best(
                 &coordinate,
-                &information,
-                &gradient,
-                place.force,
+                &model.information,
+                &model.gradient,
+                size * place.force,
                 reach,
                 is_stiffness_apart,
             ) else {
@@ -437,20 +433,21 @@ fn most_spoken_for(
         return None;
     }
     let (at, process) = found.swap_remove(0);
-    let address = places[at].address.clone();
+    let address = sites.all[at].address.clone();
     found.sort_by(by_nats);
     let next = found
         .iter()
-        .find(|(other, _)| places[*other].address != address)
+        .find(|(other, _)| sites.all[*other].address != address)
         .map(|(other, behind)| {
             let nats = process.law.nats - behind.law.nats;
-            (places[*other].address.clone(), nats)
+            (sites.all[*other].address.clone(), nats)
         });
-    let (effect, taken_up) = responses.swap_remove(at);
+    let taken_up = absorbed.remove(&at)?;
+    let effect = &sites.effects[at];
     Some(Best {
-        place: places.swap_remove(at),
-        response: &effect - &fitted.jacobian * &taken_up,
-        effect,
+        place: sites.all[at].clone(),
+        response: effect - &fitted.jacobian * &taken_up,
+        effect: effect.clone(),
         taken_up,
         posterior,
         tried,
@@ -460,72 +457,16 @@ fn most_spoken_for(
     })
 }
 
-/// Returns the sites at which the model may lack a force: bushing components that deflect, and free motions of joints.
-fn places(survey: &OperatingPoints<'_>) -> Vec<Place> {
-    let mut out = Vec::new();
-    let mut put = |address: String, pair, axis: usize, deflection: Vec<f64>, force: f64| {
-        let low = deflection.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = deflection.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if high - low > 1e-9 && force > 0.0 {
-            out.push(Place {
-                address,
-                pair,
-                axis,
-                deflection,
-                force,
-            });
-        }
-    };
-    let mut largest = 0.0_f64;
-    for (k, bushing) in survey.model.bushings.iter().enumerate() {
-        if !bushing.header.active {
-            continue;
-        }
-        let deflections = survey.bushing_deflections(k);
-        let stiffness = survey.stiffnesses(k);
-        for axis in 0..6 {
-            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
-            let most = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-            let force = stiffness[axis] * most;
-            if axis < 3 {
-                largest = largest.max(force);
-            }
-            let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
-            put(address, (bushing.i, bushing.j), axis, u, force);
-        }
-    }
-    let lever = FORCE_LEVER_MM * survey.millimetre();
-    for joint in survey.model.joints.iter().filter(|j| j.header.active) {
-        let axes: &[usize] = match joint.kind {
-            JointKind::Translational | JointKind::Cylindrical => &[2],
-            JointKind::Revolute => &[5],
-            _ => continue,
-        };
-        let readings = survey.constraint("JOINT", joint.header.id);
-        for &axis in axes {
-            let of = |r: &admire_solver::system::Reading| match axis {
-                0..3 => r.motion.p_ij_j[axis],
-                _ => r.motion.angles[axis - 3],
-            };
-            let u: Vec<f64> = readings.iter().map(of).collect();
-            let force = if axis < 3 { largest } else { largest * lever };
-            let address = format!("JOINT/{}", joint.header.id);
-            put(address, (joint.i, joint.j), axis, u, force);
-        }
-    }
-    out
-}
-
 /// Returns the coordinates on which the force at a site may depend. Each entry holds the kind, the name of the load if any, and one value
 /// per case.
 fn coordinates(
     subject: &DiagnosisProblem<'_>,
-    place: &Place,
+    place: &Site,
 ) -> Vec<(Over, Option<String>, Vec<f64>)> {
     let programme = subject.problem.programme;
     let order = (1..=programme.cases.len()).map(|k| k as f64).collect();
     let mut out = vec![
-        (Over::Deflection, None, place.deflection.clone()),
+        (Over::Deflection, None, place.displacement.clone()),
         (Over::Order, None, order),
     ];
     for (k, load) in programme.loads.iter().enumerate() {
@@ -533,25 +474,4 @@ fn coordinates(
         out.push((Over::Load, Some(load.name.clone()), values));
     }
     out
-}
-
-/// Returns the effects on all rows of a unit force in each single case, one column per case.
-fn effect(survey: &OperatingPoints<'_>, place: &Place) -> DMatrix<f64> {
-    let cases = survey.cases();
-    let number = |case: usize| {
-        let unit = |k: usize| {
-            if k == case {
-                Vec6::ith(place.axis, 1.0)
-            } else {
-                Vec6::zeros()
-            }
-        };
-        EffectParameter::linear(
-            "force",
-            1.0,
-            Sensitivity::Wrench(place.pair, (0..cases).map(unit).collect()),
-        )
-    };
-    let numbers: Vec<EffectParameter> = (0..cases).map(number).collect();
-    survey.columns(&numbers.iter().collect::<Vec<_>>())
 }

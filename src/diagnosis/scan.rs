@@ -188,6 +188,7 @@ impl Catalogue {
                 mean: 0.0,
                 sd: 1.0,
                 group: None,
+                case: None,
             };
             fitted
                 .linear

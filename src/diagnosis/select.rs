@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::candidate_effect::CandidateEffect;
+use super::causes::dry_friction;
 use super::closure::{EffectSet, Pool, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::{
     EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
 };
-use super::reduction::{EffectModel, Reduction};
-use super::remainder::{GpTerm, gp_terms, left_by_laws};
+use super::reduction::{EffectModel, Marginal};
+use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
 use super::rig_errors::Promises;
 use super::settings::{
     EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS, MAX_SELECTION_POINTS,
@@ -26,7 +27,7 @@ type Ids = Vec<usize>;
 /// Linearisation point: a fit at which all effects are linearised.
 struct Point {
     model: EffectModel,
-    reductions: Vec<Reduction>,
+    reductions: Vec<Marginal>,
     /// Sets of effects within Occam's window, one pool for each reduction.
     pools: Vec<Pool>,
     /// Index in `Selector::known` of each effect of `model`.
@@ -114,23 +115,29 @@ impl Selector<'_, '_> {
     }
 
     fn add_point(&mut self, fitted: &Arc<FittedModel>) {
-        let mut forces = gp_terms(self.subject, fitted);
-        forces.extend(left_by_laws(self.subject, fitted));
+        let sites = sites_of(self.subject, fitted);
+        let mut forces = gp_terms(self.subject, fitted, &sites);
+        forces.extend(left_by_laws(self.subject, fitted, &sites));
         let further = forces
             .iter()
             .map(|force| force.hypothesis.clone())
             .collect();
-        let mut model = EffectModel::new(self.subject, fitted, further);
+        let model = EffectModel::new(self.subject, fitted, &sites, further);
         let modest = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
         let mut sizes = vec![fitted.sizes.clone()];
         if modest.ln != fitted.sizes.ln {
             sizes.push(modest);
         }
-        let reductions: Vec<Reduction> = sizes
+        let reductions: Vec<Marginal> = sizes
             .iter()
-            .filter_map(|sizes| model.reduced(sizes))
+            .filter_map(|sizes| model.marginalised(sizes))
             .collect();
-        model.forget_columns();
+        if std::env::var_os("TRACE").is_some() {
+            let mut all: Vec<(f64, String)> = model.scans.iter().zip(&model.effects).enumerate().filter_map(|(k, (s, e))| s.as_ref().map(|s| (s.ln_bayes_factor, format!("{e} bf {:.1} corr {:.1} start {:?}", s.ln_bayes_factor, model.corrections[k], s.starts[1])))).collect();
+            all.sort_by(|a, b| b.0.total_cmp(&a.0));
+            for (_, t) in all.iter().take(3) { eprintln!("TRACE scan {t}"); }
+            eprintln!("TRACE point of {:?} lnpost {:.1}", fitted.effects.iter().map(|e| e.to_string()).collect::<Vec<_>>(), fitted.ln_posterior());
+        }
         let start: EffectSet = (0..model.own).collect();
         let is_first = self.points.is_empty();
         let pools = reductions
@@ -235,31 +242,42 @@ impl Selector<'_, '_> {
         let point = &self.points[estimate.point];
         let reduction = &point.reductions[estimate.reduction];
         let sets = Sets::new(&point.model, reduction);
-        let set: EffectSet = estimate
-            .set
-            .iter()
-            .map(|k| smooth_start(&point.model, *k))
-            .collect();
-        let Some(conditioned) = sets.conditioned(&set) else {
+        let set = &estimate.set;
+        let Some(conditioned) = sets.conditioned(set) else {
             self.discarded.insert(ids.clone());
             return;
         };
         let x = point
             .model
             .start(reduction, &conditioned, MAX_LN_STIFFNESS_START);
-        let guesses = |k: &usize| {
-            let effect = point.model.effects[*k].clone();
-            let guesses = if *k < point.model.own {
-                vec![0.0; effect.numbers.len()]
-            } else {
-                point.model.guesses(reduction, &conditioned, *k)
-            };
-            (effect, guesses)
+        let guesses = |k: usize, start: usize| {
+            let effect = &point.model.effects[k];
+            match &point.model.scans[k] {
+                Some(scan) => dry_friction::started(effect, &scan.starts[start]),
+                None if k < point.model.own => (effect.clone(), vec![0.0; effect.numbers.len()]),
+                None => {
+                    let guesses = point.model.guesses(reduction, &conditioned, k);
+                    (effect.clone(), guesses)
+                }
+            }
         };
-        let chosen: Vec<(CandidateEffect, Vec<f64>)> = set.iter().map(guesses).collect();
+        let is_scanned = set.iter().any(|k| point.model.scans[*k].is_some());
+        let starts = if is_scanned { 2 } else { 1 };
         let parent = Arc::clone(&point.model.fitted);
-        let found = self.fit(&chosen, &parent, &x);
+        let ends = (0..starts).filter_map(|start| {
+            let chosen: Vec<_> = set.iter().map(|k| guesses(*k, start)).collect();
+            let f = self.fit(&chosen, &parent, &x);
+            if std::env::var_os("TRACE").is_some() && is_scanned { eprintln!("TRACE start {start} {:?}", f.as_ref().map(|f| f.ln_posterior())); }
+            f
+        });
+        let found = ends.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
         let best = self.best();
+        if std::env::var_os("TRACE").is_some() {
+            let names: Vec<String> = set.iter().map(|k| format!("{} [{}]", point.model.effects[*k], point.model.effects[*k].form)).collect();
+            let lz = reduction.ln_z + sets.score(set).unwrap_or(f64::NAN);
+            eprintln!("TRACE fit {} est {:.1} lin {:.1} d2 {:.1} point {} red {} reached {:.1} gain {:.2} : {}", self.count, estimate.ln_posterior, lz, estimate.distance, estimate.point, estimate.reduction,
+                found.as_ref().map_or(f64::NAN, |f| f.ln_posterior()), found.as_ref().map_or(f64::NAN, |f| f.posterior.gain), names.join(", "));
+        }
         match found {
             Some(found) => self.note(ids, &found, best),
             None => {
@@ -275,9 +293,14 @@ impl Selector<'_, '_> {
         x: &[f64],
     ) -> Option<Arc<FittedModel>> {
         let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
-        let target = EarlyStopping {
-            lead: self.best() - CandidateEffect::ln_prior_of(&effects),
-            ..EarlyStopping::NONE
+        // What a law with memory promises rises while its slip length shortens.
+        let target = if effects.iter().any(|effect| effect.memory.is_some()) {
+            EarlyStopping::NONE
+        } else {
+            EarlyStopping {
+                lead: self.best() - CandidateEffect::ln_prior_of(&effects),
+                ..EarlyStopping::NONE
+            }
         };
         let one = |chosen: &[(CandidateEffect, Vec<f64>)], from: &FittedModel, x: &[f64]| {
             let found = fit_with_early_stopping(
@@ -406,24 +429,4 @@ impl Selector<'_, '_> {
             promises: Promises::default(),
         }
     }
-}
-
-/// Returns the form of a law with memory with which a fit starts: a form of middle slip length or creep rate, for which the misfit is smooth.
-/// Returns `effect` itself for any other effect.
-fn smooth_start(model: &EffectModel, effect: usize) -> usize {
-    let own = &model.effects[effect];
-    if effect < model.own || own.memory.is_none() || own.form.starts_with("middle") {
-        return effect;
-    }
-    let first = |form: &str| {
-        form.split_once(',')
-            .map_or("", |(_, first)| first)
-            .to_string()
-    };
-    let same = |other: &CandidateEffect| {
-        other.same_law(own)
-            && other.form.starts_with("middle")
-            && first(other.form) == first(own.form)
-    };
-    model.effects.iter().position(same).unwrap_or(effect)
 }

@@ -130,6 +130,12 @@ admire_study::constants! {
     MAX_SELECTION_FITS: usize = 40, "";
     /// Maximum number of fits at which the effects are linearised.
     MAX_SELECTION_POINTS: usize = 12, "";
+    /// Number of values of the limit, of the slip length and of the first force of a friction law that are scanned at a site.
+    LAW_GRID: [usize; 3] = [16, 10, 5], "";
+    /// Number of times by which the steps of that grid are halved around its best value.
+    LAW_REFINEMENTS: usize = 6, "";
+    /// Slip length of a friction law with which a fit starts, as a fraction of the range of the displacement.
+    START_SLIP_LENGTH: f64 = 0.1, "of range";
     /// Largest change of the logarithm of a stiffness from a fit to the start of the next fit.
     MAX_LN_STIFFNESS_START: f64 = 1.2, "ln";
 }

@@ -285,10 +285,34 @@ impl Sweep<'_> {
                 out.residual[*row] += value * x[inner + k];
             }
         }
+        self.confine(&mut out.jacobian, columns);
         if columns.is_none() {
             self.set_rows(&mut out.jacobian);
         }
         Some(out)
+    }
+
+    /// Sets the derivatives by errors of single cases to zero in all other cases. A law with memory would carry them on; their covariance is
+    /// taken case by case.
+    fn confine(&self, jacobian: &mut DMatrix<f64>, columns: Option<&[usize]>) {
+        if self.unknowns.memories.is_empty() {
+            return;
+        }
+        for place in 0..jacobian.ncols() {
+            let unknown = columns.map_or(place, |columns| columns[place]);
+            let Some(case) = self.unknowns.priors[unknown].case else {
+                continue;
+            };
+            for (value, row) in jacobian
+                .column_mut(place)
+                .iter_mut()
+                .zip(&self.observations.rows)
+            {
+                if row.case() != case {
+                    *value = 0.0;
+                }
+            }
+        }
     }
 
     /// Derivatives by what acts on single rows, at the last evaluation.
@@ -381,6 +405,10 @@ impl Sweep<'_> {
                 }
             }
             let objective = here.linear.objective(&sizes);
+            if std::env::var_os("TRACE").is_some() && !self.unknowns.memories.is_empty() {
+                let p = self.unknowns.places.iter().flatten().filter(|k| !self.unknowns.places.is_empty() && **k < here.x.len()).map(|k| format!("{:.3}", here.x[*k])).collect::<Vec<_>>().join(" ");
+                eprintln!("TRACE  step {step_number} own {:.1} gain {:.2} obj {:.1} damp {damping:.2} exact {} x {p}", reached.ln_z - reached.gain, reached.gain, objective, here.is_exact);
+            }
             // What the linear model promises counts for the fit here.
             let is_beaten = aim.is_beaten(reached.ln_z, reached.gain);
             let own = reached.ln_z - reached.gain;

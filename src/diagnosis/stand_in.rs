@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::candidate_effect::{CandidateEffect, Term};
 use super::fit::{EarlyStopping, FitOutcome, FittedModel, with_zero_guesses};
-use super::remainder::{GpTerm, gp_terms, left_by_laws};
+use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
 use super::tried::{BETTER, Tried};
 use super::visited::same_set;
 
@@ -68,7 +68,7 @@ impl StandIns {
         }
         let base = tried.of(current, causes.clone())?;
         let mut best: Option<Arc<FittedModel>> = None;
-        for force in gp_terms(tried.subject, &base) {
+        for force in gp_terms(tried.subject, &base, &sites_of(tried.subject, &base)) {
             let lead = best.as_deref().unwrap_or(current).ln_posterior();
             let found = standing_in(tried, &base, &force, lead);
             let leads = |f: &Arc<FittedModel>| f.ln_posterior();
@@ -123,7 +123,7 @@ pub(super) fn loosened(
     }
     let mut best: Option<Arc<FittedModel>> = None;
     for base in bases {
-        for force in left_by_laws(tried.subject, &base) {
+        for force in left_by_laws(tried.subject, &base, &sites_of(tried.subject, &base)) {
             let leads = best.as_deref().unwrap_or(current).ln_posterior();
             let found = standing_in(tried, &base, &force, leads);
             best = found
@@ -145,7 +145,7 @@ pub(super) fn left_by_friction(
         return None;
     }
     let mut best: Option<Arc<FittedModel>> = None;
-    for force in left_by_laws(tried.subject, base) {
+    for force in left_by_laws(tried.subject, base, &sites_of(tried.subject, base)) {
         let leads = best.as_ref().map_or(first, |found| found.ln_posterior());
         if base.ln_posterior() + force.nats + force.hypothesis.ln_prior < leads {
             continue;

@@ -121,7 +121,8 @@ impl Unknowns {
                 mean: 0.0,
                 sd: 1.0,
             });
-            priors.push(tolerance::Coefficient::member(member.group));
+            let prior = tolerance::Coefficient::member(member.group);
+            priors.push(prior.in_case(member.effect.only_case()));
         }
         let members = list.len();
         // Values from another fit apply where available: stiffnesses and random effects have the same order in every fit.
@@ -253,7 +254,10 @@ impl Unknowns {
             (0..layout.sd.len())
                 .map(|k| known.map_or(0.0, |known| known.x[known.unknowns.len() + k])),
         );
-        priors.extend(groups.into_iter().map(tolerance::Coefficient::member));
+        priors.extend(groups.into_iter().map(|(group, case)| {
+            let prior = tolerance::Coefficient::member(group);
+            prior.in_case(case)
+        }));
         let first_row = first_mark + layout.sd.len();
         let index = |place: ParameterPosition| match place {
             ParameterPosition::Deck(at) => at,
@@ -293,15 +297,16 @@ const fn own(mean: f64, sd: f64) -> tolerance::Coefficient {
         mean,
         sd,
         group: None,
+        case: None,
     }
 }
 
-/// Returns the unknowns of the measurement, with the tolerance group of each: shifts and rotations of the measuring frame in each case,
+/// Returns the unknowns of the measurement, with the tolerance group of each, and its case if it is confined to one: shifts and rotations of the measuring frame in each case,
 /// positions of marks on parts, and motions of the frame through the cases. Groups that the study switches off are left out.
 fn measurement_unknowns(
     subject: &DiagnosisProblem<'_>,
     first: usize,
-) -> (NuisanceLayout, Vec<EffectGroup>) {
+) -> (NuisanceLayout, Vec<(EffectGroup, Option<usize>)>) {
     let mut layout = NuisanceLayout::default();
     let mut groups = Vec::new();
     let measurement = subject.problem.measurement;
@@ -313,20 +318,21 @@ fn measurement_unknowns(
     if subject.has_frames() && count > 0 {
         layout.frames = Some(first);
         let of_a_case = [[EffectGroup::FrameShifts; 3], [EffectGroup::FrameTurns; 3]];
-        for _ in &measurement.cases {
-            groups.extend(of_a_case.as_flattened());
+        for case in 0..measurement.cases.len() {
+            let each = of_a_case.as_flattened().iter();
+            groups.extend(each.map(|group| (*group, Some(case))));
         }
     }
     if subject.sizes.group(EffectGroup::Marks).is_some() && count > 0 {
         layout.marks = Some(first + groups.len());
-        groups.extend(std::iter::repeat_n(EffectGroup::Marks, 3 * count));
+        groups.extend(std::iter::repeat_n((EffectGroup::Marks, None), 3 * count));
     }
     let through = motions(subject, &[]);
     if !through.is_empty() && count > 0 {
         let marks = measurement.cases.iter().flat_map(|case| &case.marks);
         let places: Vec<Vec3> = marks.map(|mark| mark.x).collect();
         let first = first + groups.len();
-        groups.extend(through.iter().flat_map(|(group, _)| [*group; 6]));
+        groups.extend(through.iter().flat_map(|(group, _)| [(*group, None); 6]));
         layout.motions = Some(FrameMotions {
             first,
             centre: centroid(&places),

@@ -4,16 +4,18 @@
 //! position of the slider before the first case is unknown. Each case then passes its slider position on to the next.
 
 use admire_identify::global::Evolution;
-use admire_solver::model::{JointKind, MarkerIx};
+use rayon::prelude::*;
 
 use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, MemoryPlan, Parametrisation, Sensitivity,
-    Term, component, number,
+    Term, number,
 };
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use crate::priors::FORCE_LEVER_MM;
-use crate::settings::{START_FRICTION_FORCES, START_SLIP_LENGTHS};
+use crate::settings::{MAX_SLIDERS, START_FRICTION_FORCES, START_SLIP_LENGTHS};
+use crate::site::{Reduced, Site, SiteModel, Sites, sites};
+use crate::site_law::{Scanned, SiteMotion, SliderPriors, SliderStart};
 
 use super::super::operating_points::statement;
 
@@ -90,65 +92,119 @@ fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
 
 /// Adds candidates for friction in every component of every bushing, and in the free motions of joints.
 pub(crate) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
-    for (k, bushing) in survey.model.bushings.iter().enumerate() {
-        if !bushing.header.active {
-            continue;
-        }
-        let deflections = survey.bushing_deflections(k);
-        for axis in 0..6 {
-            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
-            let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
-            put(survey, &address, ((bushing.i, bushing.j), axis), &u, out);
-        }
-    }
-    for joint in survey.model.joints.iter().filter(|j| j.header.active) {
-        let axes: &[usize] = match joint.kind {
-            JointKind::Translational => &[2],
-            JointKind::Cylindrical => &[2, 5],
-            JointKind::Revolute => &[5],
-            _ => continue,
-        };
-        let readings = survey.constraint("JOINT", joint.header.id);
-        for &axis in axes {
-            let u: Vec<f64> = readings
-                .iter()
-                .map(|r| {
-                    if axis < 3 {
-                        r.motion.p_ij_j[axis]
-                    } else {
-                        r.motion.angles[axis - 3]
-                    }
-                })
-                .collect();
-            let address = format!("JOINT/{}", joint.header.id);
-            put(survey, &address, ((joint.i, joint.j), axis), &u, out);
+    for site in sites(survey) {
+        let u = &site.displacement;
+        for (share, first, form) in FORMS {
+            let (share, first) = (START_SLIP_LENGTHS[share], START_FRICTION_FORCES[first]);
+            let length = share * range(u);
+            // The force on marker I opposes the stretch.
+            let anchor = u[0] - first * length;
+            let mut candidate = slider(survey, &site, length, &pattern(u, length, anchor));
+            candidate.form = form;
+            candidate.numbers[2].mean = anchor;
+            out.push(candidate);
         }
     }
 }
 
-/// Adds candidates for friction at one site. The law is the GFORCE `F max(-1, min(1, (anchor - u) / L))` with limit `F` and slip length `L`. The
-/// anchor is the displacement at which the force is zero. It is stored in a VARIABLE, whose value passes from each case to the next.
-fn put(
-    survey: &OperatingPoints<'_>,
-    address: &str,
-    (pair, axis): ((MarkerIx, MarkerIx), usize),
-    u: &[f64],
-    out: &mut Vec<CandidateEffect>,
-) {
-    let (low, high) = u
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| {
-            (low.min(*u), high.max(*u))
-        });
-    let range = high - low;
-    if !range.is_finite() || range < 1e-9 {
-        return;
-    }
-    let lever = if axis < 3 {
+fn range(u: &[f64]) -> f64 {
+    let high = u.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    high - u.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Factor that converts a size of a force to the size at a site: 1 at a translation, a lever arm at a rotation.
+fn lever(survey: &OperatingPoints<'_>, site: &Site) -> f64 {
+    if site.axis < 3 {
         1.0
     } else {
         FORCE_LEVER_MM * survey.millimetre()
+    }
+}
+
+/// Returns the priors of a friction law at a site.
+pub(crate) fn priors(survey: &OperatingPoints<'_>, site: &Site) -> SliderPriors {
+    let priors = survey.priors();
+    SliderPriors {
+        limit: priors.friction_n * survey.newton() * lever(survey, site),
+        slip_length: priors.slip_length * range(&site.displacement),
+        slip_length_ln_sd: priors.slip_length_ln_sd,
+    }
+}
+
+/// Returns friction at every site that the fit has none at, with the result of the scan of its law. A site at which the fit has friction gets a
+/// further slider, which makes the limit gradual.
+pub(crate) fn scanned(
+    survey: &OperatingPoints<'_>,
+    sites: &Sites,
+) -> Vec<(CandidateEffect, Scanned)> {
+    let fitted = survey.fitted;
+    let whole = Reduced::without(fitted, |_| false);
+    let count = sites.all.len() as f64;
+    let one = |at: usize| {
+        let site = &sites.all[at];
+        let is_there = |h: &&CandidateEffect| {
+            h.cause == Cause::DryFriction && h.address == site.address && h.term != Term::Asymmetry
+        };
+        let there: Vec<_> = fitted.effects.iter().filter(is_there).collect();
+        if there.len() >= MAX_SLIDERS || there.iter().any(|h| h.is_left_by_law()) {
+            return None;
+        }
+        // A force of unknown law at the same site would explain what the friction does.
+        let is_rival = |h: &CandidateEffect| !h.is_in_catalogue() && h.address == site.address;
+        let own = fitted.effects.iter().any(is_rival);
+        let own = own.then(|| Reduced::without(fitted, is_rival));
+        let Reduced {
+            posterior,
+            whitened,
+        } = own.as_ref().unwrap_or(&whole).as_ref()?;
+        let effect = &sites.effects[at];
+        let model = SiteModel::new(fitted, effect, &fitted.sizes, posterior, whitened);
+        let motion = SiteMotion {
+            displacement: &site.displacement,
+            compliance: &sites.compliance[at],
+        };
+        let scan = motion.scanned(&model, &priors(survey, site))?;
+        let mut candidate = slider(survey, site, scan.starts[0].slider.slip_length, &scan.pattern);
+        candidate.ln_prior = libm::log(survey.priors().class_probability / count);
+        if !there.is_empty() {
+            candidate.term = Term::Further(there.len());
+            candidate.ln_prior = libm::log(survey.priors().gradual_friction);
+        }
+        Some((candidate, scan))
     };
+    (0..sites.all.len())
+        .into_par_iter()
+        .filter_map(one)
+        .collect()
+}
+
+/// Returns a scanned slider with the slip length of a start, and first guesses of its parameters, in units of their priors.
+pub(crate) fn started(slider: &CandidateEffect, at: &SliderStart) -> (CandidateEffect, Vec<f64>) {
+    let mut slider = slider.clone();
+    if let Parametrisation::SlipLength { start, .. } = &mut slider.numbers[1].unknown {
+        *start = at.slider.slip_length;
+    }
+    let [force, _, anchor] = [0, 1, 2].map(|k| &slider.numbers[k]);
+    let guesses = vec![
+        at.slider.limit / force.sd,
+        0.0,
+        (at.anchor - anchor.mean) / anchor.sd,
+    ];
+    (slider, guesses)
+}
+
+/// Returns the candidate for friction at one site. The law is the GFORCE `F max(-1, min(1, (anchor - u) / L))` with limit `F` and slip length
+/// `L`. The anchor is the displacement at which the force is zero. It is stored in a VARIABLE, whose value passes from each case to the next.
+/// `length` is the slip length with which a fit starts. `pattern` is the force in each case per unit of the limit.
+pub(crate) fn slider(
+    survey: &OperatingPoints<'_>,
+    site: &Site,
+    length: f64,
+    pattern: &[f64],
+) -> CandidateEffect {
+    let Site { pair, axis, .. } = *site;
+    let range = range(&site.displacement);
+    let priors = priors(survey, site);
     let measure = survey.deflection_function(pair, axis);
     let anchor = survey.free_id("VARIABLE");
     let law = format!("0.0*MAX(-1.0,MIN(1.0,(VARVAL({anchor})-{measure})/1.0))");
@@ -162,63 +218,53 @@ fn put(
     // Marker ids are literals too; the slip length is the last literal.
     let last = admire_syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
     let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
-    for (share, first, form) in FORMS {
-        let (share, first) = (START_SLIP_LENGTHS[share], START_FRICTION_FORCES[first]);
-        let length = share * range;
-        // The force on marker I opposes the stretch.
-        let start = u[0] - first * length;
-        let wrench = pattern(u, length, start)
-            .into_iter()
-            .map(|p| admire_solver::mechanics::Vec6::ith(axis, p))
-            .collect();
-        let unfelt = Sensitivity::None;
-        out.push(CandidateEffect {
-            cause: Cause::DryFriction,
-            address: address.to_string(),
-            members: Vec::new(),
-            side: "",
-            form,
-            numbers: vec![
-                EffectParameter {
-                    column: Sensitivity::Wrench(pair, wrench),
-                    ..EffectParameter::new(
-                        "force",
-                        survey.priors().friction_n * survey.newton() * lever,
-                        Parametrisation::Extended(vec![(literal(1), 1.0)]),
-                    )
+    let wrench = pattern
+        .iter()
+        .map(|p| admire_solver::mechanics::Vec6::ith(axis, *p))
+        .collect();
+    CandidateEffect {
+        cause: Cause::DryFriction,
+        address: site.address.clone(),
+        members: Vec::new(),
+        side: "",
+        form: "slider",
+        numbers: vec![
+            EffectParameter {
+                column: Sensitivity::Wrench(pair, wrench),
+                ..EffectParameter::new(
+                    "force",
+                    priors.limit,
+                    Parametrisation::Extended(vec![(literal(1), 1.0)]),
+                )
+            },
+            EffectParameter::new(
+                "stiffness",
+                priors.slip_length_ln_sd,
+                Parametrisation::SlipLength {
+                    address: literal(last),
+                    start: length,
+                    usual: priors.slip_length,
                 },
-                EffectParameter {
-                    column: unfelt.clone(),
-                    ..EffectParameter::new(
-                        "stiffness",
-                        survey.priors().slip_length_ln_sd,
-                        Parametrisation::SlipLength {
-                            address: literal(last),
-                            start: length,
-                            usual: survey.priors().slip_length * range,
-                        },
-                    )
-                },
-                EffectParameter {
-                    mean: start,
-                    ..EffectParameter::new(
-                        "anchor",
-                        range,
-                        Parametrisation::Extended(vec![(at_start.clone(), 1.0)]),
-                    )
-                },
-            ],
-            ln_prior: 0.0,
-            one_sided: true,
-            changes: changes.clone(),
-            term: Term::Main,
-            joint_with: None,
-            memory: Some(MemoryPlan {
-                anchor: at_start.clone(),
-                carries: Evolution::Slider,
-                by: literal(last),
-                measure: measure.clone(),
-            }),
-        });
+            ),
+            EffectParameter {
+                mean: site.displacement[0],
+                ..EffectParameter::new(
+                    "anchor",
+                    range,
+                    Parametrisation::Extended(vec![(at_start.clone(), 1.0)]),
+                )
+            },
+        ],
+        ln_prior: 0.0,
+        one_sided: true,
+        changes,
+        term: Term::Main,
+        joint_with: None,
+        memory: Some(MemoryPlan {
+            anchor: at_start,
+            carries: Evolution::Slider,
+            by: literal(last),
+            measure,
+        }),
     }
 }

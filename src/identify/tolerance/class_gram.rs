@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::class::VarianceClass;
 use super::columns::Columns;
-use super::product::{dot, gram, transposed};
+use super::product::{dot, transposed};
 
 /// Gram matrices of the rows of one variance class (rows of equal variance). `A` denotes the derivatives of these rows with respect to the
 /// unknowns, `z` their residuals.
@@ -39,7 +39,7 @@ pub(super) struct Block {
 impl ClassGram {
     /// Computes the products of the columns `A` and the residuals `z` over the rows of a class.
     pub(super) fn new(class: VarianceClass, A: &Columns, z: &DVector<f64>) -> Self {
-        let full = gram(&A.values);
+        let full = A.gram();
         let n = A.active.len();
         let mut H = Vec::with_capacity(n * (n + 1) / 2);
         for k in 0..n {

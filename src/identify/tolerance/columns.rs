@@ -1,7 +1,10 @@
 //! Matrices of whitened rows, split by variance class.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
+use super::product::{gram, transposed};
 use super::whitening::Whitening;
 use crate::settings::ZERO_COLUMN_SHARE;
 
@@ -87,6 +90,62 @@ impl Columns {
         }
     }
 
+    /// Computes the lower triangle of `A'A`, where `A` are these columns. Effects of single load cases are zero in all rows but a few in
+    /// succession; their products take only these.
+    pub(super) fn gram(&self) -> DMatrix<f64> {
+        let n = self.active.len();
+        let extent = |k: usize| {
+            let column = self.values.column(k);
+            let first = column.iter().position(|x| *x != 0.0).unwrap_or(0);
+            let end = column.iter().rposition(|x| *x != 0.0).map_or(first, |k| k + 1);
+            first..end
+        };
+        let extents: Vec<Range<usize>> = (0..n).map(extent).collect();
+        let is_long = |k: &usize| 4 * extents[*k].len() > self.values.nrows();
+        let (long, short): (Vec<usize>, Vec<usize>) = (0..n).partition(is_long);
+        if short.is_empty() {
+            return gram(&self.values);
+        }
+        let mut out = DMatrix::zeros(n, n);
+        let mut put = |i: usize, j: usize, value: f64| out[(i.max(j), i.min(j))] = value;
+        let all = self.values.select_columns(&long);
+        for (k, column) in gram(&all).column_iter().enumerate() {
+            for (row, value) in column.iter().enumerate().skip(k) {
+                put(long[row], long[k], *value);
+            }
+        }
+        // Short columns of about the same rows are multiplied together.
+        let mut ordered = short;
+        ordered.sort_by_key(|k| (extents[*k].start, extents[*k].end));
+        let mut from = 0;
+        let mut groups: Vec<(Range<usize>, Vec<usize>)> = Vec::new();
+        while from < ordered.len() {
+            let mut rows = extents[ordered[from]].clone();
+            let mut to = from + 1;
+            while to < ordered.len() && extents[ordered[to]].start < rows.end {
+                rows.end = rows.end.max(extents[ordered[to]].end);
+                to += 1;
+            }
+            groups.push((rows, ordered[from..to].to_vec()));
+            from = to;
+        }
+        for (rows, own) in groups {
+            let here = self.values.rows(rows.start, rows.len());
+            let part = here.select_columns(&own);
+            let with_all = transposed(&all.rows(rows.start, rows.len()).into_owned(), &part);
+            let among = gram(&part);
+            for (j, to) in own.iter().enumerate() {
+                for (i, row) in long.iter().enumerate() {
+                    put(*row, *to, with_all[(i, j)]);
+                }
+                for (i, row) in own.iter().enumerate().skip(j) {
+                    put(*row, *to, among[(i, j)]);
+                }
+            }
+        }
+        out
+    }
+
     /// Computes `A'z`, where `A` are these columns.
     pub(super) fn along(&self, z: &DVector<f64>) -> Vec<f64> {
         self.values.tr_mul(z).as_slice().to_vec()
@@ -104,4 +163,30 @@ fn largest(column: &[f64]) -> f64 {
         }
     }
     rest.chain(&lanes).fold(0.0, |most, x| most.max(x.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use admire_study::noise::Noise;
+
+    #[test]
+    fn products_of_short_columns_are_those_of_whole_ones() {
+        let (rows, mut noise) = (60, Noise::new(4, "short columns"));
+        let A = DMatrix::from_fn(rows, 12, |row, column| {
+            let first = 6 * column;
+            let is_short = column > 4;
+            if is_short && !(first - 24..first - 16).contains(&row) {
+                0.0
+            } else {
+                noise.normal()
+            }
+        });
+        let columns = Columns {
+            active: (0..12).collect(),
+            values: A.clone(),
+        };
+        let expected = A.tr_mul(&A).lower_triangle();
+        assert!((columns.gram() - expected).amax() < 1e-12);
+    }
 }

@@ -11,6 +11,8 @@
 //!
 //! Source: MacKay, Neural Computation 4 (1992) 415.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::class_gram::ClassGram;
@@ -31,6 +33,8 @@ pub struct Coefficient {
     pub sd: f64,
     /// Group of random effects that the unknown belongs to, if any.
     pub group: Option<EffectGroup>,
+    /// Load case to which the effect of the unknown is confined; `None` if it acts in several cases.
+    pub case: Option<usize>,
 }
 
 impl Coefficient {
@@ -40,7 +44,14 @@ impl Coefficient {
             mean: 0.0,
             sd: 0.0,
             group: Some(group),
+            case: None,
         }
+    }
+
+    /// Returns the same prior for an effect that is confined to one load case.
+    #[must_use]
+    pub const fn in_case(self, case: Option<usize>) -> Self {
+        Self { case, ..self }
     }
 
     /// Returns the prior standard deviation of the unknown at the variance components `sizes`.
@@ -241,7 +252,7 @@ impl LinearModel {
             }
         });
         let b = g.component_mul(&S) - &from;
-        let factor = Factor::new(M)?;
+        let factor = Factor::with_blocks(M, &blocks_of(&self.unknowns))?;
         let mu = factor.solve(&b);
         let prior: f64 = sizes
             .ln
@@ -391,6 +402,18 @@ impl LinearModel {
     pub fn maximise_evidence(&self, sizes: &VarianceComponents) -> VarianceComponents {
         super::maximise_evidence::climb(sizes, |sizes, first| self.evidence(sizes, first))
     }
+}
+
+/// Returns the indices of the unknowns that are confined to single load cases, case by case. Those of different cases are coupled only through
+/// all other unknowns.
+fn blocks_of(unknowns: &[Coefficient]) -> Vec<Vec<usize>> {
+    let mut by_case: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (k, unknown) in unknowns.iter().enumerate() {
+        if let Some(case) = unknown.case {
+            by_case.entry(case).or_default().push(k);
+        }
+    }
+    by_case.into_values().collect()
 }
 
 /// Solution of a linear model at given variance components, in the notation of the module documentation.

@@ -25,6 +25,21 @@ pub enum Effect {
     },
 }
 
+impl Effect {
+    /// Returns the case to which the effect is confined; `None` if it acts in several cases.
+    pub fn only_case(&self) -> Option<usize> {
+        let Self::PerCase(pairs) = self else {
+            return None;
+        };
+        let mut cases = pairs.iter().flat_map(|(_, values)| {
+            let each = values.iter().enumerate();
+            each.filter(|(_, value)| **value != 0.0).map(|(case, _)| case)
+        });
+        let first = cases.next()?;
+        cases.all(|case| case == first).then_some(first)
+    }
+}
+
 /// A small error of the axle or its rig, with a Gaussian prior of mean zero.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RandomEffect {

@@ -29,6 +29,7 @@ fn linear(sizes: &VarianceComponents) -> (LinearModel, Whitening, DMatrix<f64>, 
             mean: 0.3,
             sd: 3.0,
             group: None,
+            case: None,
         },
         3..=5 => Coefficient::member(EffectGroup::Hardpoints),
         6 => Coefficient {

@@ -1,0 +1,201 @@
+//! Sites at which a force may act that the model lacks, and the response of the model to such a force.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::candidate_effect::{CandidateEffect, component};
+use super::fit::FittedModel;
+use super::operating_points::OperatingPoints;
+use crate::priors::FORCE_LEVER_MM;
+use admire_identify::tolerance::{
+    LinearModel, Posterior, RowsByVarianceClass, VarianceComponents, transposed,
+};
+use admire_solver::model::{JointKind, MarkerIx};
+
+/// Component of an element along which a force may act.
+#[derive(Clone, Debug)]
+pub(crate) struct Site {
+    /// Address of the component of a bushing, such as `BUSHING/2.K.1`, or of a joint with a free motion.
+    pub address: String,
+    /// Markers I and J of the element.
+    pub pair: (MarkerIx, MarkerIx),
+    /// Component along the axes of J: 0 to 2 for translations, 3 to 5 for rotations.
+    pub axis: usize,
+    /// Displacement of I relative to J along the component, in each case.
+    pub displacement: Vec<f64>,
+    /// Typical force at the site. For a bushing component, it is the largest force in that component; for a joint, the largest force in any
+    /// bushing.
+    pub force: f64,
+}
+
+/// Sites of a model, with the responses to unit forces there, computed at the end of a fit.
+pub(super) struct Sites {
+    pub all: Vec<Site>,
+    /// Effect of a unit force on all rows, one matrix per site with one column per case. The force acts in that case only.
+    pub effects: Vec<DMatrix<f64>>,
+    /// Change of the displacement at a site by a unit force there, in each case.
+    pub compliance: Vec<Vec<f64>>,
+}
+
+/// Linear model of a fit, reduced to the force at one site in each case. All unknowns of the fit are marginalised.
+pub(super) struct SiteModel {
+    /// Decrease of the fit's unknowns per unit force in each case, one column per case. By this decrease, the unknowns absorb part of the
+    /// effect of the force.
+    pub absorbed: DMatrix<f64>,
+    /// Information matrix of the forces in all cases.
+    pub information: DMatrix<f64>,
+    /// Gradient of the log evidence with respect to the force in each case.
+    pub gradient: DVector<f64>,
+}
+
+impl Sites {
+    /// Finds the sites, and computes the responses there.
+    pub(super) fn new(survey: &OperatingPoints<'_>) -> Self {
+        let all = sites(survey);
+        let asked: Vec<_> = all.iter().map(|site| (site.pair, site.axis)).collect();
+        let (effects, compliance) = survey.unit_force_effects(&asked);
+        Self {
+            all,
+            effects,
+            compliance,
+        }
+    }
+}
+
+impl SiteModel {
+    /// Reduces the linear model of a fit. `effect` holds the effect of a unit force in each case on all rows. `residual` and `jacobian` are those
+    /// of [`FittedModel::whitened_at`] at the variance components `sizes`.
+    pub(super) fn new(
+        fitted: &FittedModel,
+        effect: &DMatrix<f64>,
+        sizes: &VarianceComponents,
+        posterior: &Posterior,
+        (residual, jacobian): &(DVector<f64>, DMatrix<f64>),
+    ) -> Self {
+        let weights = fitted.whitening.weights(&sizes.ln);
+        let mut effect = fitted.whitening.apply(effect);
+        for (mut row, weight) in effect.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        let cross = transposed(jacobian, &effect);
+        let absorbed = transposed(&posterior.covariance, &cross);
+        Self {
+            information: transposed(&effect, &effect) - transposed(&cross, &absorbed),
+            gradient: effect.tr_mul(residual),
+            absorbed,
+        }
+    }
+}
+
+/// Linear model of a fit without some of its effects: posterior, and whitened residual and Jacobian, at the fit's variance components.
+pub(super) struct Reduced {
+    pub posterior: Posterior,
+    pub whitened: (DVector<f64>, DMatrix<f64>),
+}
+
+impl Reduced {
+    /// Leaves out the effects of a fit for which `is_out` holds. Returns `None` if the linear model has no finite solution.
+    pub(super) fn without(
+        fitted: &FittedModel,
+        is_out: impl Fn(&CandidateEffect) -> bool,
+    ) -> Option<Self> {
+        let sizes = &fitted.sizes;
+        let mut out: Vec<usize> = Vec::new();
+        for (effect, places) in fitted.effects.iter().zip(&fitted.parameter_index) {
+            if is_out(effect) {
+                out.extend(places);
+            }
+        }
+        if out.is_empty() {
+            return Some(Self {
+                posterior: fitted.posterior.clone(),
+                whitened: fitted.whitened(),
+            });
+        }
+        let whole = fitted.whitened_jacobian();
+        let mut residual = fitted.whitened_residual();
+        for k in &out {
+            residual.axpy(fitted.x[*k], &whole.column(*k), 1.0);
+        }
+        let kept: Vec<usize> = (0..fitted.x.len()).filter(|k| !out.contains(k)).collect();
+        let mut jacobian = whole.select_columns(&kept);
+        let model = LinearModel::new(
+            &fitted.whitening,
+            &RowsByVarianceClass::new(&fitted.whitening, &jacobian),
+            &residual,
+            kept.iter().map(|k| fitted.priors[*k]).collect(),
+            DVector::from_iterator(kept.len(), kept.iter().map(|k| fitted.x[*k])),
+        );
+        let posterior = model.posterior(sizes)?;
+        let weights = fitted.whitening.weights(&sizes.ln);
+        residual -= &jacobian * &posterior.step;
+        residual.component_mul_assign(&weights);
+        for (mut row, weight) in jacobian.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        Some(Self {
+            posterior,
+            whitened: (residual, jacobian),
+        })
+    }
+}
+
+/// Returns the components of all bushings that deflect, and the free motions of joints.
+pub(crate) fn sites(survey: &OperatingPoints<'_>) -> Vec<Site> {
+    let mut out = Vec::new();
+    let mut put = |address: String, pair, axis: usize, displacement: Vec<f64>, force: f64| {
+        let low = displacement.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = displacement
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let range = high - low;
+        if range.is_finite() && range > 1e-9 {
+            out.push(Site {
+                address,
+                pair,
+                axis,
+                displacement,
+                force,
+            });
+        }
+    };
+    let mut largest = 0.0_f64;
+    for (k, bushing) in survey.model.bushings.iter().enumerate() {
+        if !bushing.header.active {
+            continue;
+        }
+        let deflections = survey.bushing_deflections(k);
+        let stiffness = survey.stiffnesses(k);
+        for axis in 0..6 {
+            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
+            let most = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+            let force = stiffness[axis] * most;
+            if axis < 3 {
+                largest = largest.max(force);
+            }
+            let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
+            put(address, (bushing.i, bushing.j), axis, u, force);
+        }
+    }
+    let lever = FORCE_LEVER_MM * survey.millimetre();
+    for joint in survey.model.joints.iter().filter(|j| j.header.active) {
+        let axes: &[usize] = match joint.kind {
+            JointKind::Translational => &[2],
+            JointKind::Cylindrical => &[2, 5],
+            JointKind::Revolute => &[5],
+            _ => continue,
+        };
+        let readings = survey.constraint("JOINT", joint.header.id);
+        for &axis in axes {
+            let of = |r: &admire_solver::system::Reading| match axis {
+                0..3 => r.motion.p_ij_j[axis],
+                _ => r.motion.angles[axis - 3],
+            };
+            let u: Vec<f64> = readings.iter().map(of).collect();
+            let force = if axis < 3 { largest } else { largest * lever };
+            let address = format!("JOINT/{}", joint.header.id);
+            put(address, (joint.i, joint.j), axis, u, force);
+        }
+    }
+    out
+}

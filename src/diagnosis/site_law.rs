@@ -1,0 +1,359 @@
+//! Scan of a hysteresis law at one site. All unknowns of the fit are marginalised, so any history of forces at the site costs one product with a
+//! small matrix. The force changes the displacement by the compliance of the site; the law sees this change.
+//!
+//! Let `u` be the displacement without the force, and `c` the compliance. The law is a spring in series with a slider: the spring force is
+//! `f = -k (v - a)` with `v = u + c f`. The slider moves when `|f|` reaches the limit `F`. The anchor `a` then follows.
+//!
+//! Sources: Prandtl, ZAMM 8 (1928) 85; Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), section 2.7.
+
+use nalgebra::DVector;
+
+use super::site::SiteModel;
+use crate::settings::{LAW_GRID, LAW_REFINEMENTS, START_SLIP_LENGTH};
+
+/// Priors of a friction law: half-normal scale of the limit, then median and log standard deviation of the slip length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SliderPriors {
+    pub limit: f64,
+    pub slip_length: f64,
+    pub slip_length_ln_sd: f64,
+}
+
+/// Parameters of a slider, and the force it starts with.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct Slider {
+    /// Largest force.
+    pub limit: f64,
+    /// Stretch of the spring at which the slider moves.
+    pub slip_length: f64,
+    /// Spring force in the first case, as a fraction of the limit, from -1 to 1.
+    pub first: f64,
+}
+
+/// Result of a scan.
+#[derive(Clone, Debug)]
+pub(super) struct Scanned {
+    /// Force in each case per unit of the limit, at the most probable parameters.
+    pub pattern: Vec<f64>,
+    /// Log Bayes factor of the law against no force at the site.
+    pub ln_bayes_factor: f64,
+    /// Excess of `ln_bayes_factor` over the log Bayes factor of a force with this pattern and a limit with a normal prior.
+    pub correction: f64,
+    /// Parameters with which fits start: first those with a long slip length, because the objective is smooth there, then the most probable ones.
+    pub starts: [SliderStart; 2],
+}
+
+/// Parameters with which a fit starts.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct SliderStart {
+    pub slider: Slider,
+    /// Displacement at which the spring is unstretched before the first case.
+    pub anchor: f64,
+}
+
+/// Displacements and compliance of one site in all cases.
+#[derive(Clone, Copy)]
+pub(super) struct SiteMotion<'a> {
+    /// Displacement in each case, without the force.
+    pub displacement: &'a [f64],
+    /// Change of the displacement per unit force, in each case.
+    pub compliance: &'a [f64],
+}
+
+impl SiteMotion<'_> {
+    fn range(&self) -> f64 {
+        let each = self.displacement.iter().copied();
+        each.clone().fold(f64::NEG_INFINITY, f64::max) - each.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns the force in each case, and the anchor before the first case.
+    pub(super) fn forces(&self, slider: &Slider) -> (Vec<f64>, f64) {
+        let Slider {
+            limit,
+            slip_length,
+            first,
+        } = *slider;
+        let k = limit / slip_length;
+        let at_first = first * limit;
+        let first_displacement = self.displacement[0] + self.compliance[0] * at_first;
+        let start = first_displacement + at_first / k;
+        let mut anchor = start;
+        let each = self.displacement.iter().zip(self.compliance);
+        let forces = each.map(|(u, c)| {
+            let held = -k * (u - anchor) / (1.0 + k * c.max(0.0));
+            let force = held.clamp(-limit, limit);
+            anchor = u + c.max(0.0) * force + force / k;
+            force
+        });
+        (forces.collect(), start)
+    }
+
+    /// Scans the parameters of a slider. Returns `None` if no history of forces makes the readings more probable than none.
+    pub(super) fn scanned(&self, site: &SiteModel, priors: &SliderPriors) -> Option<Scanned> {
+        let range = self.range();
+        let mean_compliance =
+            self.compliance.iter().map(|c| c.max(0.0)).sum::<f64>() / self.compliance.len() as f64;
+        // A force beyond this would hold the site still in all cases.
+        let holding = range / mean_compliance.max(f64::MIN_POSITIVE);
+        let largest = holding.min(10.0 * priors.limit);
+        let ln_likelihood = |slider: &Slider| {
+            let f = DVector::from_vec(self.forces(slider).0);
+            f.dot(&site.gradient) - 0.5 * f.dot(&(&site.information * &f))
+        };
+        let ln_prior = |slider: &Slider| {
+            let [limit, length] = [
+                slider.limit / priors.limit,
+                libm::log(slider.slip_length / priors.slip_length) / priors.slip_length_ln_sd,
+            ];
+            // Densities of ln F, of ln L and of the first force. The constant of a half-normal density is sqrt(2/pi).
+            let half = 0.5 * libm::log(std::f64::consts::FRAC_2_PI);
+            let normal = -0.5 * libm::log(2.0 * std::f64::consts::PI);
+            half + libm::log(limit) - 0.5 * limit * limit + normal
+                - libm::log(priors.slip_length_ln_sd)
+                - 0.5 * length * length
+                - std::f64::consts::LN_2
+        };
+        let value = |slider: &Slider| ln_likelihood(slider) + ln_prior(slider);
+        let grid = Grid::new(largest, range);
+        let mut best: Option<(f64, Slider)> = None;
+        let mut smooth: Option<(f64, Slider)> = None;
+        for slider in grid.all() {
+            let ln_likelihood = ln_likelihood(&slider);
+            let here = ln_likelihood + ln_prior(&slider);
+            if best.is_none_or(|(most, _)| here > most) {
+                best = Some((here, slider));
+            }
+            let is_smooth = slider.slip_length == START_SLIP_LENGTH * range;
+            if is_smooth && smooth.is_none_or(|(most, _)| ln_likelihood > most) {
+                smooth = Some((ln_likelihood, slider));
+            }
+        }
+        let (_, slider) = best?;
+        let (peak, slider, curvature) = refined(&value, slider, grid.steps);
+        // Laplace's approximation in each parameter; the first force lies in an interval of length 2.
+        let tau = 2.0 * std::f64::consts::PI;
+        let widths = [
+            (tau / curvature[0].max(1e-300)).sqrt().min(grid.spans[0]),
+            (tau / curvature[1].max(1e-300)).sqrt().min(grid.spans[1]),
+            (tau / curvature[2].max(1e-300)).sqrt().min(grid.spans[2]),
+        ];
+        let ln_bayes_factor = peak + widths.iter().map(|w| libm::log(*w)).sum::<f64>();
+        let (forces, _) = self.forces(&slider);
+        let pattern: Vec<f64> = forces.iter().map(|f| f / slider.limit).collect();
+        let column = DVector::from_vec(pattern.iter().map(|p| p * priors.limit).collect());
+        let information = 1.0 + column.dot(&(&site.information * &column));
+        let linear = 0.5 * column.dot(&site.gradient).powi(2) / information
+            - 0.5 * libm::log(information);
+        let smooth = smooth.map_or(slider, |(_, at)| {
+            refined_at_length(&ln_likelihood, at, grid.steps).1
+        });
+        let start = |slider: Slider| SliderStart {
+            slider,
+            anchor: self.forces(&slider).1,
+        };
+        ln_bayes_factor.is_finite().then_some(Scanned {
+            pattern,
+            ln_bayes_factor,
+            correction: ln_bayes_factor - linear,
+            starts: [start(smooth), start(slider)],
+        })
+    }
+}
+
+/// Grid of the parameters of a slider: logarithms of limit and slip length, and the first force.
+struct Grid {
+    limits: Vec<f64>,
+    lengths: Vec<f64>,
+    firsts: Vec<f64>,
+    /// Distances between neighbours.
+    steps: [f64; 3],
+    /// Extent of the grid.
+    spans: [f64; 3],
+}
+
+impl Grid {
+    fn new(largest: f64, range: f64) -> Self {
+        let [limits, lengths, firsts] = LAW_GRID;
+        let decades = |count: usize, low: f64, top: f64| -> (Vec<f64>, f64, f64) {
+            let span = -low * std::f64::consts::LN_10;
+            let step = span / (count - 1) as f64;
+            let each = (0..count).map(|k| top * libm::exp(-step * k as f64));
+            (each.collect(), step, span)
+        };
+        let (limits, limit_step, limit_span) = decades(limits, -3.0, 1.5 * largest);
+        // The slip length with which fits start is one of the grid.
+        let (mut lengths, length_step, length_span) =
+            decades(lengths, -3.0, range * START_SLIP_LENGTH * 10.0);
+        let near = |a: f64| libm::log(a / (START_SLIP_LENGTH * range)).abs();
+        if let Some(nearest) = lengths.iter_mut().min_by(|a, b| near(**a).total_cmp(&near(**b))) {
+            *nearest = START_SLIP_LENGTH * range;
+        }
+        let first_step = 2.0 / (firsts - 1) as f64;
+        Self {
+            limits,
+            lengths,
+            firsts: (0..firsts).map(|k| -1.0 + first_step * k as f64).collect(),
+            steps: [limit_step, length_step, first_step],
+            spans: [limit_span, length_span, 2.0],
+        }
+    }
+
+    fn all(&self) -> impl Iterator<Item = Slider> + '_ {
+        self.limits.iter().flat_map(move |limit| {
+            self.lengths.iter().flat_map(move |slip_length| {
+                self.firsts.iter().map(move |first| Slider {
+                    limit: *limit,
+                    slip_length: *slip_length,
+                    first: *first,
+                })
+            })
+        })
+    }
+}
+
+/// Moves one parameter of a slider; limit and slip length move in their logarithms.
+fn moved(slider: &Slider, parameter: usize, step: f64) -> Slider {
+    let mut out = *slider;
+    match parameter {
+        0 => out.limit *= libm::exp(step),
+        1 => out.slip_length *= libm::exp(step),
+        _ => out.first = (out.first + step).clamp(-1.0, 1.0),
+    }
+    out
+}
+
+/// Climbs by single steps along each parameter, and halves the steps. Returns the peak, its place, and the curvature there along each
+/// parameter, from differences over the last steps in which the value falls by about one nat.
+fn refined(
+    value: &dyn Fn(&Slider) -> f64,
+    mut at: Slider,
+    mut steps: [f64; 3],
+) -> (f64, Slider, [f64; 3]) {
+    let mut best = value(&at);
+    for _ in 0..LAW_REFINEMENTS {
+        for step in &mut steps {
+            *step *= 0.5;
+        }
+        for parameter in 0..3 {
+            for sign in [-1.0, 1.0] {
+                let there = moved(&at, parameter, sign * steps[parameter]);
+                let found = value(&there);
+                if found > best {
+                    (best, at) = (found, there);
+                }
+            }
+        }
+    }
+    let curvature = std::array::from_fn(|parameter| {
+        let mut step = steps[parameter];
+        loop {
+            let fall = |sign: f64| best - value(&moved(&at, parameter, sign * step));
+            let [down, up] = [fall(-1.0), fall(1.0)];
+            if down.min(up) > 0.5 || step > 1.0 {
+                // A parameter at its bound falls to one side only.
+                return (down + up).max(0.0) / (step * step);
+            }
+            step *= 2.0;
+        }
+    });
+    (best, at, curvature)
+}
+
+/// Climbs as [`refined`] does, with the slip length held.
+fn refined_at_length(
+    value: &dyn Fn(&Slider) -> f64,
+    at: Slider,
+    steps: [f64; 3],
+) -> (f64, Slider, [f64; 3]) {
+    let held = at.slip_length;
+    let at_length = |slider: &Slider| {
+        value(&Slider {
+            slip_length: held,
+            ..*slider
+        })
+    };
+    let (best, found, curvature) = refined(&at_length, at, steps);
+    let found = Slider {
+        slip_length: held,
+        ..found
+    };
+    (best, found, curvature)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// A slider on a spring that yields: the forces solve the law and the yielding site together.
+    #[test]
+    fn forces_and_displacements_satisfy_law_and_compliance() {
+        let u: Vec<f64> = (0..40).map(|k| libm::sin(0.35 * f64::from(k))).collect();
+        let c = vec![0.002; u.len()];
+        let motion = SiteMotion {
+            displacement: &u,
+            compliance: &c,
+        };
+        let slider = Slider {
+            limit: 100.0,
+            slip_length: 0.1,
+            first: 0.3,
+        };
+        let (forces, start) = motion.forces(&slider);
+        assert!((forces[0] - 30.0).abs() < 1e-9);
+        let (k, mut anchor, mut slips) = (1000.0, start, 0);
+        for (u, f) in u.iter().zip(&forces) {
+            let v = u + 0.002 * f;
+            let stretch: f64 = v - anchor;
+            // The return map of the product's friction element at the displacement that the force leaves.
+            let slip = admire_solver::element::Slip::at(v, &[k, 100.0, anchor]);
+            assert!((slip.force - k * stretch.clamp(-0.1, 0.1)).abs() < 1e-9);
+            assert!((f + slip.force).abs() < 1e-9, "{f} {}", slip.force);
+            slips += i32::from(stretch.abs() > 0.1 + 1e-12);
+            anchor = slip.anchor_after;
+        }
+        assert!(slips > 10, "{slips}");
+    }
+
+    /// Forces of a planted slider are read with an error of 5 N each. The scan finds the slider; without one it finds nothing.
+    #[test]
+    fn a_planted_slider_is_found() {
+        let n = 40;
+        let u: Vec<f64> = (0..n).map(|k| libm::sin(0.35 * f64::from(k))).collect();
+        let c = vec![0.002; u.len()];
+        let motion = SiteMotion {
+            displacement: &u,
+            compliance: &c,
+        };
+        let priors = SliderPriors {
+            limit: 300.0,
+            slip_length: 0.12,
+            slip_length_ln_sd: 1.5,
+        };
+        let truth = Slider {
+            limit: 130.0,
+            slip_length: 0.03,
+            first: 0.0,
+        };
+        let information = DMatrix::identity(u.len(), u.len()) / 25.0;
+        let planted = DVector::from_vec(motion.forces(&truth).0);
+        let with = |force: &DVector<f64>| {
+            let site = SiteModel {
+                absorbed: DMatrix::zeros(0, 0),
+                gradient: &information * force,
+                information: information.clone(),
+            };
+            motion.scanned(&site, &priors).expect("a finite value")
+        };
+        let found = with(&planted);
+        let most = 0.5 * planted.dot(&(&information * &planted));
+        assert!(found.ln_bayes_factor > most - 25.0 && found.ln_bayes_factor < most);
+        let off = planted
+            .iter()
+            .zip(&found.pattern)
+            .map(|(f, p)| (f - 130.0 * p).abs());
+        assert!(off.fold(0.0, f64::max) < 10.0);
+        assert_eq!(found.starts[0].slider.slip_length, START_SLIP_LENGTH * motion.range());
+        assert!(with(&DVector::zeros(u.len())).ln_bayes_factor < 0.0);
+    }
+}
