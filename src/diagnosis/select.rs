@@ -4,22 +4,19 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::candidate_effect::CandidateEffect;
+use super::candidate_effect::{CandidateEffect, Term};
 use super::causes::dry_friction;
 use super::closure::{EffectSet, Pool, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
-use super::fit::{
-    EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
-};
+use super::early_stopping::EarlyStopping;
+use super::fit::{FittedModel, fit_with_early_stopping, with_zero_guesses};
+use super::model_set::{ModelSet, Selected, instead, none_of_these, probability, weighted};
 use super::reduction::{EffectModel, Marginal};
 use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
-use super::rig_errors::Promises;
 use super::settings::{
     EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS, MAX_SELECTION_POINTS,
-    OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
+    NAMED_PROBABILITY, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
 };
-use super::visited::{Found, Visited, probabilities};
-use admire_study::settings::Selection;
 
 /// Set of effects, given by the indices of the effects in `Selector::known`, in ascending order.
 type Ids = Vec<usize>;
@@ -57,18 +54,12 @@ struct Selector<'a, 'b> {
     count: usize,
 }
 
-/// Returns the selection by closure if it is the method of the study; see [`select`].
-pub(super) fn closed(
+/// Selects effects by comparing fits, starting from `none`, the fit without effects.
+pub(super) fn select(
     subject: &DiagnosisProblem<'_>,
     none: &Arc<FittedModel>,
     data: Data,
-) -> Option<Found> {
-    let is_closure = subject.problem.selection == Selection::Closure;
-    is_closure.then(|| select(subject, none, data))
-}
-
-/// Selects effects by comparing fits, starting from `none`, the fitted model without effects.
-fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
+) -> Selected {
     let mut selector = Selector {
         subject,
         data,
@@ -82,7 +73,12 @@ fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -
     selector.fits.insert(Vec::new(), Arc::clone(none));
     selector.add_point(none);
     selector.run();
-    selector.into_found()
+    let first = selector.selected();
+    if selector.fit_rivals(&first) {
+        selector.selected()
+    } else {
+        first
+    }
 }
 
 impl Selector<'_, '_> {
@@ -99,6 +95,33 @@ impl Selector<'_, '_> {
             let Some((ids, estimate)) = next else { break };
             self.confirm(&ids, &estimate);
         }
+    }
+
+    /// Fits the most probable rival of each cause in the leading set, if no rival is fitted yet: what is equivalent was not fitted, but a report
+    /// shows it, and a plan tells the two apart. Returns true if anything was fitted.
+    fn fit_rivals(&mut self, selected: &Selected) -> bool {
+        let count = self.count;
+        for at in 0..selected.leading.effects.len() {
+            let mut rivals = selected.rivals(at).peekable();
+            let Some((first, _)) = rivals.peek() else {
+                continue;
+            };
+            if first.fitted.is_some() || self.subject.budget_exhausted() {
+                continue;
+            }
+            let is_same = |ids: &Ids| {
+                ids.len() == first.causes.len()
+                    && ids.iter().all(|id| {
+                        let known = &self.known[*id];
+                        first.causes.iter().any(|h| h.same_law(known))
+                    })
+            };
+            let open = self.estimates().into_iter().find(|(ids, _)| is_same(ids));
+            if let Some((ids, estimate)) = open {
+                self.confirm(&ids, &estimate);
+            }
+        }
+        self.count > count
     }
 
     fn best(&self) -> f64 {
@@ -132,12 +155,6 @@ impl Selector<'_, '_> {
             .iter()
             .filter_map(|sizes| model.marginalised(sizes))
             .collect();
-        if std::env::var_os("TRACE").is_some() {
-            let mut all: Vec<(f64, String)> = model.scans.iter().zip(&model.effects).enumerate().filter_map(|(k, (s, e))| s.as_ref().map(|s| (s.ln_bayes_factor, format!("{e} bf {:.1} corr {:.1} start {:?}", s.ln_bayes_factor, model.corrections[k], s.starts[1])))).collect();
-            all.sort_by(|a, b| b.0.total_cmp(&a.0));
-            for (_, t) in all.iter().take(3) { eprintln!("TRACE scan {t}"); }
-            eprintln!("TRACE point of {:?} lnpost {:.1}", fitted.effects.iter().map(|e| e.to_string()).collect::<Vec<_>>(), fitted.ln_posterior());
-        }
         let start: EffectSet = (0..model.own).collect();
         let is_first = self.points.is_empty();
         let pools = reductions
@@ -266,18 +283,10 @@ impl Selector<'_, '_> {
         let parent = Arc::clone(&point.model.fitted);
         let ends = (0..starts).filter_map(|start| {
             let chosen: Vec<_> = set.iter().map(|k| guesses(*k, start)).collect();
-            let f = self.fit(&chosen, &parent, &x);
-            if std::env::var_os("TRACE").is_some() && is_scanned { eprintln!("TRACE start {start} {:?}", f.as_ref().map(|f| f.ln_posterior())); }
-            f
+            self.fit(&chosen, &parent, &x)
         });
         let found = ends.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
         let best = self.best();
-        if std::env::var_os("TRACE").is_some() {
-            let names: Vec<String> = set.iter().map(|k| format!("{} [{}]", point.model.effects[*k], point.model.effects[*k].form)).collect();
-            let lz = reduction.ln_z + sets.score(set).unwrap_or(f64::NAN);
-            eprintln!("TRACE fit {} est {:.1} lin {:.1} d2 {:.1} point {} red {} reached {:.1} gain {:.2} : {}", self.count, estimate.ln_posterior, lz, estimate.distance, estimate.point, estimate.reduction,
-                found.as_ref().map_or(f64::NAN, |f| f.ln_posterior()), found.as_ref().map_or(f64::NAN, |f| f.posterior.gain), names.join(", "));
-        }
         match found {
             Some(found) => self.note(ids, &found, best),
             None => {
@@ -294,27 +303,15 @@ impl Selector<'_, '_> {
     ) -> Option<Arc<FittedModel>> {
         let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
         // What a law with memory promises rises while its slip length shortens.
-        let target = if effects.iter().any(|effect| effect.memory.is_some()) {
+        let stopping = if effects.iter().any(|effect| effect.memory.is_some()) {
             EarlyStopping::NONE
         } else {
             EarlyStopping {
                 lead: self.best() - CandidateEffect::ln_prior_of(&effects),
-                ..EarlyStopping::NONE
             }
         };
         let one = |chosen: &[(CandidateEffect, Vec<f64>)], from: &FittedModel, x: &[f64]| {
-            let found = fit_with_early_stopping(
-                self.subject,
-                chosen,
-                Some((from, x)),
-                None,
-                self.data,
-                target,
-            )?;
-            match found {
-                FitOutcome::New(fitted) => Some(fitted),
-                FitOutcome::Duplicate => None,
-            }
+            fit_with_early_stopping(self.subject, chosen, Some((from, x)), self.data, stopping)
         };
         let mut found = one(chosen, parent, x)?;
         // A force of unknown law is linearised again at the end of the fit, and the fit is repeated.
@@ -392,12 +389,12 @@ impl Selector<'_, '_> {
         }
     }
 
-    fn into_found(self) -> Found {
+    fn selected(&self) -> Selected {
         let best = self.best();
-        let mut visited: Vec<Visited> = Vec::new();
+        let mut sets: Vec<ModelSet> = Vec::new();
         for fitted in self.fits.values() {
             if fitted.ln_posterior() > best - OCCAM_WINDOW_NATS {
-                visited.push(Visited {
+                sets.push(ModelSet {
                     causes: fitted.effects.clone(),
                     ln_posterior: fitted.ln_posterior(),
                     fitted: Some(Arc::clone(fitted)),
@@ -405,28 +402,71 @@ impl Selector<'_, '_> {
             }
         }
         for estimate in self.estimates().into_values() {
-            let effects = &self.points[estimate.point].model.effects;
-            let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
-            visited.push(Visited {
-                causes: causes.collect(),
-                ln_posterior: estimate.ln_posterior.min(best - 1e-9),
-                fitted: None,
-            });
+            let ln_posterior = estimate.ln_posterior.min(best);
+            if ln_posterior > best - OCCAM_WINDOW_NATS {
+                let effects = &self.points[estimate.point].model.effects;
+                let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
+                sets.push(ModelSet {
+                    causes: causes.collect(),
+                    ln_posterior,
+                    fitted: None,
+                });
+            }
         }
-        let leading = self.fits.values();
-        let leading = leading.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
+        let models = weighted(sets);
         let none = Arc::clone(&self.fits[&Vec::new()]);
-        Found {
-            best: leading.map_or_else(|| Arc::clone(&none), Arc::clone),
+        Selected {
+            leading: leading(&models, &none),
             none,
-            models: probabilities(&visited),
+            models,
             places: self
                 .points
                 .first()
                 .map_or(0, |point| point.model.effects.len()),
             cut_short: self.count >= MAX_SELECTION_FITS || self.subject.budget_exhausted(),
-            gave_way: None,
-            promises: Promises::default(),
         }
     }
+}
+
+/// Returns the fit that is reported. It is the most probable fitted set; if some cause acts with a probability above one half, the most probable
+/// fitted set with a cause. Its effects that are less probable than not, with all that cannot be told from them, are left out if the set without
+/// them is fitted, too.
+fn leading(models: &[(ModelSet, f64)], none: &Arc<FittedModel>) -> Arc<FittedModel> {
+    let acts = none_of_these(models) < NAMED_PROBABILITY;
+    let fits = || models.iter().filter_map(|(model, _)| model.fitted.as_ref());
+    let has_cause = |fitted: &&Arc<FittedModel>| {
+        !acts || fitted.effects.iter().any(CandidateEffect::is_in_catalogue)
+    };
+    let Some(best) = fits().find(has_cause).or_else(|| fits().next()) else {
+        return Arc::clone(none);
+    };
+    let is_named = |at: usize| {
+        let own = &best.effects[at];
+        let mut members = vec![own];
+        for (model, _) in models {
+            members.extend(instead(&model.causes, &best.effects, at));
+        }
+        let group = probability(models, |causes| {
+            causes
+                .iter()
+                .any(|h| members.iter().any(|m| m.same_site(h)))
+        });
+        own.term != Term::Main || group > NAMED_PROBABILITY
+    };
+    let unnamed: Vec<&CandidateEffect> = (0..best.effects.len())
+        .filter(|at| !is_named(*at))
+        .map(|at| &best.effects[at])
+        .collect();
+    if unnamed.is_empty() {
+        return Arc::clone(best);
+    }
+    let is_out = |h: &CandidateEffect| unnamed.iter().any(|other| other.same_site(h));
+    let named: Vec<_> = best.effects.iter().filter(|h| !is_out(h)).collect();
+    let is_rest = |fitted: &&Arc<FittedModel>| {
+        fitted.effects.len() == named.len()
+            && named
+                .iter()
+                .all(|h| fitted.effects.iter().any(|other| other.same_law(h)))
+    };
+    Arc::clone(fits().find(is_rest).unwrap_or(best))
 }

@@ -36,8 +36,9 @@ pub(super) struct Scanned {
     /// Force in each case per unit of the limit, at the most probable parameters.
     pub pattern: Vec<f64>,
     /// Log Bayes factor of the law against no force at the site.
+    #[cfg(test)]
     pub ln_bayes_factor: f64,
-    /// Excess of `ln_bayes_factor` over the log Bayes factor of a force with this pattern and a limit with a normal prior.
+    /// Excess of the log Bayes factor of the law over that of a force with this pattern and a limit with a normal prior.
     pub correction: f64,
     /// Parameters with which fits start: first those with a long slip length, because the objective is smooth there, then the most probable ones.
     pub starts: [SliderStart; 2],
@@ -142,8 +143,8 @@ impl SiteMotion<'_> {
         let pattern: Vec<f64> = forces.iter().map(|f| f / slider.limit).collect();
         let column = DVector::from_vec(pattern.iter().map(|p| p * priors.limit).collect());
         let information = 1.0 + column.dot(&(&site.information * &column));
-        let linear = 0.5 * column.dot(&site.gradient).powi(2) / information
-            - 0.5 * libm::log(information);
+        let linear =
+            0.5 * column.dot(&site.gradient).powi(2) / information - 0.5 * libm::log(information);
         let smooth = smooth.map_or(slider, |(_, at)| {
             refined_at_length(&ln_likelihood, at, grid.steps).1
         });
@@ -153,6 +154,7 @@ impl SiteMotion<'_> {
         };
         ln_bayes_factor.is_finite().then_some(Scanned {
             pattern,
+            #[cfg(test)]
             ln_bayes_factor,
             correction: ln_bayes_factor - linear,
             starts: [start(smooth), start(slider)],
@@ -185,7 +187,10 @@ impl Grid {
         let (mut lengths, length_step, length_span) =
             decades(lengths, -3.0, range * START_SLIP_LENGTH * 10.0);
         let near = |a: f64| libm::log(a / (START_SLIP_LENGTH * range)).abs();
-        if let Some(nearest) = lengths.iter_mut().min_by(|a, b| near(**a).total_cmp(&near(**b))) {
+        if let Some(nearest) = lengths
+            .iter_mut()
+            .min_by(|a, b| near(**a).total_cmp(&near(**b)))
+        {
             *nearest = START_SLIP_LENGTH * range;
         }
         let first_step = 2.0 / (firsts - 1) as f64;
@@ -353,7 +358,10 @@ mod tests {
             .zip(&found.pattern)
             .map(|(f, p)| (f - 130.0 * p).abs());
         assert!(off.fold(0.0, f64::max) < 10.0);
-        assert_eq!(found.starts[0].slider.slip_length, START_SLIP_LENGTH * motion.range());
+        assert_eq!(
+            found.starts[0].slider.slip_length,
+            START_SLIP_LENGTH * motion.range()
+        );
         assert!(with(&DVector::zeros(u.len())).ln_bayes_factor < 0.0);
     }
 }

@@ -95,6 +95,9 @@ impl Unknowns {
             .map(|unknown| own(unknown.mean, unknown.sd))
             .collect();
         let stiffnesses = list.len();
+        // A summary of several cases, such as a gradient, ties the errors of these cases together.
+        let channels = &problem.measurement.channels;
+        let is_apart = channels.iter().all(|channel| channel.summary.is_none());
         for member in &subject.layer.members {
             let meaning = match &member.effect {
                 Effect::Always(pairs) => {
@@ -122,7 +125,7 @@ impl Unknowns {
                 sd: 1.0,
             });
             let prior = tolerance::Coefficient::member(member.group);
-            priors.push(prior.in_case(member.effect.only_case()));
+            priors.push(prior.in_case(member.effect.only_case().filter(|_| is_apart)));
         }
         let members = list.len();
         // Values from another fit apply where available: stiffnesses and random effects have the same order in every fit.

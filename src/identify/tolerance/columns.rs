@@ -97,7 +97,10 @@ impl Columns {
         let extent = |k: usize| {
             let column = self.values.column(k);
             let first = column.iter().position(|x| *x != 0.0).unwrap_or(0);
-            let end = column.iter().rposition(|x| *x != 0.0).map_or(first, |k| k + 1);
+            let end = column
+                .iter()
+                .rposition(|x| *x != 0.0)
+                .map_or(first, |k| k + 1);
             first..end
         };
         let extents: Vec<Range<usize>> = (0..n).map(extent).collect();

@@ -51,7 +51,9 @@ fn cholesky(M: &mut DMatrix<f64>) -> Option<()> {
         params,
     )
     .ok()?;
-    (0..n).all(|k| M[(k, k)] > 0.0 && M[(k, k)].is_finite()).then_some(())
+    (0..n)
+        .all(|k| M[(k, k)] > 0.0 && M[(k, k)].is_finite())
+        .then_some(())
 }
 
 /// Computes the inverse of a lower triangular matrix.
@@ -236,7 +238,11 @@ impl Factor {
         let mut inner = inner;
         inner.fill_upper_triangle_with_lower_triangle();
         // With `R = F'^-1 W` of all blocks, the covariance with the rest is `-R C`, and among blocks `R C R'` plus that of the block itself.
-        let own: Vec<usize> = self.blocks.iter().flat_map(|block| block.own.clone()).collect();
+        let own: Vec<usize> = self
+            .blocks
+            .iter()
+            .flat_map(|block| block.own.clone())
+            .collect();
         let mut R = DMatrix::<f64>::zeros(own.len(), p);
         let mut first = 0;
         for block in &self.blocks {

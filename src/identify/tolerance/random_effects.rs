@@ -33,7 +33,8 @@ impl Effect {
         };
         let mut cases = pairs.iter().flat_map(|(_, values)| {
             let each = values.iter().enumerate();
-            each.filter(|(_, value)| **value != 0.0).map(|(case, _)| case)
+            each.filter(|(_, value)| **value != 0.0)
+                .map(|(case, _)| case)
         });
         let first = cases.next()?;
         cases.all(|case| case == first).then_some(first)
