@@ -206,7 +206,9 @@ impl<'a> Sets<'a> {
             .filter(|k| model.ranges[*k].len() == 1 && !self.is_leaf(*k))
             .filter(|k| model.effects[*k].term == Term::Main)
             .collect();
-        let M = self.reduction.information();
+        let Some(M) = self.reduction.information() else {
+            return Vec::new();
+        };
         let g = self.reduction.gradient();
         let column = |k: usize| model.ranges[k].start;
         let of = |(n, &a): (usize, &usize)| {
@@ -262,8 +264,9 @@ impl<'a> Sets<'a> {
     pub(super) fn distance(&self, a: &[Vec<(usize, f64)>], b: &[Vec<(usize, f64)>]) -> f64 {
         let product = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
             let of = |(i, u): &(usize, f64)| -> f64 {
+                // The columns of both sets are known: their contributions needed them.
                 let M = self.reduction.information_column(*i);
-                b.iter().map(|(j, v)| u * v * M[*j]).sum()
+                M.map_or(0.0, |M| b.iter().map(|(j, v)| u * v * M[*j]).sum())
             };
             a.iter().map(of).sum()
         };

@@ -39,7 +39,7 @@ pub(super) struct EffectModel {
     /// Correction of the log Bayes factor of each effect, from that of its column to that of its scanned law. Zero for all other effects.
     pub corrections: Vec<f64>,
     /// Products of the columns of the effects. A column is the change of the prediction per prior standard deviation of a parameter.
-    products: EffectProducts,
+    products: Option<EffectProducts>,
     /// Indices of the fit's unknowns in the order of `base`. Parameters of effects are left out.
     kept: Vec<usize>,
     base: LinearModel,
@@ -161,26 +161,32 @@ impl EffectModel {
             own,
             ranges,
             scans,
-            products,
+            products: Some(products),
             kept,
             base,
         }
     }
 
+    /// Frees the memory of the products. Columns of the information matrix that were needed before remain known, no others.
+    pub(super) fn forget_products(&mut self) {
+        self.products = None;
+    }
+
     /// Marginalises all unknowns except the parameters of effects, at the variance components `sizes`. Returns `None` if the linear model has no
     /// finite solution.
     pub(super) fn marginalised(&self, sizes: &VarianceComponents) -> Option<Marginal> {
+        let products = self.products.as_ref()?;
         let posterior = self.base.posterior(sizes)?;
-        let cross = self.products.cross(&sizes.ln);
+        let cross = products.cross(&sizes.ln);
         let absorbed = transposed(&posterior.covariance, &cross);
         let own = self.ranges.iter().map(|range| {
             let [cross, absorbed] =
                 [&cross, &absorbed].map(|of| of.columns(range.start, range.len()));
-            self.products.gram_block(&sizes.ln, range.clone()) - cross.tr_mul(&absorbed)
+            products.gram_block(&sizes.ln, range.clone()) - cross.tr_mul(&absorbed)
         });
         Some(Marginal {
             ln_z: posterior.ln_z,
-            gradient: self.products.gradient(&sizes.ln) - cross.tr_mul(&posterior.step),
+            gradient: products.gradient(&sizes.ln) - cross.tr_mul(&posterior.step),
             own: own.collect(),
             columns: vec![OnceLock::new(); cross.ncols()],
             ln: sizes.ln.clone(),
@@ -289,8 +295,8 @@ impl Reduction<'_> {
         &self.marginal.gradient
     }
 
-    /// Returns column `k` of the information matrix.
-    pub(super) fn information_column(&self, k: usize) -> &DVector<f64> {
+    /// Returns column `k` of the information matrix; `None` if it was not needed before the products were forgotten.
+    pub(super) fn information_column(&self, k: usize) -> Option<&DVector<f64>> {
         let Marginal {
             columns,
             cross,
@@ -298,20 +304,23 @@ impl Reduction<'_> {
             ln,
             ..
         } = self.marginal;
-        columns[k].get_or_init(|| {
-            self.model.products.gram_column(ln, k) - absorbed.tr_mul(&cross.column(k))
-        })
+        if let Some(products) = &self.model.products {
+            let new = || products.gram_column(ln, k) - absorbed.tr_mul(&cross.column(k));
+            return Some(columns[k].get_or_init(new));
+        }
+        columns[k].get()
     }
 
-    /// Returns the lower triangle of the information matrix.
-    pub(super) fn information(&self) -> DMatrix<f64> {
+    /// Returns the lower triangle of the information matrix; `None` if the products were forgotten.
+    pub(super) fn information(&self) -> Option<DMatrix<f64>> {
         let Marginal {
             cross,
             absorbed,
             ln,
             ..
         } = self.marginal;
-        self.model.products.gram(ln) - transposed(cross, absorbed)
+        let products = self.model.products.as_ref()?;
+        Some(products.gram(ln) - transposed(cross, absorbed))
     }
 
     /// Returns the posterior of the effects with these column ranges. Returns `None` if `1 + M` of these columns is not positive definite.
@@ -320,7 +329,7 @@ impl Reduction<'_> {
         ranges: impl Iterator<Item = &'r Range<usize>>,
     ) -> Option<Conditioned> {
         let columns: Vec<usize> = ranges.flat_map(Range::clone).collect();
-        let Q = self.block(&columns, &columns) + DMatrix::identity(columns.len(), columns.len());
+        let Q = self.block(&columns, &columns)? + DMatrix::identity(columns.len(), columns.len());
         let factor = Cholesky::new(Q)?;
         let g = self.marginal.gradient.select_rows(&columns);
         let mean = factor.solve(&g);
@@ -346,7 +355,7 @@ impl Reduction<'_> {
         let mut g = self.marginal.gradient.select_rows(&own);
         if !set.columns.is_empty() {
             // The columns of the set are at hand; those of the effect need not be computed.
-            let cross = self.block(&own, &set.columns).transpose();
+            let cross = self.block(&own, &set.columns)?.transpose();
             Q -= cross.tr_mul(&set.factor.solve(&cross));
             g -= cross.tr_mul(&set.mean);
         }
@@ -363,9 +372,9 @@ impl Reduction<'_> {
         };
         let of = |(range, block): (&Range<usize>, &DMatrix<f64>)| {
             let mut information = block.diagonal();
-            if !fit.columns.is_empty() {
-                let rows: Vec<usize> = range.clone().collect();
-                let cross = self.block(&rows, &fit.columns).transpose();
+            let rows: Vec<usize> = range.clone().collect();
+            if let Some(cross) = self.block(&rows, &fit.columns) {
+                let cross = cross.transpose();
                 information -= cross.tr_mul(&fit.factor.solve(&cross)).diagonal();
             }
             information.iter().copied().collect()
@@ -373,16 +382,16 @@ impl Reduction<'_> {
         ranges.iter().zip(&self.marginal.own).map(of).collect()
     }
 
-    /// Returns a block of the information matrix. Its columns are computed.
-    fn block(&self, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
+    /// Returns a block of the information matrix; `None` if a column is not known.
+    fn block(&self, rows: &[usize], columns: &[usize]) -> Option<DMatrix<f64>> {
         let mut out = DMatrix::zeros(rows.len(), columns.len());
         for (j, k) in columns.iter().enumerate() {
-            let column = self.information_column(*k);
+            let column = self.information_column(*k)?;
             for (i, row) in rows.iter().enumerate() {
                 out[(i, j)] = column[*row];
             }
         }
-        out
+        Some(out)
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::candidate_effect::{CandidateEffect, Term};
+use super::cause::Cause;
 use super::causes::dry_friction;
 use super::closure::{EffectSet, Pool, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
@@ -41,13 +42,31 @@ struct SetEstimate {
     set: EffectSet,
 }
 
+/// Fitted set of effects.
+struct Fit {
+    ln_posterior: f64,
+    /// The fit itself. `None` if it is outside of Occam's window, to save memory.
+    model: Option<Arc<FittedModel>>,
+}
+
+impl Fit {
+    fn new(fitted: &Arc<FittedModel>) -> Self {
+        Self {
+            ln_posterior: fitted.ln_posterior(),
+            model: Some(Arc::clone(fitted)),
+        }
+    }
+}
+
 struct Selector<'a, 'b> {
+    /// Fit without effects.
+    none: Arc<FittedModel>,
     subject: &'a DiagnosisProblem<'b>,
     data: Data,
     known: Vec<CandidateEffect>,
     /// Forces of unknown law that were candidates at a linearisation point.
     forces: Vec<GpTerm>,
-    fits: BTreeMap<Ids, Arc<FittedModel>>,
+    fits: BTreeMap<Ids, Fit>,
     /// Sets that are not fitted again: their fit failed, or an effect had the wrong sign.
     discarded: BTreeSet<Ids>,
     points: Vec<Point>,
@@ -61,6 +80,7 @@ pub(super) fn select(
     data: Data,
 ) -> Selected {
     let mut selector = Selector {
+        none: Arc::clone(none),
         subject,
         data,
         known: Vec::new(),
@@ -70,7 +90,7 @@ pub(super) fn select(
         points: Vec::new(),
         count: 1,
     };
-    selector.fits.insert(Vec::new(), Arc::clone(none));
+    selector.fits.insert(Vec::new(), Fit::new(none));
     selector.add_point(none);
     selector.run();
     let first = selector.selected();
@@ -125,7 +145,7 @@ impl Selector<'_, '_> {
     }
 
     fn best(&self) -> f64 {
-        let all = self.fits.values().map(|fitted| fitted.ln_posterior());
+        let all = self.fits.values().map(|fit| fit.ln_posterior);
         all.fold(f64::NEG_INFINITY, f64::max)
     }
 
@@ -145,7 +165,7 @@ impl Selector<'_, '_> {
             .iter()
             .map(|force| force.hypothesis.clone())
             .collect();
-        let model = EffectModel::new(self.subject, fitted, &sites, further);
+        let mut model = EffectModel::new(self.subject, fitted, &sites, further);
         let modest = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
         let mut sizes = vec![fitted.sizes.clone()];
         if modest.ln != fitted.sizes.ln {
@@ -161,6 +181,7 @@ impl Selector<'_, '_> {
             .iter()
             .map(|reduction| Sets::new(&model, reduction).closure(&start, is_first))
             .collect();
+        model.forget_products();
         let ids: Vec<usize> = model.effects.iter().map(|effect| self.id(effect)).collect();
         self.forces.extend(forces);
         self.points.push(Point {
@@ -189,8 +210,9 @@ impl Selector<'_, '_> {
                 let sets = Sets::new(&point.model, reduction);
                 let mut references = Vec::new();
                 let mut largest = 0.0_f64;
-                for (ids, fitted) in &self.fits {
-                    let own = fitted.ln_posterior();
+                let mut by_law: BTreeMap<Law, f64> = BTreeMap::new();
+                for (ids, fit) in &self.fits {
+                    let own = fit.ln_posterior;
                     if own < best - 3.0 * OCCAM_WINDOW_NATS {
                         continue;
                     }
@@ -203,6 +225,10 @@ impl Selector<'_, '_> {
                     };
                     let error = own - (reduction.ln_z + score);
                     largest = largest.max(error);
+                    for law in new_laws(&point.model, &set) {
+                        let known = by_law.entry(law).or_insert(error);
+                        *known = known.max(error);
+                    }
                     references.push((parts, error));
                 }
                 for (set, score) in pool {
@@ -230,6 +256,9 @@ impl Selector<'_, '_> {
                             correction = libm::exp(-0.5 * apart) * error;
                         }
                     }
+                    // The linear model of a law is rough, in the same way for the same law at another place.
+                    let of_law = new_laws(&point.model, set).filter_map(|law| by_law.get(&law));
+                    correction = of_law.fold(correction, |most, error| error.max(most));
                     let new = SetEstimate {
                         ln_posterior: linear + correction,
                         distance,
@@ -344,11 +373,20 @@ impl Selector<'_, '_> {
         if self
             .fits
             .get(ids)
-            .is_some_and(|old| old.ln_posterior() >= own)
+            .is_some_and(|old| old.ln_posterior >= own)
         {
             return;
         }
-        self.fits.insert(ids.clone(), Arc::clone(found));
+        if ids.is_empty() {
+            self.none = Arc::clone(found);
+        }
+        self.fits.insert(ids.clone(), Fit::new(found));
+        let least = best.max(own) - OCCAM_WINDOW_NATS;
+        for fit in self.fits.values_mut() {
+            if fit.ln_posterior < least {
+                fit.model = None;
+            }
+        }
         if own < best - 0.5 * OCCAM_WINDOW_NATS || self.points.len() >= MAX_SELECTION_POINTS {
             return;
         }
@@ -361,7 +399,7 @@ impl Selector<'_, '_> {
         let sets = Sets::new(&point.model, reduction);
         let best = self.best();
         let mut again = Vec::new();
-        for (other, fitted) in &self.fits {
+        for (other, fit) in &self.fits {
             let is_subset = other.len() < ids.len() && other.iter().all(|id| ids.contains(id));
             if !is_subset {
                 continue;
@@ -373,7 +411,7 @@ impl Selector<'_, '_> {
                 continue;
             };
             let expected = reduction.ln_z + score;
-            if expected > fitted.ln_posterior() + 1.0 && expected > best - OCCAM_WINDOW_NATS {
+            if expected > fit.ln_posterior + 1.0 && expected > best - OCCAM_WINDOW_NATS {
                 again.push((other.clone(), set));
             }
         }
@@ -392,11 +430,13 @@ impl Selector<'_, '_> {
     fn selected(&self) -> Selected {
         let best = self.best();
         let mut sets: Vec<ModelSet> = Vec::new();
-        for fitted in self.fits.values() {
-            if fitted.ln_posterior() > best - OCCAM_WINDOW_NATS {
+        for fit in self.fits.values() {
+            if let Some(fitted) = &fit.model
+                && fit.ln_posterior > best - OCCAM_WINDOW_NATS
+            {
                 sets.push(ModelSet {
                     causes: fitted.effects.clone(),
-                    ln_posterior: fitted.ln_posterior(),
+                    ln_posterior: fit.ln_posterior,
                     fitted: Some(Arc::clone(fitted)),
                 });
             }
@@ -414,7 +454,7 @@ impl Selector<'_, '_> {
             }
         }
         let models = weighted(sets);
-        let none = Arc::clone(&self.fits[&Vec::new()]);
+        let none = Arc::clone(&self.none);
         Selected {
             leading: leading(&models, &none),
             none,
@@ -426,6 +466,21 @@ impl Selector<'_, '_> {
             cut_short: self.count >= MAX_SELECTION_FITS || self.subject.budget_exhausted(),
         }
     }
+}
+
+/// Law whose linear model is rough: all laws with memory together, any other cause by itself.
+type Law = Option<Cause>;
+
+/// Returns the laws of the effects of a set that are not in the fit of the point.
+fn new_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = Law> {
+    let new = set.iter().filter(|k| **k >= model.own);
+    new.filter_map(|k| {
+        let effect = &model.effects[*k];
+        match effect.memory {
+            Some(_) => Some(None),
+            None => effect.is_poorly_linearised().then_some(Some(effect.cause)),
+        }
+    })
 }
 
 /// Returns the fit that is reported. It is the most probable fitted set; if some cause acts with a probability above one half, the most probable
