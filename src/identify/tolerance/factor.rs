@@ -1,13 +1,9 @@
-//! Cholesky factor of a symmetric positive definite matrix, by blocks where errors of single cases form such. Computed by the library faer.
+//! Cholesky factor of a symmetric positive definite matrix, by blocks where errors of single cases form such.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::triangular_inverse::invert_lower_triangular;
-use faer::{Accum, Auto, Par, Spec};
 use nalgebra::{DMatrix, DVector};
 
-use super::product::{dot, gram, read, transposed, write};
+use super::product::{dot, gram, transposed};
+use super::triangular::{cholesky, inverse_of, inverse_of_product};
 
 /// Factorisation of a symmetric positive definite matrix `M`. Some unknowns may form blocks that are coupled with each other only through the
 /// rest: errors of single load cases. The blocks are eliminated first; the rest then costs as much as if there were none.
@@ -36,52 +32,6 @@ struct BlockFactor {
     F: DMatrix<f64>,
     /// `F^-1 B`, with one column per unknown of the rest.
     W: DMatrix<f64>,
-}
-
-/// Replaces the lower triangle of a symmetric matrix by its Cholesky factor; `None` if the matrix is not positive definite.
-fn cholesky(M: &mut DMatrix<f64>) -> Option<()> {
-    let params: Spec<llt::factor::LltParams, f64> = Spec::new(Auto::<f64>::auto());
-    let n = M.nrows();
-    let mut memory = MemBuffer::new(llt::factor::cholesky_in_place_scratch(n, Par::Seq, params));
-    llt::factor::cholesky_in_place(
-        write(M),
-        llt::factor::LltRegularization::default(),
-        Par::Seq,
-        MemStack::new(&mut memory),
-        params,
-    )
-    .ok()?;
-    (0..n)
-        .all(|k| M[(k, k)] > 0.0 && M[(k, k)].is_finite())
-        .then_some(())
-}
-
-/// Computes the inverse of a lower triangular matrix.
-fn inverse_of(L: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = L.nrows();
-    let mut V = DMatrix::<f64>::zeros(n, n);
-    invert_lower_triangular(write(&mut V), read(L), Par::Seq);
-    V
-}
-
-/// Computes the lower triangle of `(L L')^-1`; entries above the diagonal are zero.
-fn inverse_of_product(L: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = L.nrows();
-    let mut out = DMatrix::<f64>::zeros(n, n);
-    let V = inverse_of(L);
-    let V = read(&V);
-    triangular::matmul(
-        write(&mut out),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        V.transpose(),
-        BlockStructure::TriangularUpper,
-        V,
-        BlockStructure::TriangularLower,
-        1.0,
-        Par::Seq,
-    );
-    out
 }
 
 /// Solves `L x = b` in place.

@@ -35,6 +35,7 @@ mod random_effects;
 mod rigidity_screen;
 mod solution;
 mod tails;
+mod triangular;
 mod whitening;
 
 pub use columns::RowsByVarianceClass;

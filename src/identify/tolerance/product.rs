@@ -1,65 +1,145 @@
-//! Products of dense matrices, computed by the library faer, and the dot product.
+//! Products of dense matrices by the matrix kernel that nalgebra uses.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, MatMut, MatRef, Par};
-use nalgebra::DMatrix;
+pub(super) use admire_solver::mechanics::dot;
+use nalgebra::{DMatrix, DMatrixViewMut, Dyn, MatrixView};
+
+/// Rows or columns that are treated together, so that the rest of the work is a product of matrices.
+pub(super) const BLOCK: usize = 16;
+/// Columns of a Gram matrix that are computed together.
+const GRAM_BLOCK: usize = 32;
+
+/// Number of rows or columns up to which nalgebra multiplies column by column. It then reads beyond the end of a column whose entries are not
+/// contiguous, so that views with such columns are copied before.
+const FEW: usize = 5;
+
+/// A read-only view of a matrix, part of a matrix or its transpose.
+pub(super) type View<'a> = MatrixView<'a, f64, Dyn, Dyn, Dyn, Dyn>;
+
+/// Returns a view of `rows` by `columns` entries from row i and column j on.
+pub(super) fn part(
+    matrix: &DMatrix<f64>,
+    (i, j): (usize, usize),
+    (rows, columns): (usize, usize),
+) -> View<'_> {
+    let step = matrix.nrows();
+    if rows == 0 || columns == 0 {
+        return View::from_slice_with_strides(&[], rows, columns, 1, rows);
+    }
+    let values = &matrix.as_slice()[j * step + i..];
+    View::from_slice_with_strides(values, rows, columns, 1, step)
+}
+
+/// Returns the transpose of [`part`].
+pub(super) fn transpose_of_part(
+    matrix: &DMatrix<f64>,
+    (i, j): (usize, usize),
+    (rows, columns): (usize, usize),
+) -> View<'_> {
+    let step = matrix.nrows();
+    if rows == 0 || columns == 0 {
+        return View::from_slice_with_strides(&[], columns, rows, 1, columns);
+    }
+    let values = &matrix.as_slice()[j * step + i..];
+    View::from_slice_with_strides(values, columns, rows, step, 1)
+}
+
+/// Adds `factor A B` to `keep` times the target. A `keep` of zero overwrites the target. This is the only instance of the product.
+pub(super) fn multiply(
+    mut to: DMatrixViewMut<'_, f64>,
+    keep: f64,
+    factor: f64,
+    A: &View<'_>,
+    B: &View<'_>,
+) {
+    if to.nrows().min(to.ncols()).min(A.ncols()) > FEW {
+        to.gemm(factor, A, B, keep);
+    } else {
+        to.gemm(factor, &A.clone_owned(), &B.clone_owned(), keep);
+    }
+}
+
+/// Computes the product of the transpose of columns of A, from column i on, with columns of B, from column j on.
+fn of_columns(
+    mut to: DMatrixViewMut<'_, f64>,
+    A: &DMatrix<f64>,
+    i: usize,
+    B: &DMatrix<f64>,
+    j: usize,
+) {
+    let (m, (rows, columns)) = (A.nrows(), to.shape());
+    if rows.min(columns) > FEW {
+        let left = transpose_of_part(A, (0, i), (m, rows));
+        multiply(to, 0.0, 1.0, &left, &part(B, (0, j), (m, columns)));
+        return;
+    }
+    let column = |k: usize| k * m..(k + 1) * m;
+    for k in 0..columns {
+        let b = &B.as_slice()[column(j + k)];
+        for row in 0..rows {
+            to[(row, k)] = dot(&A.as_slice()[column(i + row)], b);
+        }
+    }
+}
 
 /// Computes the lower triangle of `A'A`; entries above the diagonal are zero.
 pub(super) fn gram(A: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut out = DMatrix::<f64>::zeros(A.ncols(), A.ncols());
-    let (to, A) = (write(&mut out), read(A));
-    let (whole, lower) = (BlockStructure::Rectangular, BlockStructure::TriangularLower);
-    triangular::matmul(
-        to,
-        lower,
-        Accum::Replace,
-        A.transpose(),
-        whole,
-        A,
-        whole,
-        1.0,
-        Par::Seq,
-    );
+    let n = A.ncols();
+    let mut out = DMatrix::<f64>::zeros(n, n);
+    for first in (0..n).step_by(GRAM_BLOCK) {
+        let width = GRAM_BLOCK.min(n - first);
+        let to = out.view_mut((first, first), (n - first, width));
+        of_columns(to, A, first, A, first);
+    }
+    clear_above_diagonal(&mut out);
     out
 }
 
 /// Computes `A'B`.
 pub fn transposed(A: &DMatrix<f64>, B: &DMatrix<f64>) -> DMatrix<f64> {
     let mut out = DMatrix::<f64>::zeros(A.ncols(), B.ncols());
-    let to = write(&mut out);
-    matmul(
-        to,
-        Accum::Replace,
-        read(A).transpose(),
-        read(B),
-        1.0,
-        Par::Seq,
-    );
+    let shape = out.shape();
+    of_columns(out.view_mut((0, 0), shape), A, 0, B, 0);
     out
 }
 
-/// Computes `a'b`. The sum runs in eight lanes, so the compiler can vectorise the loop.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a_blocks, b_blocks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest = a_blocks.remainder().iter().zip(b_blocks.remainder());
-    let rest: f64 = rest.map(|(a, b)| a * b).sum();
-    for (a, b) in a_blocks.zip(b_blocks) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
+/// Sets the entries above the diagonal to zero.
+pub(super) fn clear_above_diagonal(matrix: &mut DMatrix<f64>) {
+    for k in 0..matrix.ncols() {
+        let above = k.min(matrix.nrows());
+        matrix.view_mut((0, k), (above, 1)).fill(0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compares with sums over the entries, for sizes below, at and above a block.
+    #[test]
+    fn products_are_sums_over_the_entries() {
+        for (m, n, k) in [
+            (0, 3, 2),
+            (3, 0, 2),
+            (1, 1, 1),
+            (7, 4, 9),
+            (60, 48, 3),
+            (9, 101, 50),
+        ] {
+            let of = |i: usize, j: usize, turn: usize| libm::sin((3 * i + 7 * j + turn) as f64);
+            let A = DMatrix::from_fn(m, n, |i, j| of(i, j, 0));
+            let B = DMatrix::from_fn(m, k, |i, j| of(i, j, 1));
+            let sum = |P: &DMatrix<f64>, i: usize, Q: &DMatrix<f64>, j: usize| -> f64 {
+                (0..m).map(|row| P[(row, i)] * Q[(row, j)]).sum()
+            };
+            let across = DMatrix::from_fn(n, k, |i, j| sum(&A, i, &B, j));
+            let lower = |i, j| if i < j { 0.0 } else { sum(&A, i, &A, j) };
+            let own = DMatrix::from_fn(n, n, lower);
+            assert!(
+                (transposed(&A, &B) - across)
+                    .iter()
+                    .all(|off| off.abs() < 1e-12)
+            );
+            assert!((gram(&A) - own).iter().all(|off| off.abs() < 1e-12));
         }
     }
-    sums.iter().sum::<f64>() + rest
-}
-
-/// Returns a read-only view of a matrix for faer.
-pub(super) fn read(matrix: &DMatrix<f64>) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
-}
-
-/// Returns a mutable view of a matrix for faer.
-pub(super) fn write(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
-    let (rows, columns) = matrix.shape();
-    MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)
 }

@@ -10,14 +10,12 @@
 
 use std::collections::BTreeMap;
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Par};
 use nalgebra::{DMatrix, DVector};
 
 use super::class::{RotatedBlock, VarianceClass};
 use super::free::without;
 use super::group::{NoiseScale, VarianceComponents};
-use super::product::{read, write};
+use super::product::{multiply, part};
 use crate::settings::MARK_ROTATION_ROUND_OFF;
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
@@ -145,9 +143,9 @@ impl Whitening {
                 .zip(*first..)
                 .all(|(place, next)| *place == next);
             if follow {
-                let block = read(columns).submatrix(*first, 0, height, count);
-                let to = write(&mut out).submatrix_mut(*first, 0, height, count);
-                matmul(to, Accum::Replace, read(matrix), block, 1.0, Par::Seq);
+                let block = part(columns, (*first, 0), (height, count));
+                let to = out.view_mut((*first, 0), (height, count));
+                multiply(to, 0.0, 1.0, &part(matrix, (0, 0), matrix.shape()), &block);
                 continue;
             }
             let turned = matrix * columns.select_rows(places);

@@ -1,14 +1,12 @@
 //! Sparse LU factors with an elimination order that is chosen once.
 //!
-//! The first factorisation eliminates the columns in faer's approximate minimum degree order. In small systems it searches for sparse columns
+//! The first factorisation eliminates the columns in an approximate minimum degree order. In small systems it searches for sparse columns
 //! instead (Markowitz). In each column it chooses the shortest row whose pivot is large enough for stability, and it records its operations.
 //! Later factorisations repeat these operations with other values. If a pivot becomes too small, a new order is chosen. Columns without any
 //! acceptable pivot (motions without stiffness) are set aside, and their unknowns are held at zero.
 //!
-//! faer's complete sparse LU is not used, because it offers neither a refactorisation with frozen pivots nor a report of columns without a
-//! pivot. On chains of 100, 1,000 and 10,000 links (670 to 67,140 unknowns), its refactorisation takes 10, 11 and 5 times as long as the
-//! refactorisation in this module. Its first factorisation, including the order, is 1.5 to 2.5 times as fast. The times are printed by
-//! `cargo test --lib compared_with_faer -- --nocapture`.
+//! The module has its own elimination because it needs a refactorisation with frozen pivots and a report of columns without a pivot. The times
+//! for long chains are printed by `cargo test --lib long_chains -- --nocapture`.
 
 use std::ops::{Div, Mul};
 

@@ -1,8 +1,7 @@
-//! Column order for the elimination of large systems: approximate minimum degree, by faer. It depends only on the pattern of the matrix.
+//! Column order for the elimination of large systems: approximate minimum degree (Amestoy, Davis and Duff 1996), by the crate
+//! `amd`. It depends only on the pattern of the matrix.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
+use amd::Control;
 
 use super::entries::Entries;
 use super::postorder::rearranged;
@@ -79,7 +78,7 @@ pub(super) fn by_shared_rows<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
 }
 
 /// Returns the minimum degree order of a pattern. `places` contains (column, row) of each entry, sorted. The order is empty if the pattern is
-/// too large for faer.
+/// invalid.
 fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32> {
     let (mut starts, mut rows) = (vec![0_usize; n + 1], Vec::new());
     for (column, row) in places {
@@ -89,19 +88,9 @@ fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32
     for k in 0..n {
         starts[k + 1] += starts[k];
     }
-    let pattern = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &rows);
-    let (mut order, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
-    let mut memory = MemBuffer::new(amd::order_scratch::<usize>(n, rows.len()));
-    let found = amd::order(
-        &mut order,
-        &mut inverse,
-        pattern,
-        amd::Control::default(),
-        MemStack::new(&mut memory),
-    );
-    match found {
-        Ok(_) => rearranged(&order, &starts, &rows),
-        // The pattern is too large for faer; the pivots are searched for.
+    match amd::order(n, &starts, &rows, &Control::default()) {
+        Ok((order, ..)) => rearranged(&order, &starts, &rows),
+        // The pivots are searched for.
         Err(_) => Vec::new(),
     }
 }

@@ -3,12 +3,14 @@
 //! nalgebra's own functions iterate without a limit and may never terminate if products of entries underflow. Here, entries smaller than the
 //! round-off of the iteration are first set to zero, and the number of iterations is limited.
 //!
-//! faer computes the eigenvalues of unsymmetric matrices, because nalgebra's iteration has no exceptional shifts and never converges for a
-//! spinning top that falls. faer also computes the singular values, because the product of nalgebra's three factors can differ from the matrix
-//! by a thousandth of its largest entry. Large symmetric matrices are passed to faer because it is faster.
+//! The eigenvalues of unsymmetric matrices and the singular values have methods of their own here, because nalgebra's iteration for the first has
+//! no exceptional shifts and never converges for a spinning top that falls, and the product of nalgebra's three factors can differ from the
+//! matrix by a thousandth of its largest entry.
 
-use faer::{MatRef, Side};
-use nalgebra::{Complex, DMatrix, DVector, Dyn, SVD, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector, Dyn, Hessenberg, SVD, SymmetricEigen};
+
+use super::francis;
+use super::singular::singular;
 
 /// Entries smaller than this share of the largest entry are set to zero.
 const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON;
@@ -16,8 +18,6 @@ const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON;
 const STEPS: usize = 100;
 /// Largest number of sweeps of Jacobi's method; six to ten sweeps are usual.
 const SWEEPS: usize = 100;
-/// Number of rows from which a symmetric matrix counts as large and is passed to faer.
-const LARGE: usize = 32;
 
 /// Returns all eigenvalues of a square matrix, in no particular order. Returns `None` if an entry is not finite or the iteration does not
 /// converge.
@@ -26,10 +26,8 @@ pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
         return Some(Vec::new());
     }
     let (matrix, largest) = scaled(matrix)?;
-    let (rows, columns) = matrix.shape();
-    let values = MatRef::from_column_major_slice(matrix.as_slice(), rows, columns).eigenvalues();
-    let scaled_back = |value: &Complex<f64>| *value * largest;
-    Some(values.ok()?.iter().map(scaled_back).collect())
+    let values = francis::eigenvalues(Hessenberg::new(matrix).unpack_h())?;
+    Some(values.into_iter().map(|value| value * largest).collect())
 }
 
 /// Returns the eigenvalues and orthonormal eigenvectors of a symmetric matrix, in no particular order. Entries that are not finite count as
@@ -43,27 +41,10 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
             eigenvalues: DVector::zeros(n),
         };
     };
-    let mut eigen = of_large(&scaled)
-        .or_else(|| SymmetricEigen::try_new(scaled.clone(), f64::EPSILON, STEPS * n))
+    let mut eigen = SymmetricEigen::try_new(scaled.clone(), f64::EPSILON, STEPS * n)
         .unwrap_or_else(|| jacobi(scaled));
     eigen.eigenvalues *= largest;
     eigen
-}
-
-/// Computes the eigendecomposition of a large symmetric matrix with faer. Returns `None` if the matrix is small or faer's iteration does not
-/// converge.
-fn of_large(matrix: &DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
-    let n = matrix.nrows();
-    if n < LARGE {
-        return None;
-    }
-    let of_slice = MatRef::from_column_major_slice(matrix.as_slice(), n, n);
-    let found = of_slice.self_adjoint_eigen(Side::Lower).ok()?;
-    let (U, S) = (found.U(), found.S().column_vector());
-    Some(SymmetricEigen {
-        eigenvectors: DMatrix::from_fn(n, n, |i, j| U[(i, j)]),
-        eigenvalues: DVector::from_fn(n, |k, _| S[k]),
-    })
 }
 
 /// Returns the pseudo-inverse of a matrix. Singular values up to `least` count as zero. Returns `None` if an entry is not finite or the
@@ -88,15 +69,18 @@ pub fn singular_values(
         return None;
     }
     let (matrix, largest) = scaled(matrix)?;
-    let (rows, columns) = matrix.shape();
-    let of_slice = MatRef::from_column_major_slice(matrix.as_slice(), rows, columns);
-    let found = of_slice.thin_svd().ok()?;
-    let (U, S, V) = (found.U(), found.S().column_vector(), found.V());
-    let count = rows.min(columns);
+    // A wide matrix has the factors of its transpose, with left and right exchanged.
+    let wide = matrix.ncols() > matrix.nrows();
+    let found = singular(if wide { matrix.transpose() } else { matrix })?;
+    let (U, V) = if wide {
+        (found.V, found.U)
+    } else {
+        (found.U, found.V)
+    };
     Some(SVD {
-        u: left.then(|| DMatrix::from_fn(rows, count, |i, j| U[(i, j)])),
-        v_t: right.then(|| DMatrix::from_fn(count, columns, |i, j| V[(j, i)])),
-        singular_values: DVector::from_fn(count, |k, _| S[k] * largest),
+        u: left.then_some(U),
+        v_t: right.then(|| V.transpose()),
+        singular_values: DVector::from_vec(found.values) * largest,
     })
 }
 
@@ -172,7 +156,7 @@ mod tests {
 
     #[test]
     fn every_symmetric_method_finds_the_known_eigenvalues() {
-        for (n, bar) in [(7, 1e-12), (2 * LARGE, 1e-11)] {
+        for (n, bar) in [(7, 1e-12), (64, 1e-11)] {
             let a = known(n);
             for eigen in [symmetric_eigen(a.clone()), jacobi(a.clone())] {
                 let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
@@ -185,7 +169,6 @@ mod tests {
                 assert!(off < bar, "{off}");
             }
         }
-        assert!(of_large(&known(2 * LARGE)).is_some());
     }
 
     #[test]

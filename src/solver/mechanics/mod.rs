@@ -6,14 +6,18 @@
 //! In this module and in the modules that build on it, all sines, exponentials and powers that affect a solution are computed by the crate
 //! `libm`. The C libraries of different systems give results that differ in the last digits, and for large angles in all digits.
 
+mod columns;
 pub mod eigen;
+mod francis;
 mod nan;
 mod pose;
 mod relative_motion;
 mod rotation;
+mod singular;
 #[cfg(test)]
 pub(crate) mod testing;
 
+pub use columns::dot;
 pub(crate) use nan::{exceeds, larger};
 pub use pose::Pose;
 pub use relative_motion::RelativeMotion;
