@@ -2,9 +2,7 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::DVector;
 
-use super::frame::is_another;
 use super::progress::Progress;
-use super::rig_errors::RigErrors;
 use crate::settings::{FAR_MARK_SIGMA, FEW_FAR_MARKS};
 use admire_identify::Problem;
 use admire_identify::global::{NuisanceLayout, Numbers, Observations, Predictor, Prepared, Row};
@@ -16,7 +14,7 @@ use admire_identify::tolerance::{
     VarianceComponents, Whitening, mad_sigma,
 };
 use admire_solver::mechanics::Vec3;
-use admire_study::settings::{Loss, Selection};
+use admire_study::settings::Loss;
 use admire_study::{Measurement, PriorSetting, ToleranceSettings};
 use admire_syntax::Address;
 
@@ -109,15 +107,6 @@ impl<'a> DiagnosisProblem<'a> {
         let seen = |case: usize, reading: usize| measurement.cases[case].marks[reading].x;
         (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
         new.set_row_weights(None);
-        if problem.selection == Selection::Closure {
-            // Errors of the rig are always among the tolerances; their sizes become small where the readings do not need them.
-            let groups: Vec<_> = RigErrors::ALL
-                .iter()
-                .filter(|errors| **errors != RigErrors::Alignment || !is_another(&new))
-                .flat_map(|errors| errors.open(&new))
-                .collect();
-            return new.with_groups(groups);
-        }
         new
     }
 

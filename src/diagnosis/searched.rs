@@ -16,6 +16,7 @@ use super::search::Search;
 use super::sought::{Begun, Sought, as_it_is};
 use admire_identify::LackOfFitTest;
 use admire_identify::tolerance::ScalePrior;
+use admire_study::settings::Selection;
 
 /// A search with errors of the rig that was made and rejected, and the study with them.
 type Rejected<'a> = (RigErrors, DiagnosisProblem<'a>, Searched<'a>);
@@ -45,6 +46,14 @@ impl<'a> Searched<'a> {
         if open.contains(&RigErrors::Alignment) && frame::is_another(&unfitted) {
             unfitted = unfitted.with_groups([ScalePrior::of_another_frame(unfitted.millimetre())]);
             open.retain(|errors| *errors != RigErrors::Alignment);
+        }
+        if unfitted.problem.selection == Selection::Closure {
+            // Errors of the rig are always among the tolerances; their sizes become small where the readings do not need them.
+            let groups: Vec<_> = open
+                .drain(..)
+                .flat_map(|errors| errors.open(&unfitted))
+                .collect();
+            unfitted = unfitted.with_groups(groups);
         }
         let (mut unfitted, mut searched, mut rejected) =
             Self::giving_way(unfitted, &mut open, is_blind, progress)?;

@@ -45,7 +45,8 @@ pub fn find(word: &str) -> Vec<Entry> {
     let last = |term: &str| term.rsplit('.').next() == Some(word);
     let within = |term: &str| {
         let rest = term.strip_prefix(word);
-        rest.is_some_and(|rest| rest.starts_with('.'))
+        // Extensions of files, such as `.sub`, are no parts of an empty word.
+        !word.is_empty() && rest.is_some_and(|rest| rest.starts_with('.'))
     };
     // A piece of a term in capitals, such as NAME, is a placeholder that matches any word.
     let own = |piece: &str| piece.len() > 1 && piece.chars().all(|c| c.is_ascii_uppercase());

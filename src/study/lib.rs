@@ -13,6 +13,7 @@
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 mod car;
+mod car_link;
 mod check;
 mod constant;
 pub mod deflection;
@@ -51,7 +52,8 @@ mod tests;
 pub mod wheel;
 mod wheel_readings;
 
-pub use car::{CarLink, CarSettings};
+pub use car::CarSettings;
+pub use car_link::CarLink;
 pub use constant::Constant;
 pub use digest::digest;
 pub use frame_place::FramePlace;
