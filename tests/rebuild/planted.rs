@@ -84,10 +84,10 @@ fn compare(model: &Model, rebuilt: &Rebuilt) {
         let body = &record.bodies[member.connection.i];
         if let Role::Bushing { i, law, .. } = &member.role {
             let planted = model
-                .pair_forces
+                .bushings
                 .iter()
-                .find(|p| p.header.name == *name)
-                .expect("a bushing");
+                .find(|bushing| bushing.header.name == *name)
+                .unwrap_or_else(|| panic!("no bushing {name}"));
             let point = body.design.point(&i.p);
             let apart = (point - place(model, planted.i)).norm();
             assert!(apart < 1e-6, "{name}: {apart}");
@@ -99,7 +99,7 @@ fn compare(model: &Model, rebuilt: &Rebuilt) {
                     other => panic!("{name}: {other:?}"),
                 })
                 .collect();
-            let mut wanted: Vec<f64> = planted.argument("K").expect("K").to_vec();
+            let mut wanted = planted.k;
             found.sort_by(f64::total_cmp);
             wanted.sort_by(f64::total_cmp);
             for (found, wanted) in found.iter().zip(&wanted) {
