@@ -227,7 +227,7 @@ fn moved(slider: &Slider, parameter: usize, step: f64) -> Slider {
     out
 }
 
-/// Climbs by single steps along each parameter, and halves the steps. Returns the peak, its place, and the curvature there along each
+/// Climbs by single steps along each parameter until none leads up, and halves the steps. Returns the peak, its place, and the curvature there along each
 /// parameter, from differences over the last steps in which the value falls by about one nat.
 fn refined(
     value: &dyn Fn(&Slider) -> f64,
@@ -239,12 +239,16 @@ fn refined(
         for step in &mut steps {
             *step *= 0.5;
         }
-        for parameter in 0..3 {
-            for sign in [-1.0, 1.0] {
-                let there = moved(&at, parameter, sign * steps[parameter]);
-                let found = value(&there);
-                if found > best {
-                    (best, at) = (found, there);
+        let mut is_rising = true;
+        while is_rising {
+            is_rising = false;
+            for parameter in 0..3 {
+                for sign in [-1.0, 1.0] {
+                    let there = moved(&at, parameter, sign * steps[parameter]);
+                    let found = value(&there);
+                    if found > best {
+                        (best, at, is_rising) = (found, there, true);
+                    }
                 }
             }
         }
@@ -352,7 +356,9 @@ mod tests {
         };
         let found = with(&planted);
         let most = 0.5 * planted.dot(&(&information * &planted));
-        assert!(found.ln_bayes_factor > most - 25.0 && found.ln_bayes_factor < most);
+        // Priors and the widths of the peak cost a few nats of the thousands that the planted forces are worth.
+        let part = found.ln_bayes_factor / most;
+        assert!(part > 0.97 && part < 1.0, "{part}");
         let off = planted
             .iter()
             .zip(&found.pattern)
