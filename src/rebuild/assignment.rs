@@ -8,8 +8,8 @@ use super::names::{affinity, joint_code};
 use super::record::Record;
 use super::relation::{Clusters, Relation, Relations};
 use super::settings::{
-    BALANCE_RELATIVE, LEVER_RELATIVE, MOST_ASSIGNMENTS, MOST_CANDIDATES, MOST_PARTNERS,
-    SEARCH_STATES,
+    BALANCE_RELATIVE, BARE_PENALTY, GROUND_I_PENALTY, GROUND_PENALTY, LEVER_RELATIVE,
+    MOST_ASSIGNMENTS, MOST_CANDIDATES, MOST_PARTNERS, NOWHERE_PENALTY, SEARCH_STATES,
 };
 
 /// Forces that may be all those on one cluster of bodies.
@@ -105,7 +105,7 @@ pub(crate) fn assign(known: &Known<'_>) -> Option<Assignment> {
         let best = found
             .iter()
             .map(|candidate| candidate.score)
-            .fold(BARE, f64::min);
+            .fold(BARE_PENALTY, f64::min);
         least[k] = least[k + 1] + best;
     }
     let mut search = Search {
@@ -389,12 +389,6 @@ struct Search<'s, 'k> {
     tries: usize,
 }
 
-/// Score of an element that acts on ground, more if ground is its I part; of one that acts nowhere; and of a cluster without forces.
-const GROUND: f64 = 1.0;
-const HALF_GROUND: f64 = 0.2;
-const NOWHERE: f64 = 30.0;
-const BARE: f64 = 4.0;
-
 impl Search<'_, '_> {
     fn descend(&mut self, score: f64) {
         self.tries += 1;
@@ -421,7 +415,7 @@ impl Search<'_, '_> {
             self.mark(candidate, None);
         }
         self.chosen.push(None);
-        self.descend(score + BARE);
+        self.descend(score + BARE_PENALTY);
         self.chosen.pop();
     }
 
@@ -466,16 +460,16 @@ impl Search<'_, '_> {
                     }
                     [None, None] => {}
                     [None, Some(_)] if self.expected[*element].is_some_and(|on| on != 0) => {
-                        score += NOWHERE;
+                        score += NOWHERE_PENALTY;
                     }
                     [Some(cluster), None] | [None, Some(cluster)] => {
                         used_classes.insert(k);
                         let joint = self.known.is_joint(*element);
                         let bad = joint && !self.known.allows(*element, cluster, 0);
-                        score += if bad { NOWHERE } else { GROUND };
+                        score += if bad { NOWHERE_PENALTY } else { GROUND_PENALTY };
                         // A force on one part is written with that part as its I part.
                         score += if self.on[*element][0].is_none() && !joint {
-                            HALF_GROUND
+                            GROUND_I_PENALTY
                         } else {
                             0.0
                         };
@@ -486,7 +480,7 @@ impl Search<'_, '_> {
         // An element inside of a cluster belongs to the class of one that acts on the cluster from outside.
         for (k, class) in forces.classes.iter().enumerate() {
             if !used_classes.contains(&k) {
-                score += NOWHERE * class.members.len() as f64;
+                score += NOWHERE_PENALTY * class.members.len() as f64;
             }
         }
         score

@@ -5,7 +5,7 @@ use admire_solver::mechanics::{Mat3, Pose, Vec3, exp, log, projected_angles};
 use super::law::{AxisLaw, Law};
 use super::least_squares::{solve, solve_scaled};
 use super::record::{Element, Record};
-use super::settings::DETERMINED_RELATIVE;
+use super::settings::{DETERMINED_RELATIVE, UNUSUAL_PAIR_FACTOR};
 
 /// Axes of the I and J markers of a bushing, in the axes of their bodies.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -176,9 +176,6 @@ impl Motion {
     }
 }
 
-/// Factor by which what a pair of axes other than x and y leaves counts more.
-const UNUSUAL: f64 = 10.0;
-
 /// Finds the law of a bushing: per axis linear or a curve, radial axes coupled where that fits best.
 pub(crate) fn law(motion: &Motion, size: f64) -> Law {
     let column =
@@ -229,7 +226,11 @@ pub(crate) fn law(motion: &Motion, size: f64) -> Law {
     // Radial axes of Adams/Car are x and y; another pair must fit far better.
     let usual = |pair: &Option<[usize; 2]>| matches!(pair, None | Some([0, 1]));
     let score = |(left, _, pair): &(f64, [AxisLaw; 3], Option<[usize; 2]>)| {
-        if usual(pair) { *left } else { UNUSUAL * left }
+        if usual(pair) {
+            *left
+        } else {
+            UNUSUAL_PAIR_FACTOR * left
+        }
     };
     let best = tried
         .into_iter()

@@ -1,5 +1,6 @@
 use super::assignment::Known;
 use super::names::{affinity, digits};
+use crate::settings::{MOST_PLACEMENTS, UNPLACED_PENALTY};
 
 /// Placement of joints whose forces never change: those of parts that only hang on others, such as half shafts.
 ///
@@ -19,11 +20,6 @@ pub(crate) struct Constants<'c, 'k> {
     first: Vec<Option<(usize, usize)>>,
     tries: usize,
 }
-
-/// Largest number of placements that are tried.
-const MOST_TRIES: usize = 300_000;
-/// Score of a joint that is not placed, and of a negative mass.
-const WORST: f64 = 20.0;
 
 impl<'c, 'k> Constants<'c, 'k> {
     /// Finds the clusters of all joints with constant forces; the answer has an entry for each that is placed.
@@ -109,7 +105,7 @@ impl<'c, 'k> Constants<'c, 'k> {
         let most: f64 = left
             .map(|(element, pairs)| self.named(*element, pairs.first()))
             .sum();
-        if self.tries > MOST_TRIES
+        if self.tries > MOST_PLACEMENTS
             || self
                 .best
                 .as_ref()
@@ -139,7 +135,7 @@ impl<'c, 'k> Constants<'c, 'k> {
             self.joined.pop();
         }
         self.chosen.push(None);
-        self.descend(score - WORST);
+        self.descend(score - UNPLACED_PENALTY);
         self.chosen.pop();
     }
 
@@ -186,7 +182,7 @@ impl<'c, 'k> Constants<'c, 'k> {
 
     /// Returns how much a name speaks for a pair of clusters.
     fn named(&self, element: usize, pair: Option<&(usize, usize)>) -> f64 {
-        pair.map_or(-WORST, |(a, b)| {
+        pair.map_or(-UNPLACED_PENALTY, |(a, b)| {
             speaks(self.known, element, *a) + speaks(self.known, element, *b)
         })
     }
@@ -205,7 +201,7 @@ impl<'c, 'k> Constants<'c, 'k> {
         let mut score = 0.0;
         for weight in carried.iter().flatten() {
             if *weight < -1e-6 * self.known.forces.largest {
-                score -= WORST;
+                score -= UNPLACED_PENALTY;
             }
             score -= 0.2 * f64::from(digits(self.known.mass(*weight)));
         }

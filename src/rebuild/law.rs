@@ -1,7 +1,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::solve_scaled;
-use super::settings::LINEAR_RELATIVE;
+use super::settings::{LINEAR_RELATIVE, PRELOAD_SPLINE_INTERVALS};
 
 /// Law of one axis of a bushing: force or torque as a function of the deflection or angle.
 #[derive(Clone, PartialEq, Debug)]
@@ -44,9 +44,6 @@ impl Law {
         all.all(|law| matches!(law, AxisLaw::Linear { .. } | AxisLaw::Unseen(_)))
     }
 }
-
-/// Number of intervals of the spline that separates a preload from an odd curve.
-const INTERVALS: usize = 24;
 
 impl AxisLaw {
     /// Returns the linear law, or `None` where the force is not linear. `least` is the smallest range of deflections that counts as
@@ -97,9 +94,9 @@ impl AxisLaw {
             .map(|(x, y)| libm::hypot(*x, *y))
             .collect();
         let most = r.iter().copied().fold(0.0, f64::max);
-        let step = most / INTERVALS as f64;
+        let step = most / PRELOAD_SPLINE_INTERVALS as f64;
         // X(r)/r is even and smooth: X(r) d/r = (c0 + sum of cubic B-splines of r) d.
-        let columns = INTERVALS + 4;
+        let columns = PRELOAD_SPLINE_INTERVALS + 4;
         let mut A = DMatrix::zeros(d.len(), columns);
         let mut right = DVector::zeros(d.len());
         for (k, r) in r.iter().enumerate() {
@@ -121,7 +118,7 @@ impl AxisLaw {
 
 /// Returns the values of the four uniform cubic B-splines that are not zero at `u` intervals from the start, with their numbers.
 fn splines(u: f64) -> [(usize, f64); 4] {
-    let at = (u.floor().max(0.0) as usize).min(INTERVALS - 1);
+    let at = (u.floor().max(0.0) as usize).min(PRELOAD_SPLINE_INTERVALS - 1);
     let t = u - at as f64;
     let s = 1.0 - t;
     [

@@ -116,6 +116,10 @@ pub fn mechanism(record: &Record) -> Result<Mechanism, String> {
         size,
         down: gravity.unwrap_or_else(|| -Vec3::z()),
     };
+    if forces.largest == 0.0 {
+        let why = "no force acts in the results, and connections are found from forces";
+        return Err(why.to_string());
+    }
     let assignment = assign(&known).ok_or(
         "the forces of the results balance on no part: the file lacks the forces of some elements",
     )?;

@@ -41,3 +41,19 @@ pub(crate) const DEFAULT_TORSION_NM_PER_RAD: f64 = 500.0;
 pub(crate) const MARK_DISTANCE_RELATIVE: f64 = 0.1;
 /// Largest distance in mm of a part from its place in the results that counts as repeated.
 pub(crate) const REPEATED_MM: f64 = 1e-3;
+/// Penalty of an element that acts on ground, in the score that compares assignments of forces to parts. A name of Adams/Car that agrees gains 1.
+pub(crate) const GROUND_PENALTY: f64 = 1.0;
+/// Further penalty of an element that is no joint and whose I part is ground: a force on one part is written with that part as its I part.
+pub(crate) const GROUND_I_PENALTY: f64 = 0.2;
+/// Penalty of an element that acts on no part.
+pub(crate) const NOWHERE_PENALTY: f64 = 30.0;
+/// Penalty of a group of parts on which no force acts.
+pub(crate) const BARE_PENALTY: f64 = 4.0;
+/// Largest number of placements of joints with constant forces that are tried.
+pub(crate) const MOST_PLACEMENTS: usize = 300_000;
+/// Penalty of a joint that is not placed, and of a negative mass.
+pub(crate) const UNPLACED_PENALTY: f64 = 20.0;
+/// Factor on what a coupled law leaves of the forces, where the coupled axes are not x and y.
+pub(crate) const UNUSUAL_PAIR_FACTOR: f64 = 10.0;
+/// Number of intervals of the spline that separates a preload from an odd curve.
+pub(crate) const PRELOAD_SPLINE_INTERVALS: usize = 24;

@@ -10,8 +10,15 @@ use admire_solver::model::Model;
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
-/// Solves a deck of the corpus under drawn loads at the contact point and writes its results.
-fn results(deck: &Path, cases: usize, seed: u64, folder: &Path, name: &str) -> PathBuf {
+/// Solves a deck of the corpus under drawn loads at the contact point and writes its results. Loads along x and y are left out where
+/// `has_load` says so.
+fn results(
+    deck: &Path,
+    (cases, seed): (usize, u64),
+    has_load: [bool; 2],
+    folder: &Path,
+    name: &str,
+) -> PathBuf {
     let mut state = seed;
     let mut draw = |from: f64, to: f64| {
         state = state
@@ -21,11 +28,8 @@ fn results(deck: &Path, cases: usize, seed: u64, folder: &Path, name: &str) -> P
     };
     let mut commands = format!("file/model=model, output_prefix={name}\n");
     for _ in 0..cases {
-        let (x, y, z) = (
-            draw(-3000.0, 3000.0),
-            draw(-3000.0, 3000.0),
-            draw(1500.0, 6500.0),
-        );
+        let [x, y] = has_load.map(|has| if has { draw(-3000.0, 3000.0) } else { 0.0 });
+        let z = draw(1500.0, 6500.0);
         let _ = write!(
             commands,
             "SFORCE/1, FUNCTION={x:.3}\nSFORCE/2, FUNCTION={y:.3}\nSFORCE/3, FUNCTION={z:.3}\nSIMULATE/STATIC\n"
@@ -46,8 +50,8 @@ fn planted(deck: &str) -> (Model, Rebuilt) {
         .join("corpus")
         .join(deck);
     let folder = tempfile::tempdir().expect("a folder");
-    let seen = results(&path, 40, 1, folder.path(), "seen");
-    let other = results(&path, 15, 2, folder.path(), "other");
+    let seen = results(&path, (40, 1), [true; 2], folder.path(), "seen");
+    let other = results(&path, (15, 2), [true; 2], folder.path(), "other");
     let answer = rebuild(&[&seen], &[&other]);
     let rebuilt = answer
         .value
@@ -138,4 +142,27 @@ fn a_pseudo_mcpherson_comes_back() {
 fn a_multilink_on_bushings_comes_back() {
     let (model, rebuilt) = planted("multilink/reference.adm");
     compare(&model, &rebuilt);
+}
+
+/// A lateral and a longitudinal test together predict loads along both; either alone is warned to miss them.
+#[test]
+fn two_tests_tell_what_one_does_not() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson/reference.adm");
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let lateral = results(&path, (30, 3), [false, true], folder, "lateral");
+    let longitudinal = results(&path, (30, 4), [true, false], folder, "longitudinal");
+    let both = results(&path, (15, 5), [true; 2], folder, "both");
+    let missed = |from: &[&Path]| {
+        let answer = rebuild(from, &[&both]);
+        let warned = !answer.diagnostics.is_empty();
+        let rebuilt = answer.value.expect("a deck");
+        let states = rebuilt.record.runs.last().expect("a test").states.clone();
+        (rebuilt.repeat.largest(states), warned)
+    };
+    let (together, warned) = missed(&[&lateral, &longitudinal]);
+    assert!(together.is_some_and(|apart| apart < 1e-6), "{together:?}");
+    assert!(!warned);
+    let (alone, warned) = missed(&[&lateral]);
+    assert!(warned && alone.is_none_or(|apart| apart > 0.1), "{alone:?}");
 }
