@@ -10,14 +10,14 @@ use crate::declaration::{Argument, Grammar, Keyword, Statement, Value};
 const TEMPLATE: &str = include_str!("adams.tmLanguage.json");
 
 /// What follows a whole word that stands alone, such as a flag.
-const ALONE: &str = r"\b(?=\s*(?:[,:;&!\\]|$))";
+const ALONE: &str = r"\b(?=\s*(?:[,:;)&!\\]|$))";
 
 /// End of a statement: a semicolon, or a line that is no continuation, comment or blank.
 const END: &str = r";|^(?!\s*(?:[,!]|$))";
 
 /// A mark after which the next line belongs to the statement: `&`, or a comma unless that line begins like a statement.
 const CONTINUES: &str = r"(?:(&)|,)\s*(!.*)?\n";
-const CONTINUED: &str = r"(?i)$|^(?=\s*[A-Z]\w*\s*/|\s*END\s*$)";
+const CONTINUED: &str = r"(?i)(?<!\n)$|^(?=\s*[A-Z]\w*\s*/|\s*END\s*$)";
 
 /// Returns the text of `src/lsp/vscode/syntaxes/adams.tmLanguage.json`.
 pub fn textmate(grammar: &Grammar) -> String {
@@ -88,12 +88,24 @@ fn arguments(statement: &Statement) -> String {
         }
     }
     let is_text = |a: &Argument| matches!(a.value, Value::Text | Value::Texts | Value::File);
-    // The name in the template, the words, and the expression around them.
+    // The kind of word, all of these words, and the expression around them.
     let rules = [
-        ("flag", some(&|a| a.value == Value::Flag), r"(?:^|[,/])\s*(@)"),
-        ("text", some(&is_text), r#"\b(@)\s*=\s*([^\s",;&!](?:[^,;&!]*[^\s,;&!])?)"#),
-        ("argument", some(&|a| a.value != Value::Flag), r"\b(@)\b(?=\s*=)"),
-        ("word", words.join("|"), r"[=:,]\s*(@)"),
+        (
+            "flag",
+            some(&|a| a.value == Value::Flag),
+            r"(?:^|([,/]))\s*(@)",
+        ),
+        (
+            "text",
+            some(&is_text),
+            r#"\b(@)\s*(=)\s*([^\s",;&!](?:[^,;&!]*[^\s,;&!])?)"#,
+        ),
+        (
+            "argument",
+            some(&|a| a.value != Value::Flag),
+            r"\b(@)\b(?=\s*=)",
+        ),
+        ("word", words.join("|"), r"([=:,(])\s*(@)"),
     ];
     let mut patterns = Vec::new();
     for (kind, words, shape) in rules {
@@ -101,14 +113,16 @@ fn arguments(statement: &Statement) -> String {
             continue;
         }
         let mut expression = format!("(?i){}", shape.replace('@', &words));
-        let captures = match kind {
-            "flag" => r#""1": { "name": "storage.modifier.adams" }"#,
-            "word" => r#""1": { "name": "constant.language.adams" }"#,
-            "text" => {
-                r#""1": { "name": "variable.parameter.adams" }, "2": { "name": "string.unquoted.adams" }"#
-            }
-            _ => r#""1": { "name": "variable.parameter.adams" }"#,
+        let scopes: &[&str] = match kind {
+            "flag" => &["punctuation.separator", "storage.modifier"],
+            "text" => &["variable.parameter", "keyword.operator", "string.unquoted"],
+            "word" => &["punctuation.separator", "constant.language"],
+            _ => &["variable.parameter"],
         };
+        let captures = (1..)
+            .zip(scopes)
+            .map(|(at, scope)| format!(r#""{at}": {{ "name": "{scope}.adams" }}"#));
+        let captures = captures.collect::<Vec<_>>().join(", ");
         if matches!(kind, "flag" | "word") {
             expression += ALONE;
         }
@@ -138,7 +152,9 @@ fn spellings(keywords: &[&Keyword], all: &[&Keyword]) -> String {
 /// Returns a regular expression for the spellings of one keyword: those that `src/syntax/grammar/lookup.rs` resolves to it.
 fn spelling(keyword: &Keyword, all: &[&Keyword]) -> String {
     let name = keyword.name.as_str();
-    let extended = all.iter().any(|k| k.name != name && k.name.starts_with(name));
+    let extended = all
+        .iter()
+        .any(|k| k.name != name && k.name.starts_with(name));
     let mut out = String::new();
     let mut open = 0;
     for (at, letter) in name.char_indices() {
