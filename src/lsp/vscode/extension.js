@@ -10,23 +10,26 @@ const { LanguageClient, TransportKind } = require("vscode-languageclient/node");
 const commands = require("./commands");
 
 let client;
+let restarted = Promise.resolve();
+let watched;
 
-async function activate(context) {
+function activate(context) {
   const command = (name, action) => context.subscriptions.push(vscode.commands.registerCommand(name, action));
   command("admire.solve", (uri) => withFile(uri, solve));
   command("admire.view", (uri) => withFile(uri, show));
   command("admire.restart", restart);
+  watched = vscode.workspace.createFileSystemWatcher("**/{admire.toml,*.[aA][dD][mM],*.[aA][cC][fF]}");
   context.subscriptions.push(
+    watched,
     vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration("admire.path") && restart()),
     vscode.workspace.onDidGrantWorkspaceTrust(restart),
   );
-  await restart();
+  restart();
 }
 
-async function deactivate() {
-  const running = client;
-  client = undefined;
-  await running?.dispose();
+function deactivate() {
+  restarted = restarted.then(stop);
+  return restarted;
 }
 
 /** Returns the program of the settings. */
@@ -34,21 +37,34 @@ function program() {
   return vscode.workspace.getConfiguration("admire").get("path") || "admire";
 }
 
-async function restart() {
-  await deactivate();
+/** Starts the language server anew, after whatever start or stop is under way. */
+function restart() {
+  restarted = restarted.then(stop).then(start);
+  return restarted;
+}
+
+async function start() {
   const languages = ["adams-adm", "adams-acf"];
   client = new LanguageClient(
     "admire",
     { command: program(), args: ["lsp"], transport: TransportKind.stdio },
     {
       documentSelector: languages.flatMap((language) => ["file", "untitled"].map((scheme) => ({ scheme, language }))),
-      synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/{admire.toml,*.adm,*.acf,*.ADM,*.ACF}") },
+      synchronize: { fileEvents: watched },
     },
   );
   try {
     await client.start();
   } catch (error) {
-    await failed(error);
+    failed(error);
+  }
+}
+
+async function stop() {
+  try {
+    await client?.dispose();
+  } catch {
+    // A server that did not start cannot be stopped.
   }
 }
 

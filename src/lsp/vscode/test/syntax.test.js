@@ -89,7 +89,7 @@ END
 PART/9, GROUND`;
   await has(deck, "adams-adm", [
     "BUSHING/1, a title=markup.heading.title",
-    "arm=entity.name.section",
+    "arm=string.quoted.single",
     "SFO=keyword.control",
     "7=entity.name.type.id",
     "TRANSLATIONAL=storage.modifier",
@@ -160,12 +160,12 @@ test("files of Adams/Car: blocks, parts, headings, keys, texts, numbers", async 
   assert.ok(all.length >= 3);
   for (const file of all) {
     const text = read(file);
-    const blocks = (await colours(text, "teimorbit")).filter((piece) => is(piece, "entity.name.section"));
+    const blocks = (await colours(text, "teimorbit")).filter((piece) => is(piece, "keyword.control.block"));
     const wanted = text.split(/\r?\n/).flatMap((line) => line.match(/^\s*\[(.*?)\]/)?.[1] ?? []);
     assert.deepStrictEqual(blocks.map((piece) => piece.text), wanted, file);
   }
   await has(read(files("corpus", ".sub")[0]), "teimorbit", [
-    "MDI_HEADER=entity.name.section",
+    "MDI_HEADER=keyword.control.block",
     "FILE_TYPE=variable.parameter",
     "==keyword.operator",
     "'sub'=string.quoted.single",
