@@ -8,7 +8,7 @@ if ! command -v npm >/dev/null || ! node -e 'process.exit(parseInt(process.versi
     exit 0
 fi
 if ! cmp -s package-lock.json node_modules/installed && ! {
-    npm ci --ignore-scripts --no-audit --no-fund --loglevel=error && cp package-lock.json node_modules/installed
+    npm ci --ignore-scripts --prefer-offline --no-audit --no-fund --loglevel=error && cp package-lock.json node_modules/installed
 }; then
     echo "SKIPPED: the extension for Visual Studio Code: its packages cannot be installed here"
     exit 0

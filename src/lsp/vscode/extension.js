@@ -5,6 +5,7 @@ const { execFile } = require("node:child_process");
 const fs = require("node:fs");
 const os = require("node:os");
 const path = require("node:path");
+const { promisify } = require("node:util");
 const vscode = require("vscode");
 const { LanguageClient, TransportKind } = require("vscode-languageclient/node");
 const commands = require("./commands");
@@ -44,6 +45,12 @@ function restart() {
 }
 
 async function start() {
+  try {
+    await promisify(execFile)(program(), ["--version"]);
+  } catch (error) {
+    failed(error);
+    return;
+  }
   const languages = ["adams-adm", "adams-acf"];
   client = new LanguageClient(
     "admire",
@@ -55,8 +62,8 @@ async function start() {
   );
   try {
     await client.start();
-  } catch (error) {
-    failed(error);
+  } catch {
+    // The client has said why.
   }
 }
 
@@ -66,12 +73,13 @@ async function stop() {
   } catch {
     // A server that did not start cannot be stopped.
   }
+  client = undefined;
 }
 
 /** Says why the program does not run, and offers its setting. */
 async function failed(error) {
   const why =
-    error.code === "ENOENT" || /ENOENT/.test(error.message)
+    error.code === "ENOENT"
       ? `The program \`${program()}\` is not found. Install admire, or set its path.`
       : `${program()}: ${error.message}`;
   if (await vscode.window.showErrorMessage(why, "Set the path")) {

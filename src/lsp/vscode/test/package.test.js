@@ -11,6 +11,12 @@ const { test } = require("node:test");
 
 const folder = path.resolve(__dirname, "..");
 
+test("version and licence are those of the project", () => {
+  const cargo = fs.readFileSync(path.join(folder, "../../../Cargo.toml"), "utf8");
+  const { version, license } = require("../package.json");
+  assert.ok(cargo.includes(`\nversion = "${version}"\n`) && cargo.includes(`\nlicense = "${license}"\n`));
+});
+
 test("the packed files hold what package.json names, and start", () => {
   const vsce = path.join(folder, "node_modules/@vscode/vsce/vsce");
   const listed = execFileSync(process.execPath, [vsce, "ls"], { cwd: folder, encoding: "utf8" }).trim().split(/\r?\n/);
