@@ -141,7 +141,8 @@ fn bars(path: &str, entity: &str) -> [f64; 3] {
         _ if STEERING.contains(&entity) => [5e-4, 5e-3, 5e-2],
         _ => [2e-5, 1e-3, 2e-3],
     };
-    let is_left = path.ends_with(".left") || path.contains(".left_");
+    let component = path.split_once('.').map_or("", |(_, component)| component);
+    let is_left = component == "left" || component.starts_with("left_");
     [if is_left { 2e-6 } else { bars[0] }, bars[1], bars[2]]
 }
 
