@@ -54,7 +54,7 @@ impl SystemCompiler<'_> {
                 let owner = name("FIELD", &field.header);
                 let message = format!("{owner} is not solved: {why}");
                 let diagnostic = Diagnostic::error(Code::CarBushing, message);
-                self.diagnostics.push(diagnostic.about(owner.object()));
+                self.complain_of(&owner, diagnostic.about(owner.object()));
                 self.push_element(of, markers, reaction, Action::Vector([None; 6]));
                 return;
             }
