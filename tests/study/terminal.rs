@@ -150,7 +150,8 @@ fn a_page_of_the_guide_goes_through_the_pager() {
     let Some(paged) = shown("sed s/^/PAGED/") else {
         return;
     };
-    let expected: String = plain.lines().map(|line| format!("PAGED{line}\n")).collect();
+    let lines = plain.lines();
+    let expected = lines.fold(String::new(), |text, line| text + "PAGED" + line + "\n");
     assert_eq!(paged, expected);
     // A pager that is not there is none.
     assert_eq!(shown("no-such-pager").unwrap(), plain);
