@@ -199,11 +199,12 @@ fn decks_and_command_files_start_no_process() {
     mdi(folder.path(), &["ru-s", "run; touch pwned"]);
     mdi(folder.path(), &["ru-s", "run"]);
     assert!(!folder.path().join("pwned").exists());
-    // Code that starts programs or ends their processes is reached only by a study or by a user's own command; the build script asks git
-    // for the commit.
+    // Code that starts programs or ends their processes is reached only by a study or by a user's own command; the guide is shown by the
+    // user's pager; the build script asks git for the commit.
     let allowed = [
         "src/session/backend/process",
         "src/cli/doctor.rs",
+        "src/cli/pager.rs",
         "src/cli/sweep_slurm.rs",
         "src/report/build.rs",
     ];
