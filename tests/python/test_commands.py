@@ -41,7 +41,7 @@ def test_the_commands_answer_as_the_package_does(tmp_path: Path) -> None:
     assert run("admire", "no-such-command", folder=tmp_path).returncode == 2
     solved = run("mdi", "-c", "ru-standard", "i", "lateral.acf", "exit", folder=tmp_path)
     assert solved.returncode == 0
-    assert admire.results(tmp_path / "model.res").kinds
+    assert admire.results(tmp_path / "model.res").columns
 
 
 def test_shims_and_completion_find_the_commands_of_the_wheel(tmp_path: Path) -> None:
