@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 use rayon::prelude::*;
 
 use super::candidate_effect::{EffectParameter, Sensitivity};
@@ -92,19 +92,35 @@ impl<'a> OperatingPoints<'a> {
         sites: &[((MarkerIx, MarkerIx), usize)],
     ) -> (Vec<DMatrix<f64>>, Vec<Vec<f64>>) {
         let cases = self.cases();
-        let number = |(pair, axis): &((MarkerIx, MarkerIx), usize)| {
-            let wrench = vec![Vec6::ith(*axis, 1.0); cases];
-            EffectParameter::linear("force", 1.0, Sensitivity::Wrench(*pair, wrench))
+        // A row belongs to one case, so one force in all cases shows the effects of all of them. A summary of several cases does not.
+        let channels = &self.measurement.channels;
+        let is_split = channels.iter().all(|channel| channel.summary.is_none());
+        let acting = |(pair, axis): &((MarkerIx, MarkerIx), usize),
+                      is_on: &dyn Fn(usize) -> bool| {
+            let force = |case| f64::from(u8::from(is_on(case)));
+            let wrench = (0..cases).map(|case| Vec6::ith(*axis, force(case)));
+            EffectParameter::linear("force", 1.0, Sensitivity::Wrench(*pair, wrench.collect()))
         };
-        let numbers: Vec<EffectParameter> = sites.iter().map(number).collect();
+        let in_one = |site| (0..cases).map(move |own| acting(site, &|case| case == own));
+        let numbers: Vec<EffectParameter> = if is_split {
+            sites.iter().map(|site| acting(site, &|_| true)).collect()
+        } else {
+            sites.iter().flat_map(in_one).collect()
+        };
         let columns = self.columns(&numbers.iter().collect::<Vec<_>>());
-        let effects = columns.column_iter().map(|column| {
+        let split = |column: DVectorView<'_, f64>| {
             let mut out = DMatrix::zeros(column.len(), cases);
             for (k, (row, value)) in self.rows().iter().zip(column.iter()).enumerate() {
                 out[(k, row.case())] = *value;
             }
             out
-        });
+        };
+        let effects: Vec<DMatrix<f64>> = if is_split {
+            columns.column_iter().map(split).collect()
+        } else {
+            let of_site = |k: usize| columns.columns(k * cases, cases).into_owned();
+            (0..sites.len()).map(of_site).collect()
+        };
         let system = &self.fitted.deck.prepared.system;
         let mut known = Tangents::new(system);
         if let (Some(theta), Some(state)) = (self.fitted.thetas.first(), self.fitted.states.first())
@@ -132,7 +148,7 @@ impl<'a> OperatingPoints<'a> {
             .map_init(|| Scratch::new(system), of_case)
             .collect();
         let compliance = (0..sites.len()).map(|k| by_case.iter().map(|case| case[k]).collect());
-        (effects.collect(), compliance.collect())
+        (effects, compliance.collect())
     }
 
     /// Computes the responses of all cases to these parameters.
@@ -349,5 +365,47 @@ mod tests {
         assert_eq!(parts.len(), 1);
         let fitted = with(&fitted, &parts[0]).expect("it can be solved");
         compare(&subject, &fitted);
+    }
+
+    /// A force in all cases at once shows the same effects as one force in each case. A site yields less than its own stiffness alone would.
+    #[test]
+    fn unit_forces_act_case_by_case() {
+        let loaded = shipped_axle();
+        let problem = loaded.problem();
+        let (subject, none) = of_the_axle(&problem);
+        let survey = OperatingPoints::new(&subject, &none);
+        let sites = crate::site::Sites::new(&survey);
+        assert!(sites.all.len() > 10);
+        let cases = survey.cases();
+        for (site, effect) in sites.all.iter().zip(&sites.effects).step_by(5) {
+            let one = |own: usize| {
+                let force = |case| Vec6::ith(site.axis, f64::from(u8::from(case == own)));
+                let wrench = Sensitivity::Wrench(site.pair, (0..cases).map(force).collect());
+                EffectParameter::linear("force", 1.0, wrench)
+            };
+            let each: Vec<EffectParameter> = (0..cases).map(one).collect();
+            let expected = survey.columns(&each.iter().collect::<Vec<_>>());
+            let apart = (effect - &expected).amax();
+            assert!(
+                apart < 1e-12 * expected.amax(),
+                "{}: {apart:e}",
+                site.address
+            );
+        }
+        for (k, bushing) in survey.model.bushings.iter().enumerate() {
+            let stiffness = survey.stiffnesses(k);
+            let own = format!("BUSHING/{}.", bushing.header.id);
+            let here = sites.all.iter().zip(&sites.compliance);
+            for (site, compliance) in here.filter(|(site, _)| site.address.starts_with(&own)) {
+                let most = 1.0 / stiffness[site.axis];
+                // Angles of a bushing differ from its rotations in second order.
+                let is_within = |c: &f64| *c > 0.0 && *c < 1.001 * most;
+                assert!(
+                    compliance.iter().all(is_within),
+                    "{} {most:e}",
+                    site.address
+                );
+            }
+        }
     }
 }

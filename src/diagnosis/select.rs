@@ -28,8 +28,8 @@ type Ids = Vec<usize>;
 /// Linearisation point: a fit at which all effects are linearised.
 struct Point {
     model: EffectModel,
-    reductions: Vec<Marginal>,
-    /// Sets of effects within Occam's window, one pool for each reduction.
+    marginals: Vec<Marginal>,
+    /// Sets of effects within Occam's window, one pool for each marginal model.
     pools: Vec<Pool>,
     /// Index in `Selector::known` of each effect of `model`.
     ids: Vec<usize>,
@@ -41,7 +41,7 @@ struct SetEstimate {
     /// Squared distance between the predictions of this set and of the nearest fitted set, in units of noise.
     distance: f64,
     point: usize,
-    reduction: usize,
+    marginal: usize,
     set: EffectSet,
 }
 
@@ -148,22 +148,22 @@ impl Selector<'_, '_> {
         if modest.ln != fitted.sizes.ln {
             sizes.push(modest);
         }
-        let reductions: Vec<Marginal> = sizes
+        let marginals: Vec<Marginal> = sizes
             .iter()
             .filter_map(|sizes| model.marginalised(sizes))
             .collect();
         let start: EffectSet = (0..model.own).collect();
         let is_first = self.points.is_empty();
-        let pools = reductions
+        let pools = marginals
             .iter()
-            .map(|reduction| Sets::new(&model, reduction).closure(&start, is_first))
+            .map(|marginal| Sets::new(&model, marginal).closure(&start, is_first))
             .collect();
         model.forget_products();
         let ids: Vec<usize> = model.effects.iter().map(|effect| self.id(effect)).collect();
         self.forces.extend(forces);
         self.points.push(Point {
             model,
-            reductions,
+            marginals,
             pools,
             ids,
         });
@@ -183,11 +183,11 @@ impl Selector<'_, '_> {
         let best = self.best();
         let mut out: BTreeMap<Ids, SetEstimate> = BTreeMap::new();
         for (p, point) in self.points.iter().enumerate() {
-            for (r, (reduction, pool)) in point.reductions.iter().zip(&point.pools).enumerate() {
-                let sets = Sets::new(&point.model, reduction);
+            for (r, (marginal, pool)) in point.marginals.iter().zip(&point.pools).enumerate() {
+                let sets = Sets::new(&point.model, marginal);
                 let mut references = Vec::new();
                 let mut largest = 0.0_f64;
-                let mut by_law: BTreeMap<Law, f64> = BTreeMap::new();
+                let mut by_law: BTreeMap<RoughLaw, f64> = BTreeMap::new();
                 for (ids, fit) in &self.fits {
                     let own = fit.ln_posterior;
                     if own < best - 3.0 * OCCAM_WINDOW_NATS {
@@ -200,16 +200,16 @@ impl Selector<'_, '_> {
                     else {
                         continue;
                     };
-                    let error = own - (reduction.ln_z + score);
+                    let error = own - (marginal.ln_z + score);
                     largest = largest.max(error);
-                    for law in new_laws(&point.model, &set) {
+                    for law in new_rough_laws(&point.model, &set) {
                         let known = by_law.entry(law).or_insert(error);
                         *known = known.max(error);
                     }
                     references.push((parts, error));
                 }
                 for (set, score) in pool {
-                    let linear = reduction.ln_z + score;
+                    let linear = marginal.ln_z + score;
                     if linear + largest < best - OCCAM_WINDOW_NATS {
                         continue;
                     }
@@ -234,13 +234,14 @@ impl Selector<'_, '_> {
                         }
                     }
                     // The linear model of a law is rough, in the same way for the same law at another place.
-                    let of_law = new_laws(&point.model, set).filter_map(|law| by_law.get(&law));
+                    let of_law =
+                        new_rough_laws(&point.model, set).filter_map(|law| by_law.get(&law));
                     correction = of_law.fold(correction, |most, error| error.max(most));
                     let new = SetEstimate {
                         ln_posterior: linear + correction,
                         distance,
                         point: p,
-                        reduction: r,
+                        marginal: r,
                         set: set.clone(),
                     };
                     let is_better = |old: &SetEstimate| {
@@ -263,8 +264,8 @@ impl Selector<'_, '_> {
     fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate) {
         self.count += 1;
         let point = &self.points[estimate.point];
-        let reduction = &point.reductions[estimate.reduction];
-        let sets = Sets::new(&point.model, reduction);
+        let marginal = &point.marginals[estimate.marginal];
+        let sets = Sets::new(&point.model, marginal);
         let set = &estimate.set;
         let Some(conditioned) = sets.conditioned(set) else {
             self.discarded.insert(ids.clone());
@@ -272,14 +273,14 @@ impl Selector<'_, '_> {
         };
         let x = point
             .model
-            .start(reduction, &conditioned, MAX_LN_STIFFNESS_START);
+            .start(marginal, &conditioned, MAX_LN_STIFFNESS_START);
         let guesses = |k: usize, start: usize| {
             let effect = &point.model.effects[k];
             match &point.model.scans[k] {
                 Some(scan) => dry_friction::started(effect, &scan.starts[start]),
                 None if k < point.model.own => (effect.clone(), vec![0.0; effect.numbers.len()]),
                 None => {
-                    let guesses = point.model.guesses(reduction, &conditioned, k);
+                    let guesses = point.model.guesses(marginal, &conditioned, k);
                     (effect.clone(), guesses)
                 }
             }
@@ -382,10 +383,10 @@ impl Selector<'_, '_> {
         self.add_point(found);
         let at = self.points.len() - 1;
         let point = &self.points[at];
-        let Some(reduction) = point.reductions.first() else {
+        let Some(marginal) = point.marginals.first() else {
             return;
         };
-        let sets = Sets::new(&point.model, reduction);
+        let sets = Sets::new(&point.model, marginal);
         let best = self.best();
         let mut again = Vec::new();
         for (other, fit) in &self.fits {
@@ -399,7 +400,7 @@ impl Selector<'_, '_> {
             let Some(score) = sets.score(&set) else {
                 continue;
             };
-            let expected = reduction.ln_z + score;
+            let expected = marginal.ln_z + score;
             if expected > fit.ln_posterior + 1.0 && expected > best - OCCAM_WINDOW_NATS {
                 again.push((other.clone(), set));
             }
@@ -409,7 +410,7 @@ impl Selector<'_, '_> {
                 ln_posterior: f64::NAN,
                 distance: f64::NAN,
                 point: at,
-                reduction: 0,
+                marginal: 0,
                 set,
             };
             self.confirm(&ids, &estimate);
@@ -458,17 +459,24 @@ impl Selector<'_, '_> {
     }
 }
 
-/// Law whose linear model is rough: all laws with memory together, any other cause by itself.
-type Law = Option<Cause>;
+/// Law whose linear model is rough.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum RoughLaw {
+    /// Friction or creep. Each of them can look like the other.
+    WithMemory,
+    /// Law of any other cause.
+    Of(Cause),
+}
 
 /// Returns the laws of the effects of a set that are not in the fit of the point.
-fn new_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = Law> {
+fn new_rough_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = RoughLaw> {
     let new = set.iter().filter(|k| **k >= model.own);
     new.filter_map(|k| {
         let effect = &model.effects[*k];
-        match effect.memory {
-            Some(_) => Some(None),
-            None => effect.is_poorly_linearised().then_some(Some(effect.cause)),
+        if effect.memory.is_some() {
+            return Some(RoughLaw::WithMemory);
         }
+        let is_rough = effect.is_poorly_linearised();
+        is_rough.then_some(RoughLaw::Of(effect.cause))
     })
 }

@@ -132,6 +132,10 @@ admire_study::constants! {
     MAX_SELECTION_POINTS: usize = 12, "";
     /// Number of values of the limit, of the slip length and of the first force of a friction law that are scanned at a site.
     LAW_GRID: [usize; 3] = [16, 10, 5], "";
+    /// Decades of the limit and of the slip length that the grid covers, below the largest values.
+    LAW_GRID_DECADES: f64 = 3.0, "";
+    /// Largest limit of a friction law that is scanned, in prior standard deviations.
+    LAW_MAX_LIMIT_SD: f64 = 10.0, "sd";
     /// Number of times by which the steps of that grid are halved around its best value.
     LAW_REFINEMENTS: usize = 6, "";
     /// Slip length of a friction law with which a fit starts, as a fraction of the range of the displacement.

@@ -93,7 +93,8 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    /// Leaves out the effects of a fit for which `is_out` holds. Returns `None` if the linear model has no finite solution.
+    /// Leaves out the effects of a fit for which `is_out` holds. Their parameters must be zero where the effect is absent, as those of a force of
+    /// unknown law are. Returns `None` if the linear model has no finite solution.
     pub(super) fn without(
         fitted: &FittedModel,
         is_out: impl Fn(&CandidateEffect) -> bool,

@@ -188,25 +188,69 @@ fn what_every_axle_has_is_consistent() {
     assert!(all.is_empty() || coverage > 0.88, "{coverage}");
 }
 
-/// Checks that the selection by closure names the planted causes and nothing else, and that the setting of the study reaches the search.
+/// Judges a copy of a study with the selection by closure.
+fn judged_by_closure(name: &str) -> Option<(tempfile::TempDir, Judged)> {
+    let folder = copied(name)?;
+    let file = folder.path().join(name).join("study.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let text = text + "\n[diagnosis]\nselection = \"closure\"\n";
+    std::fs::write(&file, text).unwrap();
+    let closure = judge(folder.path(), name);
+    assert!(closure.named.iter().all(|named| *named), "{name}");
+    assert!(
+        closure.false_names.is_empty(),
+        "{name} {:?}",
+        closure.false_names
+    );
+    Some((folder, closure))
+}
+
+/// Checks that the selection by closure names the planted causes and nothing else.
 #[test]
 fn the_closure_names_the_planted_causes() {
-    for name in [
-        "hardpoint-1",
-        "tolerances-tie-rod-1",
-        "hardpoint-friction-2",
-    ] {
-        let Some(folder) = copied(name) else { return };
-        let file = folder.path().join(name).join("study.toml");
-        let text = std::fs::read_to_string(&file).unwrap();
-        let text = text + "\n[diagnosis]\nselection = \"closure\"\n";
-        std::fs::write(&file, text).unwrap();
-        let closure = judge(folder.path(), name);
-        assert!(closure.named.iter().all(|named| *named), "{name}");
-        assert!(closure.false_names.is_empty(), "{:?}", closure.false_names);
-        // The model without causes is far outside of Occam's window. Only the closure gives it no probability at all.
+    let _ = judged_by_closure("hardpoint-friction-2");
+}
+
+/// Checks that the setting of the study reaches the search. The model without causes is far outside of Occam's window: only the closure gives it
+/// no probability at all.
+#[test]
+fn the_setting_chooses_the_selection() {
+    for name in ["hardpoint-1", "tolerances-tie-rod-1"] {
+        let Some((_folder, closure)) = judged_by_closure(name) else {
+            return;
+        };
+        let plain = copied(name).expect("the same study");
+        let stepwise = judge(plain.path(), name);
+        assert!(stepwise.diagnosis.none_of_these > 0.0, "{name}");
         assert_eq!(closure.diagnosis.none_of_these.to_bits(), 0, "{name}");
     }
+}
+
+/// Checks the selection by closure on all studies.
+#[test]
+#[ignore = "minutes: .ci/full"]
+fn the_closure_names_the_planted_causes_of_all_axles() {
+    let Some(folder) = shared("reference/realistic-axles") else {
+        return;
+    };
+    let names = std::fs::read_dir(&folder).unwrap().filter_map(|entry| {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        Some(name.strip_suffix(".truth.json")?.to_string())
+    });
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    for name in &names {
+        let Some((_folder, closure)) = judged_by_closure(name) else {
+            return;
+        };
+        let expected = if closure.planted.is_empty() {
+            Verdict::Consistent
+        } else {
+            Verdict::Discrepancy
+        };
+        assert_eq!(closure.diagnosis.verdict, expected, "{name}");
+    }
+    assert_eq!(names.len(), 48);
 }
 
 /// Checks that causes are named at their location, even among tolerances, with few false findings.
