@@ -367,7 +367,8 @@ mod tests {
         compare(&subject, &fitted);
     }
 
-    /// A force in all cases at once shows the same effects as one force in each case. A site yields less than its own stiffness alone would.
+    /// A force in all cases at once shows the same effects as one force in each case. A bushing of this axle carries its part alone, so the
+    /// compliance of its site is that of the bushing.
     #[test]
     fn unit_forces_act_case_by_case() {
         let loaded = shipped_axle();
@@ -397,12 +398,12 @@ mod tests {
             let own = format!("BUSHING/{}.", bushing.header.id);
             let here = sites.all.iter().zip(&sites.compliance);
             for (site, compliance) in here.filter(|(site, _)| site.address.starts_with(&own)) {
-                let most = 1.0 / stiffness[site.axis];
-                // Angles of a bushing differ from its rotations in second order.
-                let is_within = |c: &f64| *c > 0.0 && *c < 1.001 * most;
+                let alone = 1.0 / stiffness[site.axis];
+                // The geometric stiffness of the loads changes the compliance by up to a tenth.
+                let is_near = |c: &f64| (c / alone - 1.0).abs() < 0.15;
                 assert!(
-                    compliance.iter().all(is_within),
-                    "{} {most:e}",
+                    compliance.iter().all(is_near),
+                    "{} {alone:e} {compliance:?}",
                     site.address
                 );
             }
