@@ -20,7 +20,6 @@ use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
 use super::site::Sites;
 use super::site_law::Scanned;
-use admire_identify::global::Evolution;
 use admire_identify::tolerance::{
     EffectProducts, LinearModel, RowsByVarianceClass, VarianceComponents, transposed,
 };
@@ -97,13 +96,7 @@ impl EffectModel {
         let mut effects = fitted.effects.clone();
         let own = effects.len();
         let mut scans: Vec<Option<Scanned>> = vec![None; own];
-        // Friction is scanned at its site instead of being tried with several first guesses.
-        let is_slider = |effect: &CandidateEffect| {
-            let memory = effect.memory.as_ref();
-            memory.is_some_and(|plan| plan.carries == Evolution::Slider)
-        };
-        let candidates = causes::candidates(&survey, fitted);
-        effects.extend(candidates.into_iter().filter(|effect| !is_slider(effect)));
+        effects.extend(causes::candidates(&survey, fitted));
         effects.extend(further);
         scans.resize(effects.len(), None);
         for (effect, scan) in dry_friction::scanned(&survey, sites) {
@@ -371,6 +364,24 @@ impl Reduction<'_> {
         Some((0.5 * g.dot(&mean) - half_ln_det(&factor), mean))
     }
 
+    /// Returns the information about each parameter of each effect, in units of its prior, with the effects of the fit marginalised.
+    pub(super) fn information_beside_the_fit(&self) -> Vec<Vec<f64>> {
+        let EffectModel { ranges, own, .. } = self.model;
+        let Some(fit) = self.conditioned(ranges[..*own].iter()) else {
+            return vec![Vec::new(); ranges.len()];
+        };
+        let of = |(range, block): (&Range<usize>, &DMatrix<f64>)| {
+            let mut information = block.diagonal();
+            let rows: Vec<usize> = range.clone().collect();
+            if let Some(cross) = self.block(&rows, &fit.columns) {
+                let cross = cross.transpose();
+                information -= cross.tr_mul(&fit.factor.solve(&cross)).diagonal();
+            }
+            information.iter().copied().collect()
+        };
+        ranges.iter().zip(&self.marginal.own).map(of).collect()
+    }
+
     /// Returns a block of the information matrix; `None` if a column is not known.
     fn block(&self, rows: &[usize], columns: &[usize]) -> Option<DMatrix<f64>> {
         let mut out = DMatrix::zeros(rows.len(), columns.len());
@@ -410,7 +421,7 @@ fn natural(number: &EffectParameter, x: f64, sd: f64) -> (f64, f64) {
 }
 
 /// Returns the index of the first random effect among the unknowns of a fit.
-fn first_member(fitted: &FittedModel) -> usize {
+pub(super) fn first_member(fitted: &FittedModel) -> usize {
     let members = fitted.priors.iter();
     members
         .clone()
@@ -421,19 +432,19 @@ fn first_member(fitted: &FittedModel) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base_fit::tests::{axle_problem, shipped_axle};
     use crate::closure::Sets;
     use crate::diagnosis_problem::Data;
     use crate::fit::fit;
     use crate::remainder::sites_of;
     use crate::settings::OCCAM_WINDOW_NATS;
-    use crate::sought::tests::{of_the_axle, shipped_axle};
 
     /// Fits sets of effects. The evidence of each fit must equal the evidence of the same set in the linear model reduced at that fit.
     #[test]
     fn the_score_of_a_fitted_set_is_the_evidence_of_its_fit() {
         let loaded = shipped_axle();
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let none = Arc::new(none);
         let sites = sites_of(&subject, &none);
         let model = EffectModel::new(&subject, &none, &sites, Vec::new());
@@ -494,7 +505,7 @@ mod tests {
     fn the_closure_holds_all_pairs_within_the_window() {
         let loaded = shipped_axle();
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let none = Arc::new(none);
         let sites = sites_of(&subject, &none);
         let mut model = EffectModel::new(&subject, &none, &sites, Vec::new());

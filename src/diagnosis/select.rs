@@ -4,23 +4,20 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::candidate_effect::CandidateEffect;
+use super::candidate_effect::{CandidateEffect, Term};
 use super::cause::Cause;
 use super::causes::dry_friction;
 use super::closure::{EffectSet, Pool, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
-use super::fit::{
-    EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
-};
+use super::early_stopping::EarlyStopping;
+use super::fit::{FittedModel, fit_with_early_stopping, with_zero_guesses};
+use super::model_set::{ModelSet, Selected, instead, none_of_these, probability, weighted};
 use super::reduction::{EffectModel, Marginal};
 use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
-use super::rig_errors::Promises;
 use super::settings::{
     EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS, MAX_SELECTION_POINTS,
-    OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
+    NAMED_PROBABILITY, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
 };
-use super::visited::{Found, Visited, probabilities};
-use admire_study::settings::Selection;
 
 /// Set of effects, given by the indices of the effects in `Selector::known`, in ascending order.
 type Ids = Vec<usize>;
@@ -29,7 +26,7 @@ type Ids = Vec<usize>;
 struct Point {
     model: EffectModel,
     marginals: Vec<Marginal>,
-    /// Sets of effects within Occam's window, one pool for each marginal model.
+    /// Sets of effects within Occam's window, one pool for each marginal.
     pools: Vec<Pool>,
     /// Index in `Selector::known` of each effect of `model`.
     ids: Vec<usize>,
@@ -76,18 +73,12 @@ struct Selector<'a, 'b> {
     count: usize,
 }
 
-/// Returns the selection by closure if it is the method of the study; see [`select`].
-pub(super) fn closed(
+/// Selects effects by comparing fits, starting from `none`, the fit without effects.
+pub(super) fn select(
     subject: &DiagnosisProblem<'_>,
     none: &Arc<FittedModel>,
     data: Data,
-) -> Option<Found> {
-    let is_closure = subject.problem.selection == Selection::Closure;
-    is_closure.then(|| select(subject, none, data))
-}
-
-/// Selects effects by comparing fits, starting from `none`, the fitted model without effects.
-fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
+) -> Selected {
     let mut selector = Selector {
         none: Arc::clone(none),
         subject,
@@ -102,7 +93,12 @@ fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -
     selector.fits.insert(Vec::new(), Fit::new(none));
     selector.add_point(none);
     selector.run();
-    selector.into_found()
+    let first = selector.selected();
+    if selector.fit_rivals(&first) {
+        selector.selected()
+    } else {
+        first
+    }
 }
 
 impl Selector<'_, '_> {
@@ -119,6 +115,33 @@ impl Selector<'_, '_> {
             let Some((ids, estimate)) = next else { break };
             self.confirm(&ids, &estimate);
         }
+    }
+
+    /// Fits the most probable rival of each cause in the leading set, if no rival is fitted yet: what is equivalent was not fitted, but a report
+    /// shows it, and a plan tells the two apart. Returns true if anything was fitted.
+    fn fit_rivals(&mut self, selected: &Selected) -> bool {
+        let count = self.count;
+        for at in 0..selected.leading.effects.len() {
+            let mut rivals = selected.rivals(at).peekable();
+            let Some((first, _)) = rivals.peek() else {
+                continue;
+            };
+            if first.fitted.is_some() || self.subject.budget_exhausted() {
+                continue;
+            }
+            let is_same = |ids: &Ids| {
+                ids.len() == first.causes.len()
+                    && ids.iter().all(|id| {
+                        let known = &self.known[*id];
+                        first.causes.iter().any(|h| h.same_law(known))
+                    })
+            };
+            let open = self.estimates().into_iter().find(|(ids, _)| is_same(ids));
+            if let Some((ids, estimate)) = open {
+                self.confirm(&ids, &estimate);
+            }
+        }
+        self.count > count
     }
 
     fn best(&self) -> f64 {
@@ -234,8 +257,7 @@ impl Selector<'_, '_> {
                         }
                     }
                     // The linear model of a law is rough, in the same way for the same law at another place.
-                    let of_law =
-                        new_rough_laws(&point.model, set).filter_map(|law| by_law.get(&law));
+                    let of_law = new_rough_laws(&point.model, set).filter_map(|law| by_law.get(&law));
                     correction = of_law.fold(correction, |most, error| error.max(most));
                     let new = SetEstimate {
                         ln_posterior: linear + correction,
@@ -310,27 +332,15 @@ impl Selector<'_, '_> {
     ) -> Option<Arc<FittedModel>> {
         let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
         // What a law with memory promises rises while its slip length shortens.
-        let target = if effects.iter().any(|effect| effect.memory.is_some()) {
+        let stopping = if effects.iter().any(|effect| effect.memory.is_some()) {
             EarlyStopping::NONE
         } else {
             EarlyStopping {
                 lead: self.best() - CandidateEffect::ln_prior_of(&effects),
-                ..EarlyStopping::NONE
             }
         };
         let one = |chosen: &[(CandidateEffect, Vec<f64>)], from: &FittedModel, x: &[f64]| {
-            let found = fit_with_early_stopping(
-                self.subject,
-                chosen,
-                Some((from, x)),
-                None,
-                self.data,
-                target,
-            )?;
-            match found {
-                FitOutcome::New(fitted) => Some(fitted),
-                FitOutcome::Duplicate => None,
-            }
+            fit_with_early_stopping(self.subject, chosen, Some((from, x)), self.data, stopping)
         };
         let mut found = one(chosen, parent, x)?;
         // A force of unknown law is linearised again at the end of the fit, and the fit is repeated.
@@ -417,14 +427,14 @@ impl Selector<'_, '_> {
         }
     }
 
-    fn into_found(self) -> Found {
+    fn selected(&self) -> Selected {
         let best = self.best();
-        let mut visited: Vec<Visited> = Vec::new();
+        let mut sets: Vec<ModelSet> = Vec::new();
         for fit in self.fits.values() {
             if let Some(fitted) = &fit.model
                 && fit.ln_posterior > best - OCCAM_WINDOW_NATS
             {
-                visited.push(Visited {
+                sets.push(ModelSet {
                     causes: fitted.effects.clone(),
                     ln_posterior: fit.ln_posterior,
                     fitted: Some(Arc::clone(fitted)),
@@ -432,29 +442,28 @@ impl Selector<'_, '_> {
             }
         }
         for estimate in self.estimates().into_values() {
-            let effects = &self.points[estimate.point].model.effects;
-            let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
-            visited.push(Visited {
-                causes: causes.collect(),
-                ln_posterior: estimate.ln_posterior.min(best - 1e-9),
-                fitted: None,
-            });
+            let ln_posterior = estimate.ln_posterior.min(best);
+            if ln_posterior > best - OCCAM_WINDOW_NATS {
+                let effects = &self.points[estimate.point].model.effects;
+                let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
+                sets.push(ModelSet {
+                    causes: causes.collect(),
+                    ln_posterior,
+                    fitted: None,
+                });
+            }
         }
-        let fits = self.fits.values();
-        let leading = fits.max_by(|a, b| a.ln_posterior.total_cmp(&b.ln_posterior));
-        let leading = leading.and_then(|fit| fit.model.as_ref());
+        let models = weighted(sets);
         let none = Arc::clone(&self.none);
-        Found {
-            best: leading.map_or_else(|| Arc::clone(&none), Arc::clone),
+        Selected {
+            leading: leading(&models, &none),
             none,
-            models: probabilities(&visited),
+            models,
             places: self
                 .points
                 .first()
                 .map_or(0, |point| point.model.effects.len()),
             cut_short: self.count >= MAX_SELECTION_FITS || self.subject.budget_exhausted(),
-            gave_way: None,
-            promises: Promises::default(),
         }
     }
 }
@@ -479,4 +488,47 @@ fn new_rough_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = Ro
         let is_rough = effect.is_poorly_linearised();
         is_rough.then_some(RoughLaw::Of(effect.cause))
     })
+}
+
+/// Returns the fit that is reported. It is the most probable fitted set; if some cause acts with a probability above one half, the most probable
+/// fitted set with a cause. Its effects that are less probable than not, with all that cannot be told from them, are left out if the set without
+/// them is fitted, too.
+fn leading(models: &[(ModelSet, f64)], none: &Arc<FittedModel>) -> Arc<FittedModel> {
+    let acts = none_of_these(models) < NAMED_PROBABILITY;
+    let fits = || models.iter().filter_map(|(model, _)| model.fitted.as_ref());
+    let has_cause = |fitted: &&Arc<FittedModel>| {
+        !acts || fitted.effects.iter().any(CandidateEffect::is_in_catalogue)
+    };
+    let Some(best) = fits().find(has_cause).or_else(|| fits().next()) else {
+        return Arc::clone(none);
+    };
+    let is_named = |at: usize| {
+        let own = &best.effects[at];
+        let mut members = vec![own];
+        for (model, _) in models {
+            members.extend(instead(&model.causes, &best.effects, at));
+        }
+        let group = probability(models, |causes| {
+            causes
+                .iter()
+                .any(|h| members.iter().any(|m| m.same_site(h)))
+        });
+        own.term != Term::Main || group > NAMED_PROBABILITY
+    };
+    let unnamed: Vec<&CandidateEffect> = (0..best.effects.len())
+        .filter(|at| !is_named(*at))
+        .map(|at| &best.effects[at])
+        .collect();
+    if unnamed.is_empty() {
+        return Arc::clone(best);
+    }
+    let is_out = |h: &CandidateEffect| unnamed.iter().any(|other| other.same_site(h));
+    let named: Vec<_> = best.effects.iter().filter(|h| !is_out(h)).collect();
+    let is_rest = |fitted: &&Arc<FittedModel>| {
+        fitted.effects.len() == named.len()
+            && named
+                .iter()
+                .all(|h| fitted.effects.iter().any(|other| other.same_law(h)))
+    };
+    Arc::clone(fits().find(is_rest).unwrap_or(best))
 }

@@ -27,13 +27,11 @@ use super::candidate_effect::Term;
 use super::cause::Cause;
 use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
-use super::settings::MAX_SLIDERS;
 
 /// Returns all candidate effects at all sites of the deck, in a fixed order.
 pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     let mut out = Vec::new();
     progressive_stiffness::hypotheses(survey, &mut out);
-    dry_friction::hypotheses(survey, &mut out);
     creep::hypotheses(survey, &mut out);
     link_compliance::hypotheses(survey, &mut out);
     free_play::hypotheses(survey, &mut out);
@@ -81,16 +79,11 @@ pub(super) fn candidates(
     fitted: &FittedModel,
 ) -> Vec<CandidateEffect> {
     let mut hypotheses = all(survey);
-    hypotheses.retain_mut(|h| {
+    hypotheses.retain(|h| {
         let there = || fitted.effects.iter().filter(|chosen| chosen.same_site(h));
         let count = there()
             .filter(|chosen| chosen.term != Term::Asymmetry)
             .count();
-        let is_closed = there().any(CandidateEffect::is_left_by_law);
-        if (1..MAX_SLIDERS).contains(&count) && h.cause == Cause::DryFriction && !is_closed {
-            dry_friction::further_slider(survey, h, count);
-            return true;
-        }
         count == 0
     });
     let own = |h: &CandidateEffect| bushing_coupling::growth(survey, h);
@@ -109,7 +102,7 @@ pub(super) fn candidates(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sought::tests::of_the_axle;
+    use crate::base_fit::tests::axle_problem;
     use admire_identify::LoadedStudy;
 
     /// Candidates of the shipped axle with a section `[priors]` in its study.
@@ -127,7 +120,7 @@ mod tests {
         std::fs::write(&file, format!("{text}\n[priors]\n{priors}\n")).expect("study.toml");
         let loaded = LoadedStudy::read(folder.path()).value.expect("a study");
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let survey = OperatingPoints::new(&subject, &none);
         all(&survey)
     }
