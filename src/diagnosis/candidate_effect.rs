@@ -274,7 +274,13 @@ impl CandidateEffect {
     /// Returns true if the law of the effect is known in kind but not in shape, so that linearisation approximates it poorly. The asymmetry
     /// of a friction is linear, and therefore excluded.
     pub fn is_poorly_linearised(&self) -> bool {
-        self.cause.has_rough_law() && self.term != Term::Asymmetry
+        self.memory.is_some() || self.cause.has_rough_law() && self.term != Term::Asymmetry
+    }
+
+    /// Returns true if parameter `number` keeps its fitted value in linear models. The readings depend on the slip length, the anchor or the rate of
+    /// a law with memory through the history of the law, and a linear model is wrong for all but small changes of them.
+    pub fn is_held(&self, number: usize) -> bool {
+        self.memory.is_some() && number > 0
     }
 
     /// Returns true if both effects are the same term of the same cause at the same site, in any form. Both or neither must be combined with

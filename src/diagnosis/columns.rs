@@ -16,6 +16,7 @@ use admire_solver::mechanics::Vec6;
 use admire_solver::model::MarkerIx;
 use admire_solver::statics::Tangents;
 use admire_solver::system::{Parameters, Scratch, Slot, State};
+use admire_study::Channel;
 use admire_syntax::Address;
 
 /// Responses of all load cases to a list of parameters. They are converted to columns over the residual rows in batches small enough for the
@@ -92,9 +93,9 @@ impl<'a> OperatingPoints<'a> {
         sites: &[((MarkerIx, MarkerIx), usize)],
     ) -> (Vec<DMatrix<f64>>, Vec<Vec<f64>>) {
         let cases = self.cases();
-        // A row belongs to one case, so one force in all cases shows the effects of all of them. A summary of several cases does not.
+        // If every row belongs to one case, one force in all cases shows the effects of all of them.
         let channels = &self.measurement.channels;
-        let is_split = channels.iter().all(|channel| channel.summary.is_none());
+        let is_split = channels.iter().all(Channel::is_of_single_cases);
         let acting = |(pair, axis): &((MarkerIx, MarkerIx), usize),
                       is_on: &dyn Fn(usize) -> bool| {
             let force = |case| f64::from(u8::from(is_on(case)));

@@ -10,7 +10,7 @@ use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::early_stopping::EarlyStopping;
 pub use super::estimate::Estimate;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
-use super::settle::{Settled, Sweep};
+use super::settle::{ENOUGH, Settled, Sweep};
 use super::unknowns::{Known, Unknowns};
 use crate::settings::{CONVERGED_NATS, MAX_FIT_ITERATIONS, WRONG_MINIMUM_RMS_SIGMA};
 use admire_identify::global::{
@@ -99,10 +99,11 @@ impl FittedModel {
         CandidateEffect::ln_prior_of(&self.effects)
     }
 
-    /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. The predicted decrease that
-    /// the fit did not realise is subtracted.
+    /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. If the fit ended early, the
+    /// predicted decrease that it did not realise is subtracted.
     pub fn ln_posterior(&self) -> f64 {
-        self.posterior.ln_z - self.posterior.gain + self.ln_prior()
+        let left = Some(self.posterior.gain).filter(|gain| *gain > ENOUGH);
+        self.posterior.ln_z - left.unwrap_or(0.0) + self.ln_prior()
     }
 
     /// Returns true if the fit ended near the optimum of its linear model, false if it stopped early and far from it.

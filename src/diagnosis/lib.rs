@@ -19,6 +19,7 @@ mod base_fit;
 mod candidate_effect;
 mod cause;
 mod causes;
+mod challengers;
 mod channel_miss;
 mod closure;
 mod columns;

@@ -36,7 +36,7 @@ pub(super) struct EffectModel {
     pub ranges: Vec<Range<usize>>,
     /// Result of the scan of each effect whose law is scanned at its site.
     pub scans: Vec<Option<Scanned>>,
-    /// Correction of the log Bayes factor of each effect, from that of its column to that of its scanned law. Zero for all other effects.
+    /// Correction of the log Bayes factor of each effect, from that of its column to that of its law with memory. Zero for all other effects.
     pub corrections: Vec<f64>,
     /// Products of the columns of the effects. A column is the change of the prediction per prior standard deviation of a parameter.
     products: Option<EffectProducts>,
@@ -125,6 +125,9 @@ impl EffectModel {
                 } else if k < own {
                     let at = fitted.parameter_index[k][n];
                     is_kept[at] = false;
+                    if effect.is_held(n) {
+                        continue;
+                    }
                     let (column, off) = natural(number, fitted.x[at], priors[at].sd);
                     columns.push(whole.column(at) * column);
                     residual.axpy(off, &whole.column(at), 1.0);
@@ -196,6 +199,21 @@ impl EffectModel {
         })
     }
 
+    /// Corrects the log Bayes factors of the laws with memory in the fit, so that the score of the fitted set is the evidence of the fit. Only the
+    /// force of such a law has a column; its other parameters keep their values. `marginal` is at the variance components of the fit.
+    pub(super) fn correct_held_laws(&mut self, marginal: &Marginal) {
+        let held = |k: &usize| self.effects[*k].memory.is_some();
+        let held: Vec<usize> = (0..self.own).filter(held).collect();
+        let own = self.ranges[..self.own].iter();
+        let Some(set) = self.reduction(marginal).conditioned(own) else {
+            return;
+        };
+        let left = self.fitted.posterior.ln_z - marginal.ln_z - set.ln_bayes_factor;
+        for k in &held {
+            self.corrections[*k] = left / held.len() as f64;
+        }
+    }
+
     /// Returns the reduced model.
     pub(super) const fn reduction<'m>(&'m self, marginal: &'m Marginal) -> Reduction<'m> {
         Reduction {
@@ -227,7 +245,8 @@ impl EffectModel {
         };
         for (k, range) in self.ranges[..self.own].iter().enumerate() {
             for (n, number) in self.effects[k].numbers.iter().enumerate() {
-                let Some(mean) = value(range.start + n) else {
+                let column = range.clone().nth(n);
+                let Some(mean) = column.and_then(&value) else {
                     continue;
                 };
                 match number.unknown {

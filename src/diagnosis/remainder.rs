@@ -254,7 +254,10 @@ pub(super) fn gp_terms(
     let each = [&usual, &fitted.sizes].into_iter();
     let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sites, sizes, None));
     let mut out: Vec<GpTerm> = Vec::new();
-    for unnamed in found.map(|best| as_hypothesis(subject, best)) {
+    let priors = subject.problem.priors;
+    let odds = libm::log(priors.class_probability * priors.unmodelled_force_odds);
+    for mut unnamed in found.map(as_hypothesis) {
+        unnamed.hypothesis.ln_prior += odds;
         if !out
             .iter()
             .any(|other| other.hypothesis.same_form(&unnamed.hypothesis))
@@ -281,11 +284,11 @@ pub(super) fn left_by_laws(
     let priors = subject.problem.priors;
     let left = |h: &CandidateEffect| {
         let best = most_spoken_for(subject, fitted, sites, &usual, Some(&h.address))?;
-        let mut left = as_hypothesis(subject, best);
+        let mut left = as_hypothesis(best);
         left.hypothesis.cause = h.cause;
         left.hypothesis.side = h.side;
         left.hypothesis.term = Term::LawMisfit;
-        left.hypothesis.ln_prior += libm::log(priors.law_misfit / priors.class_probability);
+        left.hypothesis.ln_prior += libm::log(priors.law_misfit);
         Some(left)
     };
     let open = CandidateEffect::causes(chosen).filter(|h| h.cause.has_rough_law() && !is_closed(h));
@@ -328,7 +331,7 @@ fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     columns.column_iter().enumerate().map(number).collect()
 }
 
-fn as_hypothesis(subject: &DiagnosisProblem<'_>, found: Best) -> GpTerm {
+fn as_hypothesis(found: Best) -> GpTerm {
     let form = match found.process.over {
         Over::Deflection => "over deflection",
         Over::Load => "over a load",
@@ -342,7 +345,7 @@ fn as_hypothesis(subject: &DiagnosisProblem<'_>, found: Best) -> GpTerm {
         numbers(&found.effect, &root),
     );
     let laws = found.tried * GRID_SIZE;
-    hypothesis.ln_prior = libm::log(subject.problem.priors.class_probability / laws as f64);
+    hypothesis.ln_prior = -libm::log(laws as f64);
     GpTerm {
         hypothesis,
         place: found.place,

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::candidate_effect::{CandidateEffect, Term};
 use super::cause::Cause;
 use super::causes::dry_friction;
+use super::challengers::{Challenger, Reason, challengers};
 use super::closure::{EffectSet, Pool, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::early_stopping::EarlyStopping;
@@ -15,8 +16,8 @@ use super::model_set::{ModelSet, Selected, instead, none_of_these, probability, 
 use super::reduction::{EffectModel, Marginal};
 use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
 use super::settings::{
-    EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS, MAX_SELECTION_POINTS,
-    NAMED_PROBABILITY, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
+    CONVERGED_NATS, EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS,
+    MAX_SELECTION_POINTS, NAMED_PROBABILITY, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
 };
 
 /// Set of effects, given by the indices of the effects in `Selector::known`, in ascending order.
@@ -28,8 +29,64 @@ struct Point {
     marginals: Vec<Marginal>,
     /// Sets of effects within Occam's window, one pool for each marginal.
     pools: Vec<Pool>,
-    /// Index in `Selector::known` of each effect of `model`.
-    ids: Vec<usize>,
+    /// Sets that the fit must be compared with if it leads.
+    challengers: Vec<Challenger>,
+    /// Indices in `Selector::known` of the terms of each effect of `model`. A combined effect has two.
+    ids: Vec<Ids>,
+}
+
+impl Point {
+    /// Returns the terms of a set, in ascending order.
+    fn ids_of(&self, set: &EffectSet) -> Ids {
+        let mut ids: Ids = set.iter().flat_map(|k| self.ids[*k].clone()).collect();
+        ids.sort_unstable();
+        ids
+    }
+
+    /// Returns the starts of an effect in a new fit: its forms, if it is a law with memory, each with first guesses of its parameters.
+    fn starts(&self, k: usize, guesses: impl Fn() -> Vec<f64>) -> Vec<(CandidateEffect, Vec<f64>)> {
+        let effect = &self.model.effects[k];
+        if let Some(scan) = &self.model.scans[k] {
+            let starts = scan.starts.iter();
+            return starts
+                .map(|start| dry_friction::started(effect, start))
+                .collect();
+        }
+        if k < self.model.own {
+            return vec![(effect.clone(), vec![0.0; effect.numbers.len()])];
+        }
+        if effect.memory.is_none() {
+            return vec![(effect.clone(), guesses())];
+        }
+        let forms = self.model.effects.iter().skip(self.model.own);
+        forms
+            .filter(|form| form.same_law(effect))
+            .map(|form| (form.clone(), guesses()))
+            .collect()
+    }
+
+    /// Returns the effects of the fit that a set does not contain.
+    fn left_out(&self, set: &EffectSet) -> EffectSet {
+        let own = 0..self.model.own;
+        own.filter(|k| !set.contains(k)).collect()
+    }
+
+    /// Returns the effects of this point that have these terms together. Returns `None` if a term is not a candidate at this point.
+    fn set_of(&self, ids: &Ids) -> Option<EffectSet> {
+        let mut open = ids.clone();
+        let mut set = EffectSet::new();
+        // Combined effects come first: their terms may be candidates of their own, too.
+        for count in [2, 1] {
+            for (k, terms) in self.ids.iter().enumerate() {
+                if terms.len() == count && terms.iter().all(|id| open.contains(id)) {
+                    open.retain(|id| !terms.contains(id));
+                    set.push(k);
+                }
+            }
+        }
+        set.sort_unstable();
+        open.is_empty().then_some(set)
+    }
 }
 
 /// Estimated log posterior of a set of effects that is not fitted.
@@ -40,6 +97,15 @@ struct SetEstimate {
     point: usize,
     marginal: usize,
     set: EffectSet,
+}
+
+/// Rule by which a fit becomes a linearisation point.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum BecomesPoint {
+    Always,
+    IfProbable,
+    /// Only if the fit leads clearly.
+    IfLeading,
 }
 
 /// Fitted set of effects.
@@ -93,55 +159,124 @@ pub(super) fn select(
     selector.fits.insert(Vec::new(), Fit::new(none));
     selector.add_point(none);
     selector.run();
-    let first = selector.selected();
-    if selector.fit_rivals(&first) {
-        selector.selected()
-    } else {
-        first
-    }
+    selector.selected()
 }
 
 impl Selector<'_, '_> {
     fn run(&mut self) {
-        while self.count < MAX_SELECTION_FITS
-            && !self.subject.budget_exhausted()
-            && !self.subject.progress().is_stopped()
-        {
-            let least = self.best() + libm::log(RESOLVED_PROBABILITY);
-            let open = self.estimates().into_iter().filter(|(_, estimate)| {
-                estimate.ln_posterior > least && estimate.distance > EQUIVALENT_DISTANCE
-            });
-            let next = open.max_by(|a, b| a.1.ln_posterior.total_cmp(&b.1.ln_posterior));
-            let Some((ids, estimate)) = next else { break };
-            self.confirm(&ids, &estimate);
+        loop {
+            self.confirm_estimates();
+            if !self.challenge(false) {
+                break;
+            }
         }
     }
 
-    /// Fits the most probable rival of each cause in the leading set, if no rival is fitted yet: what is equivalent was not fitted, but a report
-    /// shows it, and a plan tells the two apart. Returns true if anything was fitted.
-    fn fit_rivals(&mut self, selected: &Selected) -> bool {
+    fn may_continue(&self) -> bool {
+        self.count < MAX_SELECTION_FITS
+            && !self.subject.budget_exhausted()
+            && !self.subject.progress().is_stopped()
+    }
+
+    /// Fits sets, the most promising first, until the posterior of every set that is probable enough is known. A set that predicts the same as a
+    /// fitted one is fitted only if its estimate is higher than all fits.
+    fn confirm_estimates(&mut self) {
+        while self.may_continue() {
+            if self.challenge(true) {
+                continue;
+            }
+            let best = self.best();
+            let least = best + libm::log(RESOLVED_PROBABILITY);
+            let open = self.estimates().into_iter().filter(|(_, estimate)| {
+                estimate.ln_posterior > least
+                    && (estimate.distance > EQUIVALENT_DISTANCE
+                        || estimate.ln_posterior > best + CONVERGED_NATS)
+            });
+            let next = open.max_by(|a, b| a.1.ln_posterior.total_cmp(&b.1.ln_posterior));
+            let Some((ids, estimate)) = next else { break };
+            self.confirm(&ids, &estimate, BecomesPoint::IfProbable);
+        }
+    }
+
+    /// Fits the sets that the leading fit must be compared with. If `only_laws` is set, only known laws in place of a force of unknown law are
+    /// fitted. Returns true if anything was fitted.
+    fn challenge(&mut self, only_laws: bool) -> bool {
         let count = self.count;
-        for at in 0..selected.leading.effects.len() {
-            let mut rivals = selected.rivals(at).peekable();
-            let Some((first, _)) = rivals.peek() else {
-                continue;
-            };
-            if first.fitted.is_some() || self.subject.budget_exhausted() {
+        let fits = self.fits.values();
+        let leading = fits.max_by(|a, b| a.ln_posterior.total_cmp(&b.ln_posterior));
+        let Some(leading) = leading.and_then(|fit| fit.model.clone()) else {
+            return false;
+        };
+        let is_own = |point: &Point| Arc::ptr_eq(&point.model.fitted, &leading);
+        let Some(at) = self.points.iter().position(is_own) else {
+            return false;
+        };
+        let mut open = std::mem::take(&mut self.points[at].challengers);
+        if only_laws {
+            let later = open.iter().filter(|c| c.reason != Reason::KnownLaw);
+            self.points[at].challengers = later.cloned().collect();
+            open.retain(|c| c.reason == Reason::KnownLaw);
+        }
+        for Challenger {
+            set,
+            reason,
+            expected,
+        } in open
+        {
+            let ids = self.points[at].ids_of(&set);
+            let model = &self.points[at].model;
+            let is_new_law = |k: &usize| *k >= model.own && model.effects[*k].memory.is_some();
+            // The fit of a law with memory may have stopped early at another start.
+            let may_stop_early =
+                matches!(reason, Reason::Rival | Reason::UnusualSize) && set.iter().any(is_new_law);
+            let is_settled = self.fits.contains_key(&ids) && !may_stop_early;
+            if is_settled || self.discarded.contains(&ids) {
                 continue;
             }
-            let is_same = |ids: &Ids| {
-                ids.len() == first.causes.len()
-                    && ids.iter().all(|id| {
-                        let known = &self.known[*id];
-                        first.causes.iter().any(|h| h.same_law(known))
-                    })
-            };
-            let open = self.estimates().into_iter().find(|(ids, _)| is_same(ids));
-            if let Some((ids, estimate)) = open {
-                self.confirm(&ids, &estimate);
+            // A new leading fit has challengers of its own.
+            if !self.may_continue() || self.best() > leading.ln_posterior() + CONVERGED_NATS {
+                break;
             }
+            let estimate = SetEstimate {
+                ln_posterior: expected,
+                distance: f64::NAN,
+                point: at,
+                marginal: 0,
+                set,
+            };
+            let becomes = match reason {
+                Reason::KnownLaw => BecomesPoint::Always,
+                Reason::Rival => BecomesPoint::IfLeading,
+                _ => BecomesPoint::IfProbable,
+            };
+            self.confirm(&ids, &estimate, becomes);
+        }
+        if !only_laws {
+            self.fit_rivals(&leading);
         }
         self.count > count
+    }
+
+    /// Fits the sets that hold another cause in place of one of the leading set and are probable. Their estimates rest on the leading fit, which
+    /// predicts the same.
+    fn fit_rivals(&mut self, leading: &FittedModel) {
+        let least = leading.ln_posterior() + libm::log(RESOLVED_PROBABILITY);
+        let own: Ids = leading
+            .effects
+            .iter()
+            .map(|effect| self.id(effect))
+            .collect();
+        let open = self.estimates().into_iter().filter(|(ids, estimate)| {
+            let shared = ids.iter().filter(|id| own.contains(id)).count();
+            estimate.ln_posterior > least && ids.len() == own.len() && shared + 1 == own.len()
+        });
+        let mut open: Vec<(Ids, SetEstimate)> = open.collect();
+        open.sort_by(|a, b| b.1.ln_posterior.total_cmp(&a.1.ln_posterior));
+        for (ids, estimate) in open {
+            if self.may_continue() {
+                self.confirm(&ids, &estimate, BecomesPoint::IfProbable);
+            }
+        }
     }
 
     fn best(&self) -> f64 {
@@ -175,29 +310,32 @@ impl Selector<'_, '_> {
             .iter()
             .filter_map(|sizes| model.marginalised(sizes))
             .collect();
+        if let Some(marginal) = marginals.first() {
+            model.correct_held_laws(marginal);
+        }
         let start: EffectSet = (0..model.own).collect();
         let is_first = self.points.is_empty();
         let pools = marginals
             .iter()
             .map(|marginal| Sets::new(&model, marginal).closure(&start, is_first))
             .collect();
+        let challengers = marginals
+            .first()
+            .map(|marginal| challengers(&model, marginal));
         model.forget_products();
-        let ids: Vec<usize> = model.effects.iter().map(|effect| self.id(effect)).collect();
+        let terms = |effect: &CandidateEffect| -> Ids {
+            let terms = effect.split();
+            terms.iter().map(|term| self.id(term)).collect()
+        };
+        let ids = model.effects.iter().map(terms).collect();
         self.forces.extend(forces);
         self.points.push(Point {
             model,
             marginals,
             pools,
+            challengers: challengers.unwrap_or_default(),
             ids,
         });
-    }
-
-    /// Converts a set to the effect indices of a linearisation point. Returns `None` if an effect of the set is not a candidate at that point.
-    fn at_point(point: &Point, ids: &Ids) -> Option<EffectSet> {
-        let own = |id: &usize| point.ids.iter().position(|other| other == id);
-        let mut set = ids.iter().map(own).collect::<Option<EffectSet>>()?;
-        set.sort_unstable();
-        Some(set)
     }
 
     /// Estimates the log posterior of all probable sets that are not fitted. The estimate of the linear model is corrected by the error that the
@@ -210,13 +348,10 @@ impl Selector<'_, '_> {
                 let sets = Sets::new(&point.model, marginal);
                 let mut references = Vec::new();
                 let mut largest = 0.0_f64;
-                let mut by_law: BTreeMap<RoughLaw, f64> = BTreeMap::new();
+                let mut by_law: BTreeMap<(RoughLaw, EffectSet), f64> = BTreeMap::new();
                 for (ids, fit) in &self.fits {
                     let own = fit.ln_posterior;
-                    if own < best - 3.0 * OCCAM_WINDOW_NATS {
-                        continue;
-                    }
-                    let Some(set) = Self::at_point(point, ids) else {
+                    let Some(set) = point.set_of(ids) else {
                         continue;
                     };
                     let (Some(score), Some(parts)) = (sets.score(&set), sets.contributions(&set))
@@ -225,40 +360,54 @@ impl Selector<'_, '_> {
                     };
                     let error = own - (marginal.ln_z + score);
                     largest = largest.max(error);
-                    for law in new_rough_laws(&point.model, &set) {
-                        let known = by_law.entry(law).or_insert(error);
+                    for (_, law) in new_rough_laws(&point.model, &set) {
+                        let key = (law, point.left_out(&set));
+                        let known = by_law.entry(key).or_insert(error);
                         *known = known.max(error);
                     }
-                    references.push((parts, error));
+                    references.push((parts, point.left_out(&set), error));
                 }
                 for (set, score) in pool {
                     let linear = marginal.ln_z + score;
                     if linear + largest < best - OCCAM_WINDOW_NATS {
                         continue;
                     }
-                    let mut ids: Ids = set.iter().map(|k| point.ids[*k]).collect();
-                    ids.sort_unstable();
-                    ids.dedup();
-                    if ids.len() < set.len()
-                        || self.fits.contains_key(&ids)
-                        || self.discarded.contains(&ids)
-                    {
+                    let ids = point.ids_of(set);
+                    if self.fits.contains_key(&ids) || self.discarded.contains(&ids) {
                         continue;
                     }
                     let Some(parts) = sets.contributions(set) else {
                         continue;
                     };
+                    let left_out = point.left_out(set);
                     let (mut distance, mut correction) = (f64::INFINITY, 0.0);
-                    for (other, error) in &references {
+                    let (mut nearest_alike, mut promised) = (f64::INFINITY, f64::INFINITY);
+                    for (other, left, error) in &references {
                         let apart = sets.distance(&parts, other);
                         if apart < distance {
                             distance = apart;
                             correction = libm::exp(-0.5 * apart) * error;
                         }
+                        // The linear model promises too much where it leaves out large effects of the fit.
+                        if !left.is_empty() && *left == left_out && apart < nearest_alike {
+                            nearest_alike = apart;
+                            promised = if *error < 0.0 { *error } else { f64::INFINITY };
+                        }
                     }
-                    // The linear model of a law is rough, in the same way for the same law at another place.
-                    let of_law = new_rough_laws(&point.model, set).filter_map(|law| by_law.get(&law));
-                    correction = of_law.fold(correction, |most, error| error.max(most));
+                    correction = correction.min(promised);
+                    // The linear model of a law is rough, in the same way for the same law at another place, beside the same effects of the fit.
+                    // A law that does nothing has no error.
+                    let acting = |k: usize| {
+                        let own = set.iter().position(|other| *other == k);
+                        let part = own.and_then(|own| parts.get(own..=own));
+                        let acts = part.map_or(0.0, |part| sets.distance(part, &[]));
+                        1.0 - libm::exp(-0.5 * acts)
+                    };
+                    let of_law = new_rough_laws(&point.model, set).filter_map(|(k, law)| {
+                        let key = (law, left_out.clone());
+                        Some(acting(k) * by_law.get(&key)?)
+                    });
+                    correction = of_law.fold(correction, f64::max);
                     let new = SetEstimate {
                         ln_posterior: linear + correction,
                         distance,
@@ -283,7 +432,7 @@ impl Selector<'_, '_> {
     }
 
     /// Fits a set of effects, starting from the optimum of the linear model. Stores the fit, or discards the set if the fit fails.
-    fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate) {
+    fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate, becomes: BecomesPoint) {
         self.count += 1;
         let point = &self.points[estimate.point];
         let marginal = &point.marginals[estimate.marginal];
@@ -296,28 +445,32 @@ impl Selector<'_, '_> {
         let x = point
             .model
             .start(marginal, &conditioned, MAX_LN_STIFFNESS_START);
-        let guesses = |k: usize, start: usize| {
-            let effect = &point.model.effects[k];
-            match &point.model.scans[k] {
-                Some(scan) => dry_friction::started(effect, &scan.starts[start]),
-                None if k < point.model.own => (effect.clone(), vec![0.0; effect.numbers.len()]),
-                None => {
-                    let guesses = point.model.guesses(marginal, &conditioned, k);
-                    (effect.clone(), guesses)
-                }
-            }
-        };
-        let is_scanned = set.iter().any(|k| point.model.scans[*k].is_some());
-        let starts = if is_scanned { 2 } else { 1 };
+        let starts: Vec<Vec<(CandidateEffect, Vec<f64>)>> = set
+            .iter()
+            .map(|k| point.starts(*k, || point.model.guesses(marginal, &conditioned, *k)))
+            .collect();
+        let count = starts.iter().map(Vec::len).max().unwrap_or(1);
         let parent = Arc::clone(&point.model.fitted);
-        let ends = (0..starts).filter_map(|start| {
-            let chosen: Vec<_> = set.iter().map(|k| guesses(*k, start)).collect();
+        let ends = (0..count).filter_map(|start| {
+            let of = |starts: &Vec<(CandidateEffect, Vec<f64>)>| {
+                starts.get(start).or(starts.last()).cloned()
+            };
+            let chosen: Vec<_> = starts.iter().filter_map(of).collect();
             self.fit(&chosen, &parent, &x)
         });
-        let found = ends.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
+        let mut found = ends.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
+        // Kinks of a law with memory may stop a fit early; a new start may pass them.
+        if let Some(end) = &found
+            && end.effects.iter().any(|effect| effect.memory.is_some())
+            && end.ln_posterior() + CONVERGED_NATS < estimate.ln_posterior
+        {
+            let again = self.fit(&with_zero_guesses(end), end, &end.x);
+            let again = again.filter(|again| again.ln_posterior() > end.ln_posterior());
+            found = again.or(found);
+        }
         let best = self.best();
         match found {
-            Some(found) => self.note(ids, &found, best),
+            Some(found) => self.note(ids, &found, best, becomes),
             None => {
                 self.discarded.insert(ids.clone());
             }
@@ -368,7 +521,7 @@ impl Selector<'_, '_> {
 
     /// Stores a fit. A fit near the best becomes a further linearisation point. From that point, subsets of its effects are fitted again if the
     /// linear model predicts a higher log posterior than their earlier fits reached.
-    fn note(&mut self, ids: &Ids, found: &Arc<FittedModel>, best: f64) {
+    fn note(&mut self, ids: &Ids, found: &Arc<FittedModel>, best: f64, becomes: BecomesPoint) {
         let own = found.ln_posterior();
         if self
             .fits
@@ -387,7 +540,12 @@ impl Selector<'_, '_> {
                 fit.model = None;
             }
         }
-        if own < best - 0.5 * OCCAM_WINDOW_NATS || self.points.len() >= MAX_SELECTION_POINTS {
+        let is_point = match becomes {
+            BecomesPoint::Always => true,
+            BecomesPoint::IfProbable => own >= best - 0.5 * OCCAM_WINDOW_NATS,
+            BecomesPoint::IfLeading => own > best + CONVERGED_NATS,
+        };
+        if !is_point || self.points.len() >= MAX_SELECTION_POINTS {
             return;
         }
         self.add_point(found);
@@ -404,7 +562,7 @@ impl Selector<'_, '_> {
             if !is_subset {
                 continue;
             }
-            let Some(set) = Self::at_point(point, other) else {
+            let Some(set) = point.set_of(other) else {
                 continue;
             };
             let Some(score) = sets.score(&set) else {
@@ -423,7 +581,7 @@ impl Selector<'_, '_> {
                 marginal: 0,
                 set,
             };
-            self.confirm(&ids, &estimate);
+            self.confirm(&ids, &estimate, BecomesPoint::IfProbable);
         }
     }
 
@@ -477,16 +635,16 @@ enum RoughLaw {
     Of(Cause),
 }
 
-/// Returns the laws of the effects of a set that are not in the fit of the point.
-fn new_rough_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = RoughLaw> {
-    let new = set.iter().filter(|k| **k >= model.own);
+/// Returns the effects of a set that are not in the fit of the point and whose laws are rough, with their laws.
+fn new_rough_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = (usize, RoughLaw)> {
+    let new = set.iter().copied().filter(|k| *k >= model.own);
     new.filter_map(|k| {
-        let effect = &model.effects[*k];
+        let effect = &model.effects[k];
         if effect.memory.is_some() {
-            return Some(RoughLaw::WithMemory);
+            return Some((k, RoughLaw::WithMemory));
         }
         let is_rough = effect.is_poorly_linearised();
-        is_rough.then_some(RoughLaw::Of(effect.cause))
+        is_rough.then_some((k, RoughLaw::Of(effect.cause)))
     })
 }
 

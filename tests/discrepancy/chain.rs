@@ -27,8 +27,8 @@ const MARKS: [[f64; 3]; 4] = [
 ];
 
 /// Writes a study of a chain in which one of the springs has the fraction `part` of its rate. The last body moves by `F sum(1 / k)`. Which spring
-/// it is does not show; its number seeds the noise.
-fn write(folder: &Path, (springs, differs): (usize, usize), part: f64) {
+/// it is does not show; its number seeds the noise. `settings` end the file of the study.
+fn write(folder: &Path, (springs, differs): (usize, usize), part: f64, settings: &str) {
     let mut deck = String::from(
         "chain\nUNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=MILLIMETER,TIME=SECOND\nPART/1,GROUND\nMARKER/100,PART=1\n",
     );
@@ -77,23 +77,24 @@ fn write(folder: &Path, (springs, differs): (usize, usize), part: f64) {
     file("marks_measured.csv", &read);
     let study = format!(
         "[model]\ndeck = \"model.adm\"\n[loads]\nfile = \"load_cases.csv\"\ncolumns = {{ axial = \"SFORCE/1\" }}\n\
-         [marks]\non_parts = \"marks_on_parts.csv\"\nmeasured = \"marks_measured.csv\"\nsigma = {SIGMA}\n[identify]\nbushings = []\n"
+         [marks]\non_parts = \"marks_on_parts.csv\"\nmeasured = \"marks_measured.csv\"\nsigma = {SIGMA}\n[identify]\nbushings = []\n{settings}"
     );
     file("study.toml", &study);
 }
 
 /// Returns the diagnosis of the chain and its sentences.
 fn diagnosed(part: f64, progress: &Progress) -> (Diagnosis, Vec<String>) {
-    chain_diagnosed(USUAL, part, progress)
+    chain_diagnosed(USUAL, part, "", progress)
 }
 
 fn chain_diagnosed(
     springs: (usize, usize),
     part: f64,
+    settings: &str,
     progress: &Progress,
 ) -> (Diagnosis, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), springs, part);
+    write(folder.path(), springs, part, settings);
     let loaded = LoadedStudy::read(folder.path()).value.unwrap();
     let held = held_out(&loaded.study, &loaded.measurement);
     let problem = loaded.problem();
@@ -146,8 +147,16 @@ fn what_was_stopped_is_marked() {
 /// Checks that no equivalent cause is missing, and that none is preferred: every spring of the chain is listed with the same probability.
 #[test]
 fn all_springs_of_a_chain_are_listed_alike() {
-    for (count, differs, part) in [(3, 1, 0.6), (6, 4, 0.6), (9, 9, 1.5), (12, 2, 0.6)] {
-        let (found, _) = chain_diagnosed((count, differs), part, &Progress::default());
+    // Loads and the seat of the first spring are known.
+    let known = "[priors]\nspring_seat_compliance_mm_per_n = 1e-6\nload_gain = 1e-3\n";
+    for (count, differs, part) in [
+        (3, 1, 0.6),
+        (3, 2, 1.5),
+        (6, 4, 0.6),
+        (9, 9, 0.6),
+        (12, 2, 0.6),
+    ] {
+        let (found, _) = chain_diagnosed((count, differs), part, known, &Progress::default());
         assert_eq!(
             found.verdict,
             Verdict::Discrepancy,
@@ -173,7 +182,8 @@ fn all_springs_of_a_chain_are_listed_alike() {
         let each = listed.iter().map(|(_, probability)| *probability);
         let most = each.clone().fold(0.0, f64::max);
         let least = each.fold(1.0, f64::min);
-        let apart = if count < 12 { 0.01 } else { 0.04 };
+        // Fits end within a few thousandths of a nat of each other.
+        let apart = if count < 12 { 0.02 } else { 0.04 };
         assert!(most - least <= apart * most, "{listed:?}");
     }
 }

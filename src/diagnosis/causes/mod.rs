@@ -52,11 +52,14 @@ pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),
     };
+    // Forms of a law with memory differ in their first guesses only.
+    let forms = |h: &CandidateEffect| out.iter().filter(|other| other.same_law(h)).count();
     let mut counts: Vec<((Cause, &'static str), f64)> = Vec::new();
-    for own in out.iter().map(class) {
-        match counts.iter_mut().find(|(of, _)| *of == own) {
-            Some((_, count)) => *count += 1.0,
-            None => counts.push((own, 1.0)),
+    for h in &out {
+        let share = 1.0 / forms(h) as f64;
+        match counts.iter_mut().find(|(of, _)| *of == class(h)) {
+            Some((_, count)) => *count += share,
+            None => counts.push((class(h), share)),
         }
     }
     for h in &mut out {
