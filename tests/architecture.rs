@@ -392,6 +392,11 @@ fn the_generated_tables_are_fresh() {
         grammar::with_coverage(&page, &grammar).as_ref() == Some(&page),
         "the coverage table of the guide is stale: cargo run -p grammar"
     );
+    let colours = "src/lsp/vscode/syntaxes/adams.tmLanguage.json";
+    assert!(
+        fs::read_to_string(root().join(colours)).expect(colours) == grammar::textmate(&grammar),
+        "{colours} is stale: cargo run -p grammar"
+    );
 }
 
 /// Checks that all packages inherit the ban on `unsafe` and that no file overrides it; the crate that calls Python is exempt.

@@ -39,12 +39,14 @@ mod check;
 mod declaration;
 mod emit;
 mod parse;
+mod textmate;
 
 pub use declaration::{
     Argument, Count, Function, Grammar, Keyword, LeftOut, Presence, Range, Solved, Statement, Value,
 };
 pub use emit::{coverage, emit, with_coverage};
 pub use parse::{ParseError, Problem, parse};
+pub use textmate::textmate;
 
 use std::path::{Path, PathBuf};
 

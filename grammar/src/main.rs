@@ -1,5 +1,5 @@
-//! Rewrites `src/syntax/grammar/generated.rs` and the coverage table of the guide from the files `grammar/*.grammar`
-//! (`cargo run -p grammar`).
+//! Rewrites `src/syntax/grammar/generated.rs`, the coverage table of the guide and the TextMate grammar of the editor extension from the
+//! files `grammar/*.grammar` (`cargo run -p grammar`).
 //!
 //! With the option `--coverage`, the program prints the coverage table instead.
 
@@ -23,7 +23,9 @@ fn main() -> ExitCode {
     let statements = grammar.statements.len();
     let functions = grammar.functions.len();
     let page = folder.join("../src/guide/coverage.md");
+    let colours = folder.join("../src/lsp/vscode/syntaxes/adams.tmLanguage.json");
     let written = std::fs::write(&path, grammar::emit(&grammar)).and_then(|()| {
+        std::fs::write(&colours, grammar::textmate(&grammar))?;
         let text = std::fs::read_to_string(&page)?;
         match grammar::with_coverage(&text, &grammar) {
             Some(fresh) => std::fs::write(&page, fresh),
@@ -35,7 +37,7 @@ fn main() -> ExitCode {
     match written {
         Ok(()) => {
             println!(
-                "src/syntax/grammar/generated.rs, src/guide/coverage.md: {statements} statements and commands, {functions} functions"
+                "src/syntax/grammar/generated.rs, src/guide/coverage.md, src/lsp/vscode/syntaxes/adams.tmLanguage.json: {statements} statements and commands, {functions} functions"
             );
             ExitCode::SUCCESS
         }

@@ -1,5 +1,5 @@
 //! The command `admire`.
 
 fn main() -> std::process::ExitCode {
-    admire::cli::main()
+    admire::cli::run(std::env::args_os().collect()).into()
 }

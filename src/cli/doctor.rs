@@ -4,6 +4,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use admire_report::VERSION;
+use admire_session::own_program;
 use admire_study::Study;
 use admire_study::settings::BackendChoice;
 
@@ -94,7 +95,7 @@ impl Report {
 
 /// Reports this program, the solver beside it in its folder, and the solver that a script would find.
 fn programs(report: &mut Report) {
-    let own = std::env::current_exe().and_then(dunce::canonicalize);
+    let own = own_program().and_then(dunce::canonicalize);
     let shown = own
         .as_ref()
         .map_or_else(ToString::to_string, |path| path.display().to_string());

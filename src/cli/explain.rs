@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Ok(Exit::Fine);
     }
     let Some(word) = &arguments.word else {
-        shell.print(&list());
+        shell.page(&list());
         return Ok(Exit::Fine);
     };
     match page(word) {
@@ -99,7 +99,7 @@ fn list() -> String {
                 &format!("\n{} (page `{}`):", term.section, term.page),
             );
         }
-        let meaning = term.cells.last().map_or("", |(_, text)| text);
+        let meaning = term.cells.last().map_or("", |(_, text)| text.as_str());
         entry(&mut out, &term.term, meaning);
     }
     out

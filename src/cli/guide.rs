@@ -11,7 +11,7 @@ use super::shell::{Exit, Shell};
 
 /// Show a page of the guide, or the list of its pages.
 ///
-/// Examples: `admire guide`, `admire guide study`, `admire guide formats | less`.
+/// On a terminal a page is shown by `$PAGER`, or by `less` without it. Examples: `admire guide`, `admire guide study`.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
     /// Page to show; without it, the list of pages is shown.
@@ -23,14 +23,19 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(topic) = &arguments.topic else {
         let mut out = String::new();
+        let mut part = "";
         for page in PAGES {
+            if page.part != part {
+                part = page.part;
+                writeln!(out, "{part}").expect("writing to a string");
+            }
             writeln!(out, "  {:12} {}", page.topic, page.title()).expect("writing to a string");
         }
         shell.print(&out);
         return Ok(Exit::Fine);
     };
     if let Some(page) = page(topic) {
-        shell.print(&in_lines(page.text));
+        shell.page(&in_lines(page.text));
         return Ok(Exit::Fine);
     }
     let topics: Vec<String> = PAGES.iter().map(|page| page.topic.to_uppercase()).collect();

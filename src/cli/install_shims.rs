@@ -1,5 +1,6 @@
 use std::path::{Path, PathBuf};
 
+use admire_session::own_program;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use crate::front::permissions::make_executable;
@@ -50,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             format!("`{}` cannot be written: {error}", path.display()),
         )
     };
-    let mdi = std::env::current_exe()
+    let mdi = own_program()
         .and_then(dunce::canonicalize)
         .map(|admire| admire.with_file_name(format!("mdi{}", std::env::consts::EXE_SUFFIX)))
         .map_err(|error| shell.fail(cannot(folder, &error)))?;

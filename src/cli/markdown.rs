@@ -1,11 +1,14 @@
 //! Pages of the guide formatted for a terminal: paragraphs and tables fit the width, code is unchanged.
 
-use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
+use admire_guide::link::in_words;
 
-use super::width::{WIDTH, hanging, table_text, wrapped};
+use super::width::{WIDTH, hanging, wrapped};
 
-/// Width in characters up to which the first column of a table is not broken. This column contains the words that the table explains.
+/// Width in characters up to which the first column of a table holds its cells in one line. This column contains the words that the table
+/// explains.
 const WORD: usize = 34;
+/// Number of blanks between columns.
+const GAP: usize = 2;
 
 /// Formats a page of the guide.
 pub(super) fn in_lines(page: &str) -> String {
@@ -39,7 +42,7 @@ pub(super) fn in_lines(page: &str) -> String {
             let margin = line.len() - line.trim_start().len();
             let mark = item(line.trim_start());
             let head = format!("{}{}", " ".repeat(margin), &line.trim_start()[..mark]);
-            out += &hanging(&head, &linked(&text[mark..]));
+            out += &hanging(&head, &in_words(&text[mark..]));
         }
     }
     out
@@ -93,45 +96,6 @@ fn item(line: &str) -> usize {
     }
 }
 
-/// Formats the links in a text for a terminal. A link to another page becomes the page's name, any other link its address. Code is
-/// unchanged.
-fn linked(text: &str) -> String {
-    let pieces = text.split('`').enumerate();
-    let each = pieces.map(|(k, piece)| match k % 2 {
-        0 => of_prose(piece),
-        _ => piece.to_string(),
-    });
-    each.collect::<Vec<_>>().join("`")
-}
-
-/// Formats the links in a piece of text that contains no code.
-fn of_prose(text: &str) -> String {
-    let mut out = String::new();
-    let mut rest = text;
-    let link = |text: &str| {
-        let close = text.find("](")?;
-        let end = close + text[close..].find(')')?;
-        let name = text[1..close].to_string();
-        let is_plain = !name.is_empty() && !name.contains(['[', ']']);
-        is_plain.then(|| (name, text[close + 2..end].to_string(), end + 1))
-    };
-    while let Some(at) = rest.find('[') {
-        out += &rest[..at];
-        rest = &rest[at..];
-        if let Some((name, address, end)) = link(rest) {
-            out += &match address.strip_suffix(".md") {
-                Some(page) => format!("{name} (page `{page}`)"),
-                None => format!("{name} ({address})"),
-            };
-            rest = &rest[end..];
-        } else {
-            out.push('[');
-            rest = &rest[1..];
-        }
-    }
-    out + rest
-}
-
 /// Splits a table row into cells. A bar within backticks does not separate cells.
 fn cells(row: &str) -> Vec<String> {
     let row = row.trim().trim_start_matches('|');
@@ -148,35 +112,121 @@ fn cells(row: &str) -> Vec<String> {
     if !cell.trim().is_empty() {
         found.push(cell);
     }
-    found.iter().map(|cell| linked(cell.trim())).collect()
+    found.iter().map(|cell| in_words(cell.trim())).collect()
 }
 
-/// Formats a table within the terminal width. The row of dashes is skipped.
-fn table(rows: Vec<Vec<String>>) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(WIDTH as u16);
-    let is_rule = |row: &&Vec<String>| {
-        let mut cells = row.iter();
-        cells.all(|cell| !cell.is_empty() && cell.chars().all(|c| "-: ".contains(c)))
+/// Formats a table within the terminal width; the row of dashes is skipped. No word is broken: a first cell that is wider than its column has
+/// a line of its own. If the words of a row do not fit beside each other, every cell has a line of its own, with its heading.
+fn table(mut rows: Vec<Vec<String>>) -> String {
+    rows.retain(|row| !is_rule(row));
+    let Some(widths) = widths(&rows) else {
+        return as_lists(&rows);
     };
-    let first = rows
-        .iter()
-        .map(|row| row.first().map_or(0, |c| c.chars().count()));
-    let first = first.max().unwrap_or_default();
-    for row in rows.iter().filter(|row| !is_rule(row)) {
-        table.add_row(row);
-    }
-    for (k, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((0, 2));
-        if k == 0 && first <= WORD {
-            column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(
-                first as u16 + 2,
-            )));
+    let mut out = String::new();
+    for row in &rows {
+        let mut cells: Vec<Vec<String>> = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| lines(cell, *width))
+            .collect();
+        let is_wide = |lines: &Vec<String>| lines.iter().any(|line| length(line) > widths[0]);
+        if let Some(first) = cells.first_mut().filter(|first| is_wide(first)) {
+            out += &std::mem::take(first).join(" ");
+            out.push('\n');
+        }
+        for k in 0..cells.iter().map(Vec::len).max().unwrap_or_default() {
+            let mut line = String::new();
+            for (cell, width) in cells.iter().zip(&widths) {
+                let text = cell.get(k).map_or("", String::as_str);
+                line += &format!("{text:w$}", w = width + GAP);
+            }
+            out += line.trim_end();
+            out.push('\n');
         }
     }
-    table_text(&table)
+    out
+}
+
+fn is_rule(row: &[String]) -> bool {
+    let is_dashes = |cell: &String| !cell.is_empty() && cell.chars().all(|c| "-: ".contains(c));
+    row.iter().all(is_dashes)
+}
+
+fn length(text: &str) -> usize {
+    text.chars().count()
+}
+
+/// Returns the widths of the columns, or `None` if the longest words of the columns do not fit beside each other.
+fn widths(rows: &[Vec<String>]) -> Option<Vec<usize>> {
+    let count = rows.iter().map(Vec::len).max()?;
+    let most = |of: &dyn Fn(&str) -> usize, k: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(k));
+        cells.map(|cell| of(cell)).max().unwrap_or_default()
+    };
+    let longest_word = |cell: &str| cell.split_whitespace().map(length).max().unwrap_or(0);
+    let whole: Vec<usize> = (0..count).map(|k| most(&length, k)).collect();
+    let mut least: Vec<usize> = (0..count).map(|k| most(&longest_word, k)).collect();
+    least[0] = if whole[0] <= WORD {
+        whole[0]
+    } else {
+        least[0].min(WORD)
+    };
+    let wanted: Vec<usize> = whole
+        .iter()
+        .zip(&least)
+        .map(|(w, l)| w.max(l) - l)
+        .collect();
+    let spare = WIDTH.checked_sub(least.iter().sum::<usize>() + GAP * (count - 1))?;
+    let all = wanted.iter().sum::<usize>();
+    let share = |wanted: usize| {
+        if all <= spare {
+            wanted
+        } else {
+            spare * wanted / all
+        }
+    };
+    Some(
+        least
+            .iter()
+            .zip(wanted)
+            .map(|(l, w)| l + share(w))
+            .collect(),
+    )
+}
+
+/// Breaks a cell into lines of at most `width` characters, between words.
+fn lines(cell: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in cell.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if length(line) + 1 + length(word) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_string()),
+        }
+    }
+    lines
+}
+
+/// Formats a table as a list: the first cell of a row, and below it the other cells behind their headings.
+fn as_lists(rows: &[Vec<String>]) -> String {
+    let Some((heads, rows)) = rows.split_first() else {
+        return String::new();
+    };
+    let mut out = String::new();
+    for row in rows {
+        out += &hanging("", row.first().map_or("", String::as_str));
+        for (head, cell) in heads
+            .iter()
+            .zip(row)
+            .skip(1)
+            .filter(|(_, cell)| !cell.is_empty())
+        {
+            out += &hanging("    ", &format!("{head}: {cell}"));
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -212,5 +262,38 @@ mod tests {
         let page = "# A\n\nSee [sweeps](sweep.md) and `a[1](2)`\nor so.\n* one\n  more\n1. two\n\n```console\n$ x\n```\n";
         let expected = "# A\n\nSee sweeps (page `sweep`) and `a[1](2)` or so.\n* one more\n1. two\n\n    $ x\n";
         assert_eq!(in_lines(page), expected);
+    }
+
+    /// Words between backticks stand in one line, so that they can be searched and copied.
+    #[test]
+    fn no_identifier_is_broken() {
+        let mut broken = Vec::new();
+        for page in PAGES {
+            let shown = in_lines(page.text);
+            let prose = page.text.split("```").step_by(2);
+            for line in prose.flat_map(str::lines) {
+                let words = line.split('`').skip(1).step_by(2);
+                let words = words.filter(|word| !word.contains(' '));
+                broken.extend(words.filter(|word| !shown.contains(*word)));
+            }
+        }
+        assert!(broken.is_empty(), "{broken:#?}");
+    }
+
+    #[test]
+    fn a_wide_word_has_a_line_of_its_own() {
+        let word = "a.".repeat(30);
+        let page = format!("| key | unit | meaning |\n|---|---|---|\n| `{word}` | mm | so far |\n");
+        let shown = format!(
+            "key{:31}  unit  meaning\n`{word}`\n{:36}mm    so far\n",
+            "", ""
+        );
+        assert_eq!(in_lines(&page), shown);
+        let wide = "w".repeat(50);
+        let page = format!("| a | b | c |\n|---|---|---|\n| x | {wide} | {wide} |\n");
+        assert_eq!(
+            in_lines(&page),
+            format!("x\n    b: {wide}\n    c: {wide}\n")
+        );
     }
 }

@@ -41,6 +41,7 @@ mod merge;
 mod new;
 mod notices;
 mod output_folder;
+mod pager;
 mod permission;
 mod plan;
 mod plausibility;
@@ -69,7 +70,7 @@ mod tolerance;
 mod view;
 mod width;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -159,11 +160,17 @@ fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(31 << 20)));
 }
 
-/// Runs `admire` with the arguments of the process.
-pub fn main() -> ExitCode {
+/// Runs `admire` with a command line, whose first word is the program, and returns its exit code.
+pub fn run(words: Vec<OsString>) -> u8 {
     keep_freed_memory();
-    clap_complete::CompleteEnv::with_factory(Cli::command).complete();
-    let cli = Cli::parse();
+    let completion = clap_complete::CompleteEnv::with_factory(Cli::command);
+    let folder = std::env::current_dir().ok();
+    match completion.try_complete(&words, folder.as_deref()) {
+        Ok(false) => {}
+        Ok(true) => return Exit::Fine as u8,
+        Err(error) => error.exit(),
+    }
+    let cli = Cli::parse_from(words);
     let verbosity = match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,
         (_, true) => Verbosity::Verbose,
@@ -172,7 +179,7 @@ pub fn main() -> ExitCode {
     notices::show();
     let mut shell = Shell::new(cli.format, cli.color, verbosity);
     if let Err(exit) = shell.obey_code_page() {
-        return ExitCode::from(exit as u8);
+        return exit as u8;
     }
     let exit = match cli.command {
         Command::New(arguments) => new::run(&arguments, &mut shell),
@@ -214,7 +221,7 @@ pub fn main() -> ExitCode {
         Command::Lsp(arguments) => lsp::run(&arguments, &mut shell),
         Command::Completions(arguments) => completions::run(&arguments),
     };
-    ExitCode::from(shell.exit(exit.unwrap_or_else(|exit| exit)) as u8)
+    shell.exit(exit.unwrap_or_else(|exit| exit)) as u8
 }
 
 /// Exit code of a subcommand. `Err` means that the subcommand stopped early and has reported the reason.

@@ -11,6 +11,7 @@ use admire_syntax::files::Files;
 use admire_syntax::text::{CodePage, Source, check_size, printable};
 
 use super::format::Format;
+use super::pager;
 use super::render;
 use super::width::{WIDTH, wrapped};
 
@@ -193,6 +194,13 @@ impl Shell {
     pub(super) fn print(&self, text: &str) {
         let text = printable(text);
         self.put(&self.encoded(&text, std::io::stdout().is_terminal()));
+    }
+
+    /// Prints a long text: on a terminal with the pager of the user.
+    pub(super) fn page(&self, text: &str) {
+        if !pager::shows(&printable(text)) {
+            self.print(text);
+        }
     }
 
     /// Prints sentences on standard output. On a terminal they are wrapped to its width; elsewhere they are not wrapped.

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use admire_session::own_program;
 use admire_sweep::SweepFolder;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -29,7 +30,7 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
         ))
     };
     let absolute = |path: &Path| std::path::absolute(path).map_err(|error| cannot(path, &error));
-    let own = std::env::current_exe().map_err(|error| cannot(Path::new("admire"), &error))?;
+    let own = own_program().map_err(|error| cannot(Path::new("admire"), &error))?;
     let (out, plan) = (absolute(&folder.path)?, absolute(plan)?);
     let left: Vec<String> = folder
         .shards()

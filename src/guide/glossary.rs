@@ -2,6 +2,7 @@
 //!
 //! The first cell of a table row contains the word in backticks. The column headings describe the other cells of the row.
 
+use super::link::in_words;
 use super::{PAGES, Page};
 
 /// A word that a table in the guide explains.
@@ -13,12 +14,20 @@ pub struct Entry {
     pub page: &'static str,
     /// Heading of the section that contains the table.
     pub section: &'static str,
-    /// The other cells of the table row that are not empty: for each of them, the column heading and the text.
-    pub cells: Vec<(&'static str, &'static str)>,
+    /// The other cells of the table row that are not empty: for each of them, the column heading and the text, with links as words.
+    pub cells: Vec<(&'static str, String)>,
 }
 
 /// Topics of the guide pages whose tables explain words.
-const EXPLAINING: [&str; 6] = ["study", "diagnosis", "plan", "car", "kc", "sweep"];
+const EXPLAINING: [&str; 7] = [
+    "study",
+    "diagnosis",
+    "plan",
+    "car",
+    "kc",
+    "sweep",
+    "formats",
+];
 
 /// Returns all words that tables explain, in the order of the pages.
 pub fn entries() -> impl Iterator<Item = Entry> {
@@ -73,11 +82,11 @@ pub fn find(word: &str) -> Vec<Entry> {
 }
 
 /// Returns the one-line explanation of a key of `study.toml`, if the guide explains the key.
-pub fn meaning(key: &str) -> Option<&'static str> {
+pub fn meaning(key: &str) -> Option<String> {
     let key = key.strip_suffix(".NAME").unwrap_or(key);
     let here = |entry: &Entry| entry.page == "study" && entry.term == key;
-    let found = entries().find(here)?;
-    found.cells.last().map(|(_, text)| *text)
+    let mut found = entries().find(here)?;
+    found.cells.pop().map(|(_, text)| text)
 }
 
 fn of_page(page: &'static Page) -> Vec<Entry> {
@@ -90,7 +99,9 @@ fn of_page(page: &'static Page) -> Vec<Entry> {
             continue;
         }
         if let Some(heading) = line.strip_prefix('#') {
-            section = heading.trim_start_matches('#').trim();
+            // Sections of the page on formats are numbered.
+            let numbered = |c: char| "#. ".contains(c) || c.is_ascii_digit();
+            section = heading.trim_matches(' ').trim_start_matches(numbered);
         }
         let Some(row) = line.strip_prefix("| ").map(cells) else {
             if !line.starts_with('|') {
@@ -102,10 +113,10 @@ fn of_page(page: &'static Page) -> Vec<Entry> {
             heads = Some(row);
             continue;
         };
-        let others: Vec<(&str, &str)> = heads
+        let others: Vec<(&str, String)> = heads
             .iter()
             .copied()
-            .zip(row.iter().copied())
+            .zip(row.iter().map(|text| in_words(text)))
             .skip(1)
             .filter(|(_, text)| !text.is_empty())
             .collect();
@@ -156,12 +167,13 @@ mod tests {
             found[0]
                 .cells
                 .iter()
-                .any(|(head, text)| *head == "unit" && *text == "length")
+                .any(|(head, text)| *head == "unit" && text == "length")
         );
         assert!(find("sigma").len() > 1);
         assert!(find("no such word").is_empty() && find("no.such").is_empty());
         assert_eq!(find("toe_angle.left [rad]")[0].term, "toe_angle");
         assert_eq!(find("identify.frame_sd").len(), 2);
+        assert_eq!(find("HOOKE")[0].section, "JOINT");
         assert_eq!(find("tests.bounce.hold")[0].term, "tests.TEST.hold");
     }
 }

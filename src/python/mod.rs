@@ -1,4 +1,4 @@
-//! Python package: classes and functions over the front of the library.
+//! Python package: classes and functions over the front of the library, and the commands of the wheel.
 //!
 //! This module only passes values on and computes nothing. The Python layer (`src/python/admire`) provides names, types and documentation.
 //! The module is compiled only with the feature `python`, which maturin enables.
@@ -7,6 +7,7 @@
 #![allow(clippy::used_underscore_binding, clippy::elidable_lifetime_names)] // The macros of PyO3 trigger these lints, too.
 
 mod block;
+mod commands;
 mod deck;
 mod refusal;
 mod results;
@@ -26,6 +27,8 @@ fn _admire(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<run::Run>()?;
     module.add_class::<results::Results>()?;
     module.add_class::<study::Study>()?;
+    module.add_function(wrap_pyfunction!(commands::run_admire, module)?)?;
+    module.add_function(wrap_pyfunction!(commands::run_mdi, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::merge_shards, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::program_of_sweep, module)?)?;

@@ -34,6 +34,7 @@ mod on_deck;
 mod output_options;
 mod outputs;
 mod paths;
+mod program;
 mod progress;
 mod record;
 mod recorded_commands;
@@ -64,6 +65,7 @@ pub use moment::Moment;
 pub use on_deck::commands_for_other_model;
 pub use paths::find_file;
 pub(crate) use paths::native_spelling;
+pub use program::{own_program, started_by};
 
 pub use recorded_commands::recorded_commands;
 pub use run_state::Session;

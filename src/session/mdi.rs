@@ -1,6 +1,6 @@
+use std::ffi::OsString;
 use std::io::{BufWriter, IsTerminal, Read};
 use std::path::Path;
-use std::process::ExitCode;
 
 use admire_solver::model::Ignore;
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -27,9 +27,10 @@ ADMIRE_CODE_PAGE=1252 prints in that code page on a pipe.
 Exit codes:
 ";
 
-/// Runs the program `mdi` with the command line of the process. The file name of the program does not matter.
-pub fn mdi() -> ExitCode {
-    let words: Vec<String> = std::env::args_os()
+/// Runs the program `mdi` with a command line and returns its exit code. The first word, the program, does not matter.
+pub fn mdi(words: Vec<OsString>) -> u8 {
+    let words: Vec<String> = words
+        .into_iter()
         .skip(1)
         .map(|word| word.to_string_lossy().into_owned())
         .collect();
@@ -46,7 +47,7 @@ pub fn mdi() -> ExitCode {
         let mut session = Session::new(console(), Path::new(""));
         session.complain(refusal);
         session.refuse(&Launch::stem(words));
-        ExitCode::from(2)
+        2
     };
     if let Err(why) = page {
         return refuse(&Diagnostic::error(Code::LauncherRefused, why), &words);
@@ -78,11 +79,11 @@ pub fn mdi() -> ExitCode {
     let name = match launch.input {
         LaunchInput::Help => {
             print!("{HELP}{EXIT_CODES}");
-            return ExitCode::SUCCESS;
+            return 0;
         }
         LaunchInput::Version => {
             println!("mdi (admire {})", env!("CARGO_PKG_VERSION"));
-            return ExitCode::SUCCESS;
+            return 0;
         }
         LaunchInput::CommandFile(name) => Some(name),
         LaunchInput::StandardInput => None,
@@ -109,5 +110,5 @@ pub fn mdi() -> ExitCode {
     };
     let strict =
         std::env::var_os("MDI_STRICT").is_some_and(|value| !value.is_empty() && value != "0");
-    ExitCode::from(ending.exit_code(strict))
+    ending.exit_code(strict)
 }

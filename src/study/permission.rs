@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::Study;
 use crate::digest;
 use crate::settings::BackendChoice;
+use admire_session::own_program;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 
@@ -131,7 +132,7 @@ fn is_solver(words: &[String]) -> bool {
         return false;
     };
     let beside = || {
-        let own = std::env::current_exe().ok()?;
+        let own = own_program().ok()?;
         let own = own.with_file_name(format!("{SOLVER}{}", std::env::consts::EXE_SUFFIX));
         Some(own.canonicalize().ok()? == Path::new(program).canonicalize().ok()?)
     };

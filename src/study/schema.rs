@@ -130,7 +130,7 @@ mod tests {
             let term = format!("priors.{}", prior.name);
             let row = glossary::entries().find(|entry| entry.term == term);
             let cells = row.expect("a row of the guide").cells;
-            let said: Vec<&str> = cells.iter().map(|(_, text)| *text).collect();
+            let said: Vec<&str> = cells.iter().map(|(_, text)| text.as_str()).collect();
             let meaning = prior.meaning.trim().trim_end_matches('.');
             assert_eq!(
                 said[said.len() - 2..],

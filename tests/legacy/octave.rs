@@ -11,8 +11,8 @@ use crate::client::{LineEnds, copy, load_cases, project, run};
 use crate::common::{missing, shared};
 use crate::identification::by_admire;
 
-/// Octave ready to run a script of `tests/octave`, or `None` where there is none.
-fn octave(script: &str) -> Option<Command> {
+/// Octave ready to run a script, or `None` where there is none.
+fn octave(script: &Path) -> Option<Command> {
     let there = Command::new("octave-cli")
         .arg("--version")
         .stdout(Stdio::null())
@@ -26,8 +26,54 @@ fn octave(script: &str) -> Option<Command> {
     let mut command = Command::new("octave-cli");
     command
         .args(["--quiet", "--norc", "--no-history"])
-        .arg(project("tests/octave").join(script));
+        .arg(script);
     Some(command)
+}
+
+/// The lines of the page for MATLAB run in the folder that the page names, but for those that need MATLAB or Windows.
+#[test]
+fn the_page_for_matlab_runs_as_it_is_printed() {
+    let page = admire_guide::page("matlab").expect("the page").text;
+    let blocks = page.split("```matlab\n").skip(1);
+    let blocks = blocks.map(|block| block.split("```").next().expect("an end"));
+    let blocks: Vec<&str> = blocks
+        .filter(|block| {
+            !["setenv", "py.", "run.acf"]
+                .iter()
+                .any(|word| block.contains(word))
+        })
+        .collect();
+    assert_eq!(blocks.len(), 3, "{blocks:?}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let corpus = project("corpus/pseudo-mcpherson");
+    for file in fs::read_dir(corpus).expect("the corpus") {
+        let file = file.expect("a file");
+        fs::copy(file.path(), folder.path().join(file.file_name())).expect("a copy");
+    }
+    let functions = project("corpus/matlab").display().to_string();
+    let script = format!(
+        "addpath('{functions}');\n{}\nfprintf('%.9g %.9g %.9g %d\\n', x(end, 3), z(end), stiffnesses(1), status);\n",
+        blocks.concat()
+    );
+    let file = folder.path().join("page.m");
+    fs::write(&file, script).expect("a script");
+    let Some(mut octave) = octave(&file) else {
+        return;
+    };
+    let said = run(octave.current_dir(folder.path()));
+    let numbers: Vec<f64> = said
+        .split_whitespace()
+        .map(|word| word.parse().expect("a number"))
+        .collect();
+    // Both ways read the same height of the knuckle; the true stiffness of the study is 13875 N/mm.
+    assert!(
+        (numbers[0] - numbers[1]).abs() < 1e-6 && numbers[0] > 200.0,
+        "{said}"
+    );
+    assert!(
+        (numbers[2] / 13875.0 - 1.0).abs() < 0.1 && numbers[3] == 0.0,
+        "{said}"
+    );
 }
 
 /// The stiffnesses that a run of the paper's script leaves, and its iterations.
@@ -95,7 +141,7 @@ max_iterations = 40
 }
 
 fn identify(study: &Path, variant: Variant) -> Option<Identified> {
-    let mut octave = octave("identify.m")?;
+    let mut octave = octave(&project("tests/octave/identify.m"))?;
     let work = study.join("work");
     fs::create_dir(&work).expect("a folder");
     octave
@@ -260,7 +306,10 @@ fn both_readers_agree(results: &Path) -> Option<usize> {
     for entity in &asked {
         writeln!(file, "{}", entity.name).expect("a writable file");
     }
-    run(octave("readers.m")?.arg(results).arg(&names).arg(&out));
+    run(octave(&project("tests/octave/readers.m"))?
+        .arg(results)
+        .arg(&names)
+        .arg(&out));
 
     let text = fs::read_to_string(&out).expect("what the readers found");
     let mut lines = text.lines();

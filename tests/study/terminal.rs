@@ -124,6 +124,38 @@ fn stages_are_said_as_much_as_is_asked_for() {
     );
 }
 
+/// On a terminal a page goes through the pager of the user; `script` is a terminal.
+#[test]
+#[cfg(unix)]
+fn a_page_of_the_guide_goes_through_the_pager() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = env!("CARGO_BIN_EXE_admire");
+    let shown = |pager: &str| {
+        let mut command = std::process::Command::new("script");
+        let line = format!("'{program}' guide install");
+        let run = command
+            .args(["-q", "-e", "-c", &line, "/dev/null"])
+            .env("PAGER", pager)
+            .current_dir(folder.path())
+            .stdin(std::process::Stdio::null())
+            .output();
+        let Ok(run) = run else {
+            println!("SKIPPED: there is no program `script`");
+            return None;
+        };
+        assert!(run.status.success(), "{run:?}");
+        Some(String::from_utf8_lossy(&run.stdout).replace('\r', ""))
+    };
+    let plain = admire(folder.path(), &["guide", "install"]).out;
+    let Some(paged) = shown("sed s/^/PAGED/") else {
+        return;
+    };
+    let expected: String = plain.lines().map(|line| format!("PAGED{line}\n")).collect();
+    assert_eq!(paged, expected);
+    // A pager that is not there is none.
+    assert_eq!(shown("no-such-pager").unwrap(), plain);
+}
+
 /// What is no code, and no path that cannot be broken, keeps to 80 columns.
 #[test]
 fn pages_of_the_guide_keep_to_a_terminal() {

@@ -8,6 +8,32 @@ fn words(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// The first command of the README says what the README says it says.
+#[test]
+fn the_readme_shows_what_the_first_command_prints() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let (_, rest) = page
+        .split_once("```console\n$ cargo run --release -- ")
+        .unwrap();
+    let (command, rest) = rest.split_once('\n').unwrap();
+    let (shown, _) = rest.split_once("\n$ ").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("first").display().to_string();
+    let arguments = command.replace("target/first", &out);
+    let run = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(arguments.split(' '))
+        .current_dir(root)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stdout).replace(&out, "target/first");
+    let said = words(&said);
+    assert!(run.status.success(), "{said}");
+    for line in shown.lines().filter(|line| line.trim() != "...") {
+        assert!(said.contains(&words(line)), "says no `{line}`:\n{said}");
+    }
+}
+
 /// The commands of the tutorial run as they are printed, one after the other, and say what the page says they say.
 #[test]
 #[cfg(unix)]
