@@ -28,6 +28,7 @@
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 mod address;
+pub mod car_field;
 pub mod catalogue;
 mod command_file;
 mod dataset;

@@ -1,5 +1,6 @@
 //! Tests of hidden effects: each is planted on an axle, the diagnosis sees only the study folder, and then the truth is opened.
 
+mod adams_car_axle;
 mod arm;
 mod axles;
 mod blind;

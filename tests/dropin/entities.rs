@@ -2,7 +2,8 @@
 
 use admire_results::XrfReader;
 
-use crate::run::{Ran, Results, SLIDER, folder, mdi, text};
+use crate::car_deck;
+use crate::run::{Ran, Results, SLIDER, folder, mdi, run_deck, text};
 
 fn near(found: &[f64], expected: &[f64]) {
     assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
@@ -341,4 +342,43 @@ fn options_of_output_shape_tables_and_requests() {
     near(&results.column("REQUEST_2", "Z"), &[0.0, 0.0]);
     near(&results.column("REQUEST_3", "FZ"), &[-0.05, -0.05]);
     assert!(!req.contains("5.00000E-03\n"));
+}
+
+/// A bushing of Adams/Car in results and messages: its forces under its own name, and how it was read.
+#[test]
+fn a_bushing_of_adams_car_is_a_field_in_results() {
+    let mut axes = car_deck::PLAIN;
+    axes[0] = [1.5, 40.0, 0.0, 1.0];
+    let load = [
+        1.5 * car_deck::curve(0, 4.0) - 40.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    ];
+    let deck = [
+        "small\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n",
+        &car_deck::part(load),
+        &car_deck::splines(),
+        &car_deck::arrays(&axes),
+        &car_deck::field(car_deck::PARAMETERS),
+        "EQUILIBRIUM/ERROR=1E-10, IMBALANCE=1E-8\nRESULTS/XRF\nEND\n",
+    ]
+    .concat();
+    // The scale of the curve is changed by a command: the part goes where the load needs it.
+    let commands =
+        "SIMULATE/STATIC\nARRAY/31, NUMBERS = 2, 0, 3, 1, 0, 1, 40, 0, 1, 0, 1\nSIMULATE/STATIC";
+    let (results, ran, messages) = run_deck(&deck, commands);
+    assert_eq!(ran.code, 0, "{messages}");
+    let column = |entity: &str, component: &str| results.column(entity, component);
+    let field = "field";
+    near(
+        &[column(field, "FX")[0], column(field, "FX")[1]],
+        &[-load[0], -load[0]],
+    );
+    near(&[column("PART_2_XFORM", "X")[0]], &[4.0]);
+    assert!(column("PART_2_XFORM", "X")[1] < 3.0);
+    let told = "1 FIELD is read as a bushing of Adams/Car";
+    assert!(messages.contains(told), "{messages}");
 }

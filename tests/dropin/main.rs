@@ -4,6 +4,8 @@
 mod common;
 
 mod bad_motions;
+#[path = "../common/car_deck.rs"]
+mod car_deck;
 mod commands;
 mod crank;
 mod edges;

@@ -12,4 +12,5 @@ mod friction;
 mod invariance;
 mod patch;
 mod real;
+mod rebuilt;
 mod whole_rig;

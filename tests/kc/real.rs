@@ -33,15 +33,15 @@ const WITH_TYRE: Tyre = Tyre {
 
 /// Every step of a file: the values of its requests and of the forces of its tyres by name, and the wheels as their parts show them. The
 /// radii follow from the normal forces of the file by the law of the tyre.
-struct Run {
-    path: PathBuf,
-    columns: BTreeMap<String, usize>,
-    steps: Vec<(Vec<f64>, AxleState)>,
+pub struct Run {
+    pub path: PathBuf,
+    pub columns: BTreeMap<String, usize>,
+    pub steps: Vec<(Vec<f64>, AxleState)>,
     /// Rolled road.
-    rolls: bool,
+    pub rolls: bool,
 }
 
-fn runs() -> Vec<Run> {
+pub fn runs() -> Vec<Run> {
     let Some(folder) = shared("real-decks/kinbench-kc") else {
         return Vec::new();
     };
@@ -108,7 +108,7 @@ fn contact(of: &dyn Fn(&str) -> f64, side: Side) -> Vec3 {
 }
 
 impl Run {
-    fn each(&self, mut check: impl FnMut(&dyn Fn(&str) -> f64, &AxleState)) {
+    pub fn each(&self, mut check: impl FnMut(&dyn Fn(&str) -> f64, &AxleState)) {
         for (values, state) in &self.steps {
             check(&|name| values[self.columns[name] - 1], state);
         }

@@ -20,7 +20,7 @@ const OF_STD_ERROR: f64 = 0.1;
 /// Sweeps may grow or fall by this factor.
 const SWEEPS: f64 = 1.5;
 /// Studies that take minutes: compared with `RECORD=all` only.
-const LONG: [&str; 1] = ["corpus/flexure-finger"];
+const LONG: [&str; 2] = ["corpus/adams-car-axle", "corpus/flexure-finger"];
 
 fn record_file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/record/decisions.json")

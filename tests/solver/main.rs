@@ -3,6 +3,9 @@
 #![allow(non_snake_case)] // Forces, torques and rotation matrices keep their capitals.
 
 mod balance;
+mod car_bushing;
+#[path = "../common/car_deck.rs"]
+mod car_deck;
 mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;

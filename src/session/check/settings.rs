@@ -152,6 +152,7 @@ impl Settings {
                 | Code::NotSolvedInStatics
                 | Code::InactiveInStatics
                 | Code::UserSubroutine
+                | Code::CarBushing
         );
         match self.solver {
             None => true,

@@ -8,6 +8,7 @@
 
 mod beam;
 mod bushing;
+mod car_bushing;
 mod damping;
 mod deflection;
 mod degenerate;
@@ -22,10 +23,12 @@ mod slip;
 mod springdamper;
 
 pub(crate) use beam::Beam;
+pub(crate) use car_bushing::CarBushing;
 pub(crate) use damping::Damping;
 pub(crate) use degenerate::Degenerate;
 pub(crate) use friction::Coefficient;
 pub(crate) use friction::FrictionLaw;
+pub(crate) use law::ElementLaw;
 pub(crate) use law::Law;
 pub(crate) use law::Wrench;
 pub(crate) use nforce::{MultiPoint, MultiWrench};

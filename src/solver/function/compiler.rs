@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Program;
 use super::build::Build;
 use super::interpolant::{Interpolant, Method};
-use crate::model::{Model, VectorForceKind};
+use crate::model::{ArrayKind, Model, Spline, VectorForceKind};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 
@@ -160,6 +160,19 @@ impl<'m> ExpressionCompiler<'m> {
             })
             .get(&(kind, id))
             .copied()
+    }
+
+    /// Returns the numbers of an ARRAY, or `None` if there are none.
+    pub(crate) fn numbers(&self, array: u32) -> Option<&'m [f64]> {
+        match &self.model.arrays[self.find(Space::Array, array)?].kind {
+            ArrayKind::Numbers(numbers) => Some(numbers),
+            _ => None,
+        }
+    }
+
+    /// Returns a SPLINE of the model.
+    pub(crate) fn spline(&self, id: u32) -> Option<&'m Spline> {
+        Some(&self.model.splines[self.find(Space::Spline, id)?])
     }
 
     pub(super) fn interpolant(&self, spline: usize, method: Method) -> Option<Arc<Interpolant>> {

@@ -14,7 +14,7 @@ pub(super) enum Method {
 
 /// SPLINE data prepared for interpolation, with the slopes at the knots of every row of y values. There is one row per z value.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Interpolant {
+pub(crate) struct Interpolant {
     x: Vec<f64>,
     z: Vec<f64>,
     rows: Vec<Coefficients>,
@@ -59,6 +59,18 @@ impl Interpolant {
         })
     }
 
+    /// Prepares a curve by Akima's method that is extrapolated linearly, whatever its SPLINE says. Returns `None` for a surface too.
+    pub(crate) fn akima_line(spline: &Spline) -> Option<Self> {
+        let mut curve = Self::new(spline, Method::Akima).filter(|curve| !curve.is_surface())?;
+        curve.linear_extrapolate = true;
+        Some(curve)
+    }
+
+    /// Returns the largest size of an x value.
+    pub(crate) fn reach(&self) -> f64 {
+        self.x.iter().fold(0.0, |most, x| x.abs().max(most))
+    }
+
     /// Returns whether the spline is a surface: it has more than one row (z value).
     pub(super) fn is_surface(&self) -> bool {
         self.rows.len() > 1
@@ -66,7 +78,7 @@ impl Interpolant {
 
     /// Returns the derivative of the given order with respect to x at (x, z), and the derivatives of that result with respect to x and z. A
     /// surface is interpolated linearly in z between its rows. Outside the rows it is extrapolated linearly from the two nearest rows.
-    pub(super) fn at(&self, x: f64, z: f64, order: usize) -> (f64, [f64; 2]) {
+    pub(crate) fn at(&self, x: f64, z: f64, order: usize) -> (f64, [f64; 2]) {
         let local = self.locate(x);
         let of = |row: &Coefficients| {
             let derivatives = local.derivatives(row);

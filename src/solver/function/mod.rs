@@ -37,6 +37,7 @@ pub(crate) use input::{
     RotationSequence,
 };
 pub use input::{Input, Measure};
+pub(crate) use interpolant::Interpolant;
 pub use measure::Reference;
 pub use program::EvaluationMemory;
 pub(crate) use program::Program;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Model, PartKind};
 use crate::mechanics::psi_theta_phi;
+use admire_syntax::car_field::CarField;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::Edit;
 use admire_syntax::{Dataset, NewStatement, ObjectId, Removal, Statement, Topology};
@@ -41,6 +42,9 @@ pub fn extract(
         bodies,
         ground,
         topology: &topology,
+        bushings: CarField::all(dataset)
+            .filter_map(|(field, read)| Some((field.number()?, read.ok()?)))
+            .collect(),
         kept: BTreeSet::new(),
         measured: Vec::new(),
     };
@@ -114,6 +118,8 @@ struct Chosen<'a> {
     bodies: &'a BTreeSet<ObjectId>,
     ground: ObjectId,
     topology: &'a Topology,
+    /// FIELDs of Adams/Car by id, with the curves and arrays that they name.
+    bushings: BTreeMap<u32, CarField>,
     kept: BTreeSet<usize>,
     measured: Vec<Diagnostic>,
 }
@@ -126,6 +132,16 @@ impl Chosen<'_> {
             let statement = &self.dataset.statements()[at];
             if statement.object().is_none() {
                 continue;
+            }
+            let field = statement
+                .number()
+                .filter(|_| statement.kind() == Some("FIELD"));
+            if let Some(car) = field.and_then(|id| self.bushings.get(&id)) {
+                let curves = car.curves.iter().map(|id| ("spline", *id));
+                let arrays = car.arrays.iter().map(|id| ("array", *id));
+                let named = curves.chain(arrays);
+                self.kept
+                    .extend(named.filter_map(|object| self.places.get(&object)));
             }
             for argument in &statement.arguments {
                 for reference in argument.references() {

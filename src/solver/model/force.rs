@@ -1,4 +1,5 @@
 use super::{Function, Header, MarkerIx};
+use admire_syntax::car_field::CarField;
 use admire_syntax::grammar::{ArgumentDef, LawDef, StatementDef};
 
 /// BUSHING statement. All components are in J axes.
@@ -43,6 +44,8 @@ pub struct PairForce {
     pub damping: Vec<f64>,
     /// Ratio of damping to stiffness, CRATIO.
     pub damping_ratio: f64,
+    /// Curves and arrays of a FIELD that Adams/Car writes for a bushing; `values` is then empty.
+    pub car: Option<CarField>,
 }
 
 impl PairForce {

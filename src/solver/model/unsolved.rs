@@ -160,6 +160,7 @@ impl Model {
                 .any(|o| !o.header().active && o.header().id == id && o.is(kind))
         }
         match kind {
+            "FIELD" => off(&self.pair_forces, kind, id),
             "SFORCE" => off(&self.sforces, kind, id),
             "GFORCE" | "VFORCE" | "VTORQUE" => off(&self.vector_forces, kind, id),
             "MOTION" => off(&self.motions, kind, id),

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::Model;
+use admire_syntax::car_field::parameters;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::files::Files;
 use admire_syntax::property::{PropertyFile, PropertyKind};
@@ -160,14 +161,14 @@ impl Work<'_> {
             let text = string.and_then(|s| s.text("STRING", self.dataset.source()));
             text.is_some_and(|text| text.trim() == name)
         };
-        let numbers = numbers(user).enumerate();
+        let numbers = parameters(user).enumerate();
         let others = numbers.filter(|(k, n)| *n != 0.0 && !is_file(*n) && *k > 0);
         others.map(|(_, number)| format!("{number}")).collect()
     }
 
     /// Returns the single property file that the parameters of a USER call refer to.
     fn property_file(&self, user: &str) -> Result<(String, PropertyFile), String> {
-        let numbers = numbers(user);
+        let numbers = parameters(user);
         let mut found: Option<(String, PropertyFile)> = None;
         let mut seen = BTreeSet::new();
         for number in numbers.filter(|n| *n >= 1.0 && n.fract() == 0.0) {
@@ -352,13 +353,6 @@ impl Work<'_> {
             .edits
             .push(Edit::new(statement.span, lines.join(newline)));
     }
-}
-
-/// Returns the numeric parameters of a USER call.
-fn numbers(user: &str) -> impl Iterator<Item = f64> + '_ {
-    let inside = user.split_once('(').map_or("", |(_, inside)| inside);
-    let words = inside.trim_end().trim_end_matches(')').split(',');
-    words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok())
 }
 
 /// Returns the block name of the k-th curve of a bushing file.

@@ -39,6 +39,8 @@ pub(crate) enum GroupDimensions {
     Of(Components),
     /// Stiffness matrix of n by n parameters, stored column by column and composed of 6 by 6 blocks.
     MultiStiffness(usize),
+    /// One dimension for each parameter.
+    Each(&'static [Dimension]),
 }
 
 impl GroupDimensions {
@@ -53,6 +55,7 @@ impl GroupDimensions {
     fn of(self, k: usize) -> Dimension {
         let component = match self {
             Self::Same(dimension) => return dimension,
+            Self::Each(dimensions) => dimensions.get(k).copied(),
             Self::Of(components) => components.of(k),
             Self::MultiStiffness(n) => Components::Stiffness.of(k % n % 6 + 6 * (k / n % 6)),
         };

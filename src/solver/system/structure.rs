@@ -7,7 +7,7 @@ use super::compiled_function::{CompiledFunction, Exerted, Source};
 use super::surface::JointFriction;
 use super::{Catalogue, EquationName, Name, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
-use crate::element::{Damping, Law, MultiPoint};
+use crate::element::{Damping, ElementLaw, MultiPoint};
 use crate::mechanics::{Mat3, Mat6, Vec3};
 use crate::model::{EquilibriumSettings, PartIx};
 use admire_syntax::diagnostic::Diagnostic;
@@ -61,7 +61,7 @@ pub(crate) struct Start {
 #[derive(Debug)]
 pub(crate) enum Action {
     /// Force law between the two markers, with the source of the law's parameters.
-    Law(&'static dyn Law, ParameterSource),
+    Law(ElementLaw, ParameterSource),
     /// Functions of the force and torque components, in the axes of the frame marker.
     Vector([Option<usize>; 6]),
 }

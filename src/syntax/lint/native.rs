@@ -1,6 +1,7 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::context::Context;
+use crate::car_field::{CarField, reading};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::expression::Node;
 use crate::grammar::{FunctionDef, Solved};
@@ -15,6 +16,26 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut sticking: BTreeMap<&str, (usize, &Statement)> = BTreeMap::new();
     let mut users: BTreeMap<&str, (usize, Span)> = BTreeMap::new();
     let mut functions: BTreeMap<&str, (&FunctionDef, Span)> = BTreeMap::new();
+    let mut bushings: BTreeSet<usize> = BTreeSet::new();
+    let (mut first, mut others) = (None, Vec::new());
+    for (field, read) in CarField::all(context.dataset) {
+        match read {
+            Ok(read) => {
+                first = first.or(Some(field));
+                others.extend(read.others);
+                bushings.insert(field.span.start());
+            }
+            Err(why) => {
+                let message = format!("{} is not solved: {why}", context.title(field));
+                found.push(context.warning(Code::CarBushing, field.head(), message));
+            }
+        }
+    }
+    if let Some(first) = first {
+        let (message, help) = reading(bushings.len(), &others);
+        let warning = context.warning(Code::CarBushing, first.head(), message);
+        found.push(warning.help(help));
+    }
     for statement in context.statements() {
         let Some(def) = statement.def else { continue };
         match def.solved {
@@ -34,7 +55,10 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         }
         for argument in &statement.arguments {
             match &argument.value {
-                Value::User(span) if def.solved.only_adams().is_none() => {
+                Value::User(span)
+                    if def.solved.only_adams().is_none()
+                        && !bushings.contains(&statement.span.start()) =>
+                {
                     users.entry(def.name).or_insert((0, *span)).0 += 1;
                 }
                 Value::Function(expression) => {

@@ -209,7 +209,7 @@ impl Definitions {
             fresh.splines.extend(spline);
             return Some(fresh);
         }
-        let why = unsolved(&stated, def);
+        let why = unsolved(&reader);
         if why.is_none() || is_body(def) || def.name == "MARKER" {
             let own = |marker: usize| model.markers.get(marker).map(|marker| marker.part);
             let body = self.ids.index("marker", id).and_then(own);

@@ -33,8 +33,9 @@ pub(super) fn pair_force(reader: &mut Reader) -> Option<PairForce> {
     let def = reader.def;
     let chosen = |law: &&LawDef| law.flag.is_none_or(|flag| reader.has(flag));
     let law = def.laws.iter().find(chosen)?;
+    let car = reader.car_field().and_then(Result::ok);
     let mut values = Vec::new();
-    for argument in law_arguments(def, law) {
+    for argument in law_arguments(def, law).filter(|_| car.is_none()) {
         let count = argument.count.max.unwrap_or(1);
         values.extend((0..count).map(reader.row(argument.name)));
     }
@@ -47,6 +48,7 @@ pub(super) fn pair_force(reader: &mut Reader) -> Option<PairForce> {
         values,
         damping: reader.reals("CMATRIX").unwrap_or_default(),
         damping_ratio: reader.real("CRATIO"),
+        car,
     })
 }
 

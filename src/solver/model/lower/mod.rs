@@ -286,7 +286,7 @@ impl Lowering<'_> {
         }
         let known = diagnostics.len();
         let mut reader = Reader::new(context, stated, def, at, diagnostics);
-        if let Some((code, why)) = unsolved(&stated, def) {
+        if let Some((code, why)) = unsolved(&reader) {
             self.model.unsolved.push(Unsolved {
                 header: reader.header(),
                 kind: def.name,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::ids::Ids;
 use crate::mechanics::Vec3;
 use crate::model::{Function, Header, Joint, MarkerIx, PartIx};
+use admire_syntax::car_field::CarField;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::StatementDef;
 use admire_syntax::text::{Source, Span};
@@ -205,6 +206,20 @@ impl<'a> Reader<'a> {
                 .map(|row| (0..columns).map(|column| at(row, column)).collect())
                 .collect(),
         )
+    }
+
+    /// Returns what a FIELD names whose values come from a subroutine, if these are objects of a bushing of Adams/Car; an error says what
+    /// does not fit.
+    pub(crate) fn car_field(&self) -> Option<Result<CarField, String>> {
+        if self.def.name != "FIELD" || !self.is_user("FUNCTION") {
+            return None;
+        }
+        let dataset = self.context.dataset;
+        let field = &dataset.statements()[self.origin];
+        let user = self.text("FUNCTION")?;
+        CarField::read(dataset, field, &user, |kind, id| {
+            self.context.stated(kind, id)
+        })
     }
 
     pub(crate) fn function(&self, name: &str) -> Option<Function> {

@@ -1,11 +1,12 @@
 use super::frame;
-use admire_syntax::Stated;
+use super::reader::Reader;
 use admire_syntax::diagnostic::Code;
-use admire_syntax::grammar::{Solved, StatementDef};
+use admire_syntax::grammar::Solved;
 
 /// Returns the reason why only real ADAMS can solve a statement. `None` if the built-in solver solves the statement or the statement has no
 /// effect.
-pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option<(Code, String)> {
+pub(super) fn unsolved(statement: &Reader) -> Option<(Code, String)> {
+    let def = statement.def;
     match def.solved {
         Solved::External(why) => return Some((Code::NotSolvedNatively, why.to_string())),
         Solved::Subroutine(why) => return Some((Code::UserSubroutine, why.to_string())),
@@ -18,8 +19,13 @@ pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option
         "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE"
             if statement.is_user("FUNCTION") =>
         {
-            let why = "its values come from a user subroutine";
-            return Some((Code::UserSubroutine, why.to_string()));
+            let mut why = "its values come from a user subroutine".to_string();
+            match statement.car_field() {
+                Some(Ok(_)) if formulation != Some("NONLINEAR") => return None,
+                Some(Err(misfit)) => why += &format!(", and {misfit}"),
+                _ => {}
+            }
+            return Some((Code::UserSubroutine, why));
         }
         "FIELD" if formulation == Some("NONLINEAR") => {
             "FORMULATION=NONLINEAR: its law is not published"

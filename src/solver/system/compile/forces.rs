@@ -1,7 +1,7 @@
 //! Compilation of force statements to elements.
 
 use super::{Header, Name, SystemCompiler, name};
-use crate::element::{Beam, Damping, Law, ScalarForce};
+use crate::element::{Beam, Damping, ElementLaw, Law, ScalarForce};
 use crate::mechanics::{Mat6, Vec6};
 use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
 use crate::system::catalogue::{GroupDimensions, Role};
@@ -87,11 +87,11 @@ impl SystemCompiler<'_> {
         debug_assert_eq!(law.parameter_count(), values.len(), "{}", wanted.name);
         let drive = ParameterSource::Theta(start..self.theta.len());
         let reaction = Some(self.part_of(j));
-        let action = Action::Law(law, drive);
+        let action = Action::Law(ElementLaw::Shared(law), drive);
         self.push_element((def.name, header), (i, j, Some(j)), reaction, action);
     }
 
-    fn push_element(
+    pub(super) fn push_element(
         &mut self,
         (kind, header): (&'static str, &Header),
         (i, j, frame): (usize, usize, Option<usize>),
@@ -116,7 +116,7 @@ impl SystemCompiler<'_> {
     }
 
     /// Sets the damping of the element that was added last.
-    fn damp(&mut self, damping: Option<Damping>) {
+    pub(super) fn damp(&mut self, damping: Option<Damping>) {
         if let Some(element) = self.elements.last_mut() {
             element.damping = damping;
         }
@@ -149,6 +149,10 @@ impl SystemCompiler<'_> {
             self.damp((s.damping != 0.0).then_some(damping));
         }
         for f in &self.model.pair_forces {
+            if let Some(car) = &f.car {
+                self.car_bushing(f, car);
+                continue;
+            }
             self.law(f.def, f.law, &f.header, (f.i.0, f.j.0), &f.values);
             let C = match (&f.damping[..], f.law.name) {
                 (all, _) if all.len() == 36 => Some(Mat6::from_column_slice(all)),
@@ -179,7 +183,7 @@ impl SystemCompiler<'_> {
                 ("SFORCE", &s.header),
                 (s.i.0, s.j.0, Some(s.j.0)),
                 reaction,
-                Action::Law(law, ParameterSource::Function(function)),
+                Action::Law(ElementLaw::Shared(law), ParameterSource::Function(function)),
             );
         }
     }

@@ -3,6 +3,7 @@
 //! Contains no solution method. Every statement that cannot be solved is reported together with the effect of leaving it out; nothing is
 //! dropped silently.
 
+mod car_bushing;
 mod centres;
 mod conditions;
 mod constraints;
@@ -12,7 +13,7 @@ mod functions;
 mod motion;
 mod order;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use self::centres::{centres, sizes};
@@ -67,6 +68,7 @@ impl System {
         compiler.data();
         compiler.readings();
         compiler.left_out();
+        compiler.tell_car_bushings();
         compiler.finish()
     }
 }
@@ -105,6 +107,8 @@ struct SystemCompiler<'a> {
     driven: Vec<Driven>,
     /// Times at which each function is not smooth.
     breaks: Vec<Vec<f64>>,
+    /// ARRAYs that belong to a FIELD of Adams/Car.
+    car_arrays: BTreeSet<u32>,
 }
 
 /// Returns the definition of a statement's argument in the grammar.
@@ -154,6 +158,7 @@ impl<'a> SystemCompiler<'a> {
             users: Vec::new(),
             driven: Vec::new(),
             breaks: Vec::new(),
+            car_arrays: BTreeSet::new(),
         }
     }
 

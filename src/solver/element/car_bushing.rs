@@ -1,0 +1,296 @@
+//! The elastic law of a FIELD that Adams/Car writes for a bushing. Independent of names and ids; the damping is in [`super::damping`].
+
+use super::deflection::Deflection;
+use super::{Degenerate, Law, Wrench};
+use crate::function::Interpolant;
+use crate::mechanics::{Mat6, RelativeMotion, Vec6};
+use admire_syntax::car_field::CarAxis;
+
+/// Number of values per axis in the parameters: the whole array of the axis.
+const PER_AXIS: usize = 11;
+/// Radial deflection, relative to the range of the curve, below which the curve counts as its tangent.
+const NEAR: f64 = 1e-12;
+
+/// Bushing of Adams/Car: a curve per axis of J; the curves of x and y share the radial deflection.
+///
+/// Law, in J axes, on I at the I origin, with (x, y, z, AX, AY, AZ) = d and, for each axis k, the scale V, preload P, offset Q and stretch H
+/// of its array and q = H d - Q:
+/// ```text
+/// r = sqrt(q_x^2 + q_y^2)
+/// F_x = P_x - V_x X(r) q_x/r,  F_y = P_y - V_y Y(r) q_y/r
+/// F_k = P_k - V_k C_k(q_k)  for z and the torques
+/// ```
+/// X and Y are odd, so that X(r)/r has a limit at r = 0. The reaction on J is that of a BUSHING. Parameters: the eleven values of each
+/// array, axis by axis; those that have no part in the law have zero derivatives. Validity: angles as for BUSHING.
+/// Source: 505 states of a real axle without offsets; offsets and scales as in the compatible bushings of MotionView (AutoBush).
+#[derive(Debug)]
+pub(crate) struct CarBushing {
+    curves: [Interpolant; 6],
+}
+
+impl CarBushing {
+    pub(crate) fn new(curves: [Interpolant; 6]) -> Self {
+        Self { curves }
+    }
+
+    /// Returns X(r)/r and its derivative by r, for a radial axis.
+    fn secant(&self, axis: usize, r: f64) -> (f64, f64) {
+        let curve = &self.curves[axis];
+        let (at_zero, [tangent, _]) = curve.at(0.0, 0.0, 0);
+        if r <= NEAR * curve.reach() {
+            return (tangent, 0.0);
+        }
+        let (value, [slope, _]) = curve.at(r, 0.0, 0);
+        // An odd curve is zero at zero, up to round-off.
+        let secant = (value - at_zero) / r;
+        (secant, (slope - secant) / r)
+    }
+}
+
+impl Law for CarBushing {
+    fn parameter_count(&self) -> usize {
+        6 * PER_AXIS
+    }
+
+    fn evaluate(
+        &self,
+        motion: &RelativeMotion,
+        theta: &[f64],
+        with_parameters: bool,
+        out: &mut Wrench,
+    ) -> Result<(), Degenerate> {
+        let d = Deflection::of(motion)?;
+        let number = |axis: usize, which: usize| theta[PER_AXIS * axis + CarAxis::PLACES[which]];
+        let d6 = d.coordinates();
+        let q = Vec6::from_fn(|k, _| number(k, 3) * d6[k] - number(k, 2));
+        // c holds the values of the curves, by_q their derivatives by the deflections.
+        let mut c = Vec6::zeros();
+        let mut by_q = Mat6::zeros();
+        let r = libm::hypot(q[0], q[1]);
+        for k in 0..2 {
+            let (secant, change) = self.secant(k, r);
+            c[k] = secant * q[k];
+            by_q[(k, k)] = secant;
+            for m in 0..2 {
+                if r > 0.0 {
+                    by_q[(k, m)] += change * q[k] * q[m] / r;
+                }
+            }
+        }
+        for k in 2..6 {
+            let (value, [slope, _]) = self.curves[k].at(q[k], 0.0, 0);
+            c[k] = value;
+            by_q[(k, k)] = slope;
+        }
+        let mut by_d = Mat6::zeros();
+        for k in 0..6 {
+            out.value[k] = number(k, 1) - number(k, 0) * c[k];
+            for m in 0..6 {
+                by_d[(k, m)] = -number(k, 0) * by_q[(k, m)] * number(m, 3);
+            }
+        }
+        out.by_motion = by_d;
+        let by_angles = by_d.fixed_columns::<3>(3) * d.angle_rows;
+        out.by_motion
+            .fixed_columns_mut::<3>(3)
+            .copy_from(&by_angles);
+        if with_parameters {
+            let columns = out.parameter_columns(6 * PER_AXIS);
+            for k in 0..6 {
+                let [scale, preload, offset, stretch] =
+                    CarAxis::PLACES.map(|place| PER_AXIS * k + place);
+                columns[scale][k] = -c[k];
+                columns[preload][k] = 1.0;
+                for m in 0..6 {
+                    let slope = number(m, 0) * by_q[(m, k)];
+                    columns[offset][m] = slope;
+                    columns[stretch][m] = -slope * d6[k];
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::testing::{advanced, number};
+    use crate::mechanics::{Pose, Vec3, exp};
+    use crate::model::Spline;
+
+    /// Round knots of an odd, progressive curve.
+    const X: [f64; 7] = [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0];
+
+    fn curve(y: impl Fn(f64) -> f64, unit: f64) -> Interpolant {
+        let spline = Spline {
+            header: crate::model::Header::default(),
+            x: X.iter().map(|x| x * unit).collect(),
+            z: vec![0.0],
+            y: vec![X.iter().map(|x| y(x * unit)).collect()],
+            linear_extrapolate: false,
+        };
+        Interpolant::akima_line(&spline).expect("a curve")
+    }
+
+    fn law() -> CarBushing {
+        CarBushing::new([
+            curve(|x| 300.0 * x + 20.0 * x * x * x, 1.0),
+            curve(|x| 500.0 * x + 5.0 * x * x * x, 1.0),
+            curve(|x| 80.0 * x + 30.0 * x * x, 1.0),
+            curve(|x| 9e4 * x + 1e6 * x * x * x, 0.05),
+            curve(|x| 7e4 * x, 0.05),
+            curve(|x| 2e4 * x + 3e6 * x * x * x, 0.05),
+        ])
+    }
+
+    /// Arrays with scale, preload, offset and stretch.
+    fn theta(of: impl Fn(usize) -> [f64; 4]) -> Vec<f64> {
+        let mut theta = vec![0.0; 66];
+        for axis in 0..6 {
+            for (place, value) in CarAxis::PLACES.into_iter().zip(of(axis)) {
+                theta[PER_AXIS * axis + place] = value;
+            }
+        }
+        theta
+    }
+
+    fn general() -> Vec<f64> {
+        theta(|k| {
+            let small = if k < 3 { 0.3 } else { 0.01 };
+            [
+                1.5 + 0.1 * number(k),
+                100.0 * number(k + 7),
+                small * number(k + 3),
+                1.0 + 0.2 * number(k + 1),
+            ]
+        })
+    }
+
+    fn at(p: [f64; 3], turn: [f64; 3]) -> RelativeMotion {
+        let frame = |p: Vec3, turn: Vec3| Pose { p, R: exp(&turn) };
+        let ground = frame(Vec3::zeros(), Vec3::zeros());
+        RelativeMotion::between(&frame(p.into(), turn.into()), &ground, &Vec3::zeros())
+    }
+
+    fn wrench(theta: &[f64], motion: &RelativeMotion) -> Wrench {
+        let mut out = Wrench::default();
+        law()
+            .evaluate(motion, theta, true, &mut out)
+            .expect("regular");
+        out
+    }
+
+    /// Deflections inside and beyond the curves, on an axis, and at the origin.
+    fn motions() -> Vec<RelativeMotion> {
+        vec![
+            at([1.1, -0.7, 0.4], [0.05, -0.03, 0.08]),
+            at([5.5, 4.5, -9.0], [0.2, 0.1, -0.45]),
+            at([1e-7, 2e-7, 0.0], [0.0, 0.0, 0.0]),
+            at([0.0, 1.3, 0.3], [0.01, 0.0, 0.0]),
+        ]
+    }
+
+    /// Returns whether an axis is not deflected.
+    fn at_rest(motion: &RelativeMotion) -> bool {
+        let deflected = motion.p_ij_j.iter().chain(motion.angles.iter());
+        deflected.into_iter().any(|d| *d == 0.0)
+    }
+
+    /// The closed form: knots of the curves are hit exactly, and r = 5 lies on none of the axes.
+    #[test]
+    fn radial_axes_share_the_radial_deflection() {
+        let plain = theta(|k| [if k == 0 { 1.5 } else { 1.0 }, 10.0 * k as f64, 0.0, 1.0]);
+        let x = |r: f64| 300.0 * r + 20.0 * r * r * r;
+        let y = |r: f64| 500.0 * r + 5.0 * r * r * r;
+        for (p, r) in [
+            ([2.4, 3.2, 2.0], 4.0),
+            ([-1.2, 1.6, -4.0], 2.0),
+            ([3.6, -4.8, 6.0], 6.0),
+        ] {
+            let value = wrench(&plain, &at(p, [0.0; 3])).value;
+            let expected = [
+                -1.5 * x(r) * p[0] / r,
+                10.0 - y(r) * p[1] / r,
+                20.0 - (80.0 * p[2] + 30.0 * p[2] * p[2]),
+            ];
+            for k in 0..3 {
+                assert!(
+                    (value[k] - expected[k]).abs() < 1e-9,
+                    "{p:?}: {value} {expected:?}"
+                );
+            }
+        }
+    }
+
+    /// Offset and scale of the displacement: at d = (knot + offset)/scale the curve is at its knot.
+    #[test]
+    fn offsets_are_subtracted_from_the_scaled_displacement() {
+        let shifted = theta(|k| {
+            if k == 2 {
+                [2.0, 7.0, 0.5, 1.25]
+            } else {
+                [1.0, 0.0, 0.0, 1.0]
+            }
+        });
+        let value = wrench(&shifted, &at([0.0, 0.0, (4.0 + 0.5) / 1.25], [0.0; 3])).value;
+        assert!((value[2] - (7.0 - 2.0 * (80.0 * 4.0 + 30.0 * 16.0))).abs() < 1e-9);
+    }
+
+    /// Beyond the last knot a curve goes on along its last chord, in torsion too.
+    #[test]
+    fn curves_are_lines_beyond_their_ends() {
+        let plain = theta(|_| [1.0, 0.0, 0.0, 1.0]);
+        let c = |x: f64| 2e4 * x + 3e6 * x * x * x;
+        let (a, b) = (0.2, 0.3);
+        let beyond = 0.5;
+        let expected = c(b) + (c(b) - c(a)) / (b - a) * (beyond - b);
+        let value = wrench(&plain, &at([0.0; 3], [0.0, 0.0, beyond])).value;
+        assert!((value[5] + expected).abs() < 1e-6, "{value} {expected}");
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let theta = general();
+        for motion in motions() {
+            let exact = wrench(&theta, &motion);
+            let scale = exact.by_motion.norm();
+            for k in 0..6 {
+                let h = 1e-6;
+                let at = |h: f64| wrench(&theta, &advanced(&motion, &Vec6::ith(k, h))).value;
+                let difference = (at(h) - at(-h)) / (2.0 * h);
+                let apart = (exact.by_motion.column(k) - difference).norm();
+                assert!(apart < 1e-8 * scale, "{k}: {apart:e} of {scale:e}");
+            }
+            for n in 0..66 {
+                let h = 1e-6;
+                let at = |h: f64| {
+                    let mut theta = theta.clone();
+                    theta[n] += h;
+                    wrench(&theta, &motion).value
+                };
+                let difference = (at(h) - at(-h)) / (2.0 * h);
+                let column = exact.by_parameter[n];
+                assert!(
+                    (column - difference).norm() < 1e-8 * scale,
+                    "{n}: {column} {difference}"
+                );
+                // A derivative by the stretch of an axis that is not deflected is zero.
+                let acts = CarAxis::PLACES.contains(&(n % 11));
+                assert!(acts || column.norm() == 0.0, "{n}");
+                assert!(!acts || column.norm() > 0.0 || at_rest(&motion), "{n}");
+            }
+        }
+    }
+
+    /// At r = 0 the law has the tangent of its curves and no direction is preferred.
+    #[test]
+    fn the_law_is_smooth_at_the_origin() {
+        let plain = theta(|_| [1.0, 0.0, 0.0, 1.0]);
+        let there = wrench(&plain, &at([0.0; 3], [0.0; 3]));
+        assert_eq!(there.value, Vec6::zeros());
+        let near = wrench(&plain, &at([1e-9, -1e-9, 0.0], [0.0; 3]));
+        assert!((there.by_motion - near.by_motion).norm() < 1e-5 * near.by_motion.norm());
+        assert!(there.by_motion[(0, 0)] < -300.0 && there.by_motion[(1, 1)] < -500.0);
+    }
+}

@@ -1,0 +1,289 @@
+//! FIELDs that Adams/Car writes for its bushings: the curves and numbers that the parameters of their subroutine name.
+//!
+//! No public dataset of Adams/Car was found. What the reading rests on is in `grammar/NOTES.md`. Anything else keeps its subroutine.
+
+use std::collections::BTreeMap;
+
+use crate::{Dataset, Stated, Statement, Value, as_id};
+
+/// Words of the axes in the names of curves and arrays, in the order of the components of a FIELD.
+const WORDS: [&str; 6] = ["tx", "ty", "tz", "rx", "ry", "rz"];
+/// Names of the components in results.
+const COMPONENTS: [&str; 6] = ["fx", "fy", "fz", "tx", "ty", "tz"];
+/// Number of values in the array of an axis.
+const LENGTH: usize = 11;
+/// Largest deviation of an odd curve, relative to its largest value.
+const ODD: f64 = 1e-6;
+
+/// Objects that a FIELD of Adams/Car names in the parameters of its subroutine.
+#[derive(Clone, PartialEq, Debug)]
+pub struct CarField {
+    /// Name of the bushing: the common beginning of the names of its curves and arrays.
+    pub bushing: String,
+    /// Ids of the SPLINEs `tx_spline` to `rz_spline`.
+    pub curves: [u32; 6],
+    /// Ids of the ARRAYs `tx_data_array` to `rz_data_array`.
+    pub arrays: [u32; 6],
+    /// Parameters that name neither a curve nor an array of the bushing.
+    pub others: Vec<f64>,
+}
+
+/// Numbers of one axis of a bushing of Adams/Car, with `F = preload - scale C(stretch d - offset)` for its curve C.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct CarAxis {
+    /// Scale of the curve.
+    pub scale: f64,
+    /// Force or torque on I without deflection of the curve.
+    pub preload: f64,
+    /// Offset, subtracted from the scaled displacement.
+    pub offset: f64,
+    /// Scale of the displacement.
+    pub stretch: f64,
+    /// Force per velocity, with its scales.
+    pub damping: f64,
+}
+
+impl CarAxis {
+    /// Places in the array of the numbers of the law, counted from zero: scale, preload, offset and stretch.
+    pub const PLACES: [usize; 4] = [2, 6, 7, 8];
+
+    /// Reads an array in the order of Adams/Car: type, value and scale of the stiffness; type, value and scale of the damping; preload;
+    /// offset and scale of the displacement; offset and scale of the velocity.
+    ///
+    /// # Errors
+    /// A sentence that says what does not fit.
+    pub fn read(numbers: &[f64]) -> Result<Self, String> {
+        let &[
+            kind,
+            value,
+            scale,
+            damping_kind,
+            damping,
+            damping_scale,
+            preload,
+            offset,
+            stretch,
+            velocity_offset,
+            velocity_scale,
+        ] = numbers
+        else {
+            return Err(format!(
+                "has {} numbers, and the layout {LENGTH}",
+                numbers.len()
+            ));
+        };
+        if let Some(kind) = [kind, damping_kind].iter().find(|kind| kind.fract() != 0.0) {
+            return Err(format!("has the type {kind}, which is no whole number"));
+        }
+        if value != 0.0 {
+            return Err(format!(
+                "has the stiffness {value} beside the curve, and which of them acts is not known"
+            ));
+        }
+        let damping = damping * damping_scale * velocity_scale;
+        if damping != 0.0 && velocity_offset != 0.0 {
+            return Err(format!(
+                "has the offset {velocity_offset} of the velocity, whose sign is not known"
+            ));
+        }
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err("has a number that is not finite".to_string());
+        }
+        Ok(Self {
+            scale,
+            preload,
+            offset,
+            stretch,
+            damping,
+        })
+    }
+}
+
+impl CarField {
+    /// Reads a FIELD whose values come from a subroutine. `user` is the text of the call, `USER(...)`; `stated` returns statements by kind
+    /// and id.
+    ///
+    /// `None` if the parameters name no curve and no array that are called like those of a bushing of Adams/Car.
+    ///
+    /// # Errors
+    /// A sentence that says what does not fit: objects that are missing or belong to another bushing, numbers, or a curve.
+    pub fn read<'a>(
+        dataset: &'a Dataset,
+        field: &Statement,
+        user: &str,
+        stated: impl Fn(&'static str, u32) -> Option<Stated<'a>>,
+    ) -> Option<Result<Self, String>> {
+        let mut found: BTreeMap<(&str, usize), (u32, String)> = BTreeMap::new();
+        let mut others = Vec::new();
+        for number in parameters(user) {
+            let mut named = false;
+            for (kind, ending) in [("SPLINE", "_spline"), ("ARRAY", "_data_array")] {
+                let id = as_id(number);
+                let Some(statement) = id.and_then(|id| dataset.statement(kind, Some(id))) else {
+                    continue;
+                };
+                let name = dataset.name(statement);
+                let Some((bushing, last)) = name.rsplit_once('.') else {
+                    continue;
+                };
+                let last = last.to_ascii_lowercase();
+                let word = last.strip_suffix(ending);
+                let axis = WORDS.iter().position(|axis| word == Some(*axis));
+                if let (Some(axis), Some(id)) = (axis, id) {
+                    found.insert((kind, axis), (id, bushing.to_string()));
+                    named = true;
+                }
+            }
+            if !named {
+                others.push(number);
+            }
+        }
+        let bushing = found.values().next()?.1.clone();
+        let read = Self::named(&dataset.name(field), &bushing, &found, others);
+        let array = |id| stated("ARRAY", id).map_or_else(Vec::new, |a| values(&a, "NUMBERS"));
+        let curve = |id| {
+            let spline = stated("SPLINE", id)?;
+            let of_file = spline.latest(&["FILE", "X", "Y"]).next() == Some("FILE");
+            (!of_file).then(|| (values(&spline, "X"), values(&spline, "Y")))
+        };
+        Some(read.and_then(|read| match read.misfit(array, curve) {
+            None => Ok(read),
+            Some(why) => Err(why),
+        }))
+    }
+
+    /// Returns the objects that were found by their names, for a FIELD that is called `own`.
+    fn named(
+        own: &str,
+        bushing: &str,
+        found: &BTreeMap<(&str, usize), (u32, String)>,
+        others: Vec<f64>,
+    ) -> Result<Self, String> {
+        let same = |name: &str| name.eq_ignore_ascii_case(bushing);
+        if let Some((_, other)) = found.values().find(|(_, other)| !same(other)) {
+            return Err(format!(
+                "its parameters name objects of `{bushing}` and of `{other}`"
+            ));
+        }
+        let parent = own.rsplit_once('.').map_or("", |(parent, _)| parent);
+        if !same(own) && !same(parent) {
+            return Err(format!(
+                "its parameters name objects of `{bushing}`, and it is called `{own}`"
+            ));
+        }
+        let object = |kind: &'static str, axis: usize| {
+            let ending = if kind == "SPLINE" {
+                "spline"
+            } else {
+                "data_array"
+            };
+            let id = found.get(&(kind, axis)).map(|(id, _)| *id);
+            id.ok_or_else(|| {
+                format!(
+                    "its parameters name no {kind} `{bushing}.{}_{ending}`",
+                    WORDS[axis]
+                )
+            })
+        };
+        let (mut curves, mut arrays) = ([0; 6], [0; 6]);
+        for axis in 0..6 {
+            curves[axis] = object("SPLINE", axis)?;
+            arrays[axis] = object("ARRAY", axis)?;
+        }
+        Ok(Self {
+            bushing: bushing.to_string(),
+            curves,
+            arrays,
+            others,
+        })
+    }
+
+    /// Returns the name of an axis as results have it: `bkl_arm_outer.fx`.
+    pub fn axis(&self, axis: usize) -> String {
+        format!("{}.{}", self.bushing, COMPONENTS[axis])
+    }
+
+    /// Returns a sentence about the first axis whose numbers or curve do not fit, or `None` if all fit. `array` and `curve` return what the
+    /// statements with these ids hold: numbers, and points x and y; `None` for points that are in a file.
+    pub fn misfit(
+        &self,
+        array: impl Fn(u32) -> Vec<f64>,
+        curve: impl Fn(u32) -> Option<(Vec<f64>, Vec<f64>)>,
+    ) -> Option<String> {
+        (0..6).find_map(|axis| {
+            let name = self.axis(axis);
+            if let Err(why) = CarAxis::read(&array(self.arrays[axis])) {
+                return Some(format!("the array of `{name}` {why}"));
+            }
+            let (x, y) = curve(self.curves[axis])?;
+            if x.len() < 2 || x.len() != y.len() {
+                return Some(format!("the SPLINE of `{name}` is no curve"));
+            }
+            let is_odd = opposite(&x) && opposite(&y);
+            (axis < 2 && !is_odd).then(|| {
+                format!("the curve of `{name}` is not odd; only odd curves are known to be coupled")
+            })
+        })
+    }
+
+    /// Iterates over the FIELDs of a dataset that name objects of a bushing of Adams/Car, each with what was read or why it does not fit.
+    pub fn all(dataset: &Dataset) -> impl Iterator<Item = (&Statement, Result<Self, String>)> {
+        let fields = dataset.statements().iter();
+        let fields = fields.filter(|statement| statement.kind() == Some("FIELD"));
+        fields.filter_map(|field| {
+            let argument = field.argument("FUNCTION")?;
+            if !matches!(argument.value, Value::User(_)) {
+                return None;
+            }
+            let user = argument.text(dataset.source())?;
+            let read = Self::read(dataset, field, &user, |kind, id| {
+                let statement = dataset.statement(kind, Some(id))?;
+                Some(Stated::plain(statement, dataset.source()))
+            })?;
+            Some((field, read))
+        })
+    }
+}
+
+/// Returns the numbers of an argument.
+fn values(stated: &Stated, name: &str) -> Vec<f64> {
+    stated.numbers(name).iter().map(|n| n.value).collect()
+}
+
+/// Returns true if the values lie opposite each other about zero.
+fn opposite(values: &[f64]) -> bool {
+    let room = ODD * values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let mut pairs = values.iter().zip(values.iter().rev());
+    pairs.all(|(a, b)| (a + b).abs() <= room)
+}
+
+/// Returns the numeric parameters of a USER call.
+pub fn parameters(user: &str) -> impl Iterator<Item = f64> + '_ {
+    let inside = user.split_once('(').map_or("", |(_, inside)| inside);
+    let words = inside.trim_end().trim_end_matches(')').split(',');
+    words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok())
+}
+
+/// Returns what the built-in solver takes FIELDs of Adams/Car for. `others` are parameters whose meaning is not known.
+pub fn reading(count: usize, others: &[f64]) -> (String, String) {
+    let subject = match count {
+        1 => "1 FIELD is read as a bushing".to_string(),
+        _ => format!("{count} FIELDs are read as bushings"),
+    };
+    let message = format!(
+        "{subject} of Adams/Car: F = preload - scale C(scale d - offset), C an Akima curve, x and y coupled cylindrically"
+    );
+    let mut listed: Vec<String> = others.iter().map(f64::to_string).collect();
+    listed.dedup();
+    listed.truncate(8);
+    let help = if listed.is_empty() {
+        "the names of its curves and arrays tell; no dataset of Adams/Car was at hand to verify it"
+            .to_string()
+    } else {
+        format!(
+            "the names of its curves and arrays tell; the parameters {} have no part in it",
+            listed.join(", ")
+        )
+    };
+    (message, help)
+}

@@ -1,0 +1,32 @@
+//! The shipped axle of Adams/Car: its deck has linear bushings, its readings are the places of a real axle with noise.
+
+use std::path::Path;
+
+use admire_diagnosis::{Cause, GainCheck, Progress, Verdict, diagnose_watched, held_out};
+use admire_identify::LoadedStudy;
+
+/// Along their axes both bushings of the arm soften beyond 3 mm, and the outer one softens across beyond 0.6 mm.
+#[test]
+#[ignore = "minutes: .ci/full"]
+fn the_curves_of_a_real_axle_are_found_from_linear_bushings() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/adams-car-axle");
+    let loaded = LoadedStudy::read(&folder).value.unwrap();
+    let outcome = diagnose_watched(
+        &loaded.problem(),
+        held_out(&loaded.study, &loaded.measurement),
+        GainCheck::Quick,
+        &Progress::default(),
+    )
+    .unwrap();
+    let diagnosis = &outcome.diagnosis;
+    println!("{}", diagnosis.to_json());
+    assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
+    for address in ["BUSHING/3.K.3", "BUSHING/4.K.3"] {
+        let mut findings = diagnosis.findings.iter();
+        let found = findings
+            .find(|f| f.cause == Cause::ProgressiveStiffness && f.address == address)
+            .unwrap_or_else(|| panic!("{address} is not among {:?}", diagnosis.findings));
+        let cubic = found.parameters["cubic"];
+        assert!(cubic < 0.0, "{address}: {found:?}");
+    }
+}

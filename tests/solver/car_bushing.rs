@@ -1,0 +1,214 @@
+//! FIELDs of Adams/Car: closed forms, the same law as a GFORCE, derivatives of the equilibrium, and what is refused.
+
+use admire_solver::model::Model;
+use admire_solver::statics::{Solver, Tangent};
+use admire_solver::system::System;
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
+
+use crate::car_deck::{Axes, PARAMETERS, PLAIN, arrays, curve, field, gforce, part, splines};
+use crate::deck::{HEAD, Solved, solve};
+use crate::derivatives::{check_slot, check_tangent};
+
+/// Scales, preloads, offsets and displacement scales that differ from axis to axis.
+const GENERAL: Axes = [
+    [1.5, 40.0, 0.2, 1.1],
+    [0.8, -25.0, -0.3, 0.9],
+    [1.2, 10.0, 0.4, 1.3],
+    [1.1, 500.0, 0.01, 1.0],
+    [0.9, -300.0, -0.02, 1.2],
+    [1.3, 200.0, 0.03, 0.8],
+];
+
+const LOADS: [[f64; 6]; 4] = [
+    [0.0; 6],
+    [900.0, -700.0, 150.0, 2e3, -1e3, 3e3],
+    [-4000.0, 200.0, -300.0, 0.0, 4e3, -2e3],
+    // Beyond the last knots.
+    [9000.0, 8000.0, 4000.0, 5e3, 0.0, 2e5],
+];
+
+fn car(axes: &Axes, load: [f64; 6]) -> String {
+    [part(load), splines(), arrays(axes), field(PARAMETERS)].concat()
+}
+
+/// The load that holds the part at a radial deflection at a knot: r = 4 and r = 6 are hit exactly.
+#[test]
+fn a_radial_load_is_the_closed_form() {
+    let mut axes = PLAIN;
+    axes[0] = [1.5, 40.0, 0.0, 1.0];
+    axes[1] = [1.0, -25.0, 0.0, 1.0];
+    for (x, y, r) in [(2.4, 3.2, 4.0), (3.6, -4.8, 6.0), (-2.0, 0.0, 2.0)] {
+        let z = 4.0;
+        let load = [
+            1.5 * curve(0, r) * x / r - 40.0,
+            curve(1, r) * y / r + 25.0,
+            curve(2, z),
+            0.0,
+            0.0,
+            curve(5, 0.2),
+        ];
+        let solved = solve(&car(&axes, load));
+        let pose = solved.pose(2);
+        let turn = admire_solver::mechanics::log(&pose.R);
+        let apart = [pose.p.x - x, pose.p.y - y, pose.p.z - z, turn.z - 0.2];
+        assert!(apart.iter().all(|a| a.abs() < 1e-8), "{apart:?}");
+    }
+}
+
+/// Offset and scale of the displacement: the curve is at its knot where the displacement is (knot + offset)/scale.
+#[test]
+fn offsets_are_subtracted_from_scaled_displacements() {
+    let mut axes = PLAIN;
+    axes[2] = [2.0, 7.0, 0.5, 1.25];
+    let solved = solve(&car(
+        &axes,
+        [0.0, 0.0, 2.0 * curve(2, 4.0) - 7.0, 0.0, 0.0, 0.0],
+    ));
+    assert!((solved.pose(2).p.z - 4.5 / 1.25).abs() < 1e-8);
+}
+
+#[test]
+fn the_same_law_as_a_gforce_has_the_same_equilibria() {
+    for load in LOADS {
+        let own = solve(&car(&GENERAL, load));
+        let by_functions = solve(&[part(load), splines(), gforce(&GENERAL)].concat());
+        let (a, b) = (own.pose(2), by_functions.pose(2));
+        assert!((a.p - b.p).norm() < 1e-7, "{load:?}: {} {}", a.p, b.p);
+        assert!((a.R - b.R).norm() < 1e-8, "{load:?}");
+    }
+}
+
+#[test]
+fn derivatives_of_the_equilibrium_agree_with_differences() {
+    for load in LOADS {
+        let Solved {
+            system,
+            parameters,
+            state,
+            told,
+            ..
+        } = solve(&car(&GENERAL, load));
+        assert!(
+            told.iter()
+                .any(|t| t.contains("1 FIELD is read as a bushing of Adams/Car"))
+        );
+        check_tangent(&system, &parameters, &state, 1e-6);
+        let mut tangent = Tangent::new(&system, &parameters, &state).unwrap();
+        let mut solver = Solver::new(&system);
+        for id in 31..=36 {
+            for place in [3, 7, 8, 9] {
+                let address = Address {
+                    kind: "ARRAY".into(),
+                    id: Some(id),
+                    argument: Some("NUMBERS".into()),
+                    index: Some(place),
+                };
+                let slot = system.catalogue().slot(&address).unwrap();
+                let error = check_slot(
+                    &system,
+                    &mut solver,
+                    &parameters,
+                    &state,
+                    slot,
+                    &mut tangent,
+                );
+                assert!(error < 1e-5, "{address}: {error:e}");
+            }
+        }
+    }
+}
+
+/// What the compiler says of a deck, and whether it refuses it.
+fn told(text: &str) -> (bool, Vec<String>) {
+    let text = format!("{HEAD}{text}END\n");
+    let dataset = Dataset::parse(Source::new("car.adm", text.into_bytes())).value;
+    let model = Model::lower(&dataset).value;
+    let compiled = System::compile(&model);
+    let messages = compiled.diagnostics.iter().map(|d| d.message.clone());
+    (compiled.has_errors(), messages.collect())
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_name() {
+    let whole = car(&PLAIN, [0.0; 6]);
+    let (refused, messages) = told(&whole);
+    assert!(!refused, "{messages:?}");
+    let changed = |from: &str, to: &str| {
+        assert!(whole.contains(from), "{from}");
+        told(&whole.replacen(from, to, 1))
+    };
+    for (from, to, expected) in [
+        (
+            "33, 34, 35, 36)",
+            "33, 34, 35)",
+            "name no SPLINE `axle.bkl_arm_outer.rz_spline`",
+        ),
+        (
+            "NUMBERS = 2.0, 0.0, 1.0,",
+            "NUMBERS = 2.0, 1.0,",
+            "array of `axle.bkl_arm_outer.fx` has 10 numbers",
+        ),
+        (
+            "NUMBERS = 2.0, 0.0,",
+            "NUMBERS = 2.0, 120.0,",
+            "has the stiffness 120 beside the curve",
+        ),
+        ("NUMBERS = 2.0,", "NUMBERS = 2.5,", "has the type 2.5"),
+        (
+            "0.0, 1.0\n! adams_view_name='axle.bkl_arm_outer.ty_d",
+            "0.3, 1.0\n! adams_view_name='axle.bkl_arm_outer.ty_d",
+            "offset 0.3 of the velocity",
+        ),
+        (
+            "X = -6.0",
+            "X = -6.5",
+            "curve of `axle.bkl_arm_outer.fx` is not odd",
+        ),
+        (
+            "bkl_arm_outer.ry_spline",
+            "bkr_arm_outer.ry_spline",
+            "objects of `axle.bkl_arm_outer` and of `axle.bkr_arm_outer`",
+        ),
+        (
+            "bkl_arm_outer.field",
+            "bkr_arm_outer.field",
+            "it is called `axle.bkr_arm_outer.field`",
+        ),
+    ] {
+        let (refused, messages) = changed(from, to);
+        assert!(refused, "{to}");
+        assert!(
+            messages.iter().any(|m| m.contains(expected)),
+            "{expected}: {messages:?}"
+        );
+    }
+    // A subroutine that names nothing of a bushing is refused as ever.
+    let (refused, messages) = told(&[part([0.0; 6]), field("902, 7")].concat());
+    assert!(refused);
+    let plain = "its values come from a user subroutine; it would exert a force";
+    assert!(messages.iter().any(|m| m.ends_with(plain)), "{messages:?}");
+}
+
+/// Parameters that name nothing are told, since they may mean something.
+#[test]
+fn parameters_without_a_name_are_told() {
+    let text = [
+        part([0.0; 6]),
+        splines(),
+        arrays(&PLAIN),
+        field("902, 31, 32, 33, 34, 35, 36, 7"),
+    ]
+    .concat();
+    let dataset = Dataset::parse(Source::new(
+        "car.adm",
+        format!("{HEAD}{text}END\n").into_bytes(),
+    ))
+    .value;
+    let compiled = System::compile(&Model::lower(&dataset).value);
+    let help = compiled.diagnostics[0].help.clone().unwrap_or_default();
+    assert!(
+        help.contains("the parameters 902, 7 have no part in it"),
+        "{help}"
+    );
+}
