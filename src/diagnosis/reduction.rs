@@ -205,7 +205,8 @@ impl EffectModel {
         let held = |k: &usize| self.effects[*k].memory.is_some();
         let held: Vec<usize> = (0..self.own).filter(held).collect();
         let own = self.ranges[..self.own].iter();
-        let Some(set) = self.reduction(marginal).conditioned(own) else {
+        let conditioned = || self.reduction(marginal).conditioned(own);
+        let Some(set) = (!held.is_empty()).then(conditioned).flatten() else {
             return;
         };
         let left = self.fitted.posterior.ln_z - marginal.ln_z - set.ln_bayes_factor;

@@ -1,5 +1,7 @@
 //! A part held by a bushing as Adams/Car writes it: a FIELD whose subroutine names six curves and six arrays.
 
+#![allow(dead_code)] // Each test binary uses its own part.
+
 /// Values of the arrays: scale, preload, offset and scale of the displacement.
 pub type Axes = [[f64; 4]; 6];
 
