@@ -12,21 +12,22 @@ use super::Outcome;
 use super::shell::{Exit, Shell};
 use super::width::hanging;
 
-/// Explain a word: a statement, a command, a function, the code of a complaint, a key of study.toml, a cause of a diagnosis, a field of a
-/// result file, a column.
+/// Explain a word: a term of the field, a statement, a command, a function, the code of a complaint, a key of study.toml, a cause of a
+/// diagnosis, a field of a result file, a column.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Word to explain, such as `BUSHING`, `simulate`, `AZ`, `undefined-id`, `marks.sigma`, `dry-friction`. Without a word, all words are
-    /// listed.
+    /// Word to explain, such as `camber`, `roll centre`, `BUSHING`, `simulate`, `AZ`, `undefined-id`, `marks.sigma`, `dry-friction`. Without a
+    /// word, all words are listed.
     #[arg(add = ArgValueCompleter::new(complete))]
-    word: Option<String>,
+    word: Vec<String>,
     /// Print the JSON Schema of study.toml, for editors.
     #[arg(long, conflicts_with = "word")]
     schema: bool,
 }
 
 const EXAMPLES: &str = "Examples:
+  admire explain bump steer
   admire explain BUSHING
   admire explain marks.sigma
   admire explain link-compliance
@@ -40,11 +41,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.print(&(text + "\n"));
         return Ok(Exit::Fine);
     }
-    let Some(word) = &arguments.word else {
+    if arguments.word.is_empty() {
         shell.page(&list());
         return Ok(Exit::Fine);
-    };
-    match page(word) {
+    }
+    match page(&arguments.word.join(" ")) {
         Ok(text) => {
             shell.tell(&text);
             Ok(Exit::Fine)
@@ -115,11 +116,11 @@ fn page(word: &str) -> Result<String, String> {
     if word.eq_ignore_ascii_case("priors") {
         return Ok(priors());
     }
-    let mut out = String::new();
     if let Some(code) = Code::ALL
         .iter()
         .find(|code| code.as_str().eq_ignore_ascii_case(word))
     {
+        let mut out = String::new();
         line(&mut out, code.as_str());
         for text in code.explain().lines() {
             line(&mut out, &format!("  {}", text.trim()));
@@ -127,23 +128,18 @@ fn page(word: &str) -> Result<String, String> {
         return Ok(out);
     }
     let statement = find_statement(word.as_bytes(), Role::Both);
+    let (words, others): (Vec<Entry>, Vec<Entry>) =
+        glossary::find(word).into_iter().partition(Entry::is_word);
+    let mut found: Vec<String> = words.iter().map(of_glossary).collect();
     if let Lookup::Found(def) = statement {
-        out += &describe::statement(def);
+        found.push(describe::statement(def));
     }
     if let Some(def) = find_function(word.as_bytes()) {
-        if !out.is_empty() {
-            out.push('\n');
-        }
-        out += &describe::function(def);
+        found.push(describe::function(def));
     }
-    for entry in glossary::find(word) {
-        if !out.is_empty() {
-            out.push('\n');
-        }
-        out += &of_glossary(&entry);
-    }
-    if !out.is_empty() {
-        return Ok(out);
+    found.extend(others.iter().map(of_glossary));
+    if !found.is_empty() {
+        return Ok(found.join("\n"));
     }
     if let Lookup::Ambiguous(names) = statement {
         return Err(format!("`{word}` may be {}\n", names.join(", ")));
@@ -238,7 +234,7 @@ fn of_glossary(entry: &Entry) -> String {
     for (head, text) in &entry.cells {
         line(&mut out, &format!("  {head}: {text}"));
     }
-    line(&mut out, &format!("  more: admire guide {}", entry.page));
+    line(&mut out, &format!("  more: admire guide {}", entry.read_on));
     out
 }
 
@@ -287,6 +283,14 @@ mod tests {
                 .contains("sd of one coordinate")
         );
         assert!(page("dry-friction").unwrap().contains("hysteresis"));
+        assert!(
+            page("roll center")
+                .unwrap()
+                .contains("more: admire guide kc")
+        );
+        // A word of the field stands before a statement that it abbreviates.
+        let text = page("mark").unwrap();
+        assert!(text.starts_with("mark (Measuring)\n") && text.contains("\n\nMarker/id"));
         assert!(page("marks.sgma").unwrap_err().contains("`marks.sigma`"));
         assert!(
             page("undefined-ids")

@@ -243,3 +243,56 @@ fn every_key_of_the_other_settings_is_explained() {
         said.out
     );
 }
+
+/// Every effect of the virtual rig is in the guide, and can be planted as it is printed there.
+#[test]
+fn every_effect_of_the_guide_can_be_planted() {
+    let (folder, study) = copied("pseudo-mcpherson");
+    let channel = "[readings]\nfile = 'readings.csv'\n[readings.channels]\nheight = { function = 'DZ(20)', sigma = 0.05 }\n\n[identify]";
+    super::run::change(&study.join("study.toml"), "[identify]", channel);
+    let mut planted = BTreeSet::new();
+    for entry in admire_guide::glossary::entries().filter(|entry| entry.page == "rig") {
+        let effect = entry.cells[0].1.trim_matches('`');
+        if effect == "none" {
+            continue;
+        }
+        let arguments = ["rig", "study", "--out", &entry.term, "--effect", effect];
+        let said = admire(folder.path(), &arguments);
+        assert_eq!(said.code, 0, "{effect}: {}", said.err);
+        planted.insert(entry.term);
+    }
+    let known = admire_rig::effect::causes().chain(admire_rig::effect::outside_causes());
+    let lacking: Vec<&str> = known.filter(|name| !planted.contains(*name)).collect();
+    assert!(lacking.is_empty(), "{lacking:?}");
+}
+
+/// A word of the field is typed without quotes, and says its unit, its sign and the page to read on.
+#[test]
+fn words_of_the_field_are_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    for (words, parts) in [
+        (
+            &["explain", "camber"][..],
+            &["unit: deg", "positive: top outboard"][..],
+        ),
+        (
+            &["explain", "Bump", "Steer"],
+            &["unit: deg/m", "to the right"],
+        ),
+        (
+            &["explain", "roll-center"],
+            &["unit: mm", "roll_center_location"],
+        ),
+        (
+            &["explain", "hardpoint-error"],
+            &["hardpoint-error@MARKER/15:form=point", "fingerprint"],
+        ),
+    ] {
+        let said = admire(folder.path(), words);
+        assert_eq!(said.code, 0, "{words:?}: {}", said.err);
+        assert!(said.out.contains("more: admire guide "), "{}", said.out);
+        for part in parts {
+            assert!(said.out.contains(part), "{words:?}: {part}: {}", said.out);
+        }
+    }
+}
