@@ -150,7 +150,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let no_cases = || IdentifyError::NoCases(None);
     let held = |case: &admire_study::Case| case.held_out;
     let held_out: Vec<bool> = problem.measurement.cases.iter().map(held).collect();
-    let mut of_all = DiagnosisProblem::new(problem, held_out.clone());
+    let mut of_all = DiagnosisProblem::with_rig_errors(problem, held_out.clone());
     of_all.with_progress(progress);
     let (mut rivals, mut of_points, mut of_causes) = (None, Vec::new(), Vec::new());
     if aim.looks_at(Aim::Causes) {
@@ -159,7 +159,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         of_points = detection_limits(&of_all, &selected.leading);
         of_causes = cause_limits(&of_all, &selected.leading);
     }
-    let mut subject = DiagnosisProblem::new(problem, held_out);
+    let mut subject = DiagnosisProblem::with_rig_errors(problem, held_out);
     subject.with_progress(progress);
     progress.begin("fitting the model as it is");
     let fitted = fit_without_effects(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;

@@ -108,7 +108,7 @@ pub(super) mod tests {
         problem: &'a Problem<'a>,
     ) -> (DiagnosisProblem<'a>, FittedModel) {
         let held_out = vec![false; problem.measurement.cases.len()];
-        let mut subject = DiagnosisProblem::new(problem, held_out);
+        let mut subject = DiagnosisProblem::with_rig_errors(problem, held_out);
         let none = fit_without_effects(&mut subject, None, Data::All).expect("it can be solved");
         (subject, none)
     }
@@ -119,7 +119,7 @@ pub(super) mod tests {
         let loaded = shipped_axle();
         let problem = loaded.problem();
         let held_out = (0..problem.measurement.cases.len()).map(|k| k % 4 == 3);
-        let unfitted = DiagnosisProblem::new(&problem, held_out.collect());
+        let unfitted = DiagnosisProblem::with_rig_errors(&problem, held_out.collect());
         let begun = BaseFit::without_held_out(&unfitted).expect("cases are held out");
         let to_all = |known: Option<&FittedModel>| {
             let mut subject = unfitted.clone();

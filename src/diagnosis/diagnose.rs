@@ -110,7 +110,7 @@ pub fn diagnose_watched<'a>(
 ) -> Result<Outcome<'a>, IdentifyError> {
     let no_cases = || IdentifyError::NoCases(None);
     let is_blind = check != GainCheck::Quick;
-    let mut unfitted = DiagnosisProblem::new(problem, held_out);
+    let mut unfitted = DiagnosisProblem::with_rig_errors(problem, held_out);
     unfitted.with_progress(progress);
     let selection = Selection::new(unfitted.clone(), is_blind, progress).ok_or_else(no_cases)?;
     let Selection {
@@ -170,7 +170,12 @@ pub fn diagnose_watched<'a>(
         let Some(finding) = findings.iter().find(of) else {
             continue;
         };
-        let confirmed = unseen.as_ref().and_then(|unseen| unseen.confirms(finding));
+        let rivals = finding.indistinguishable_from.iter();
+        let rivals = rivals.map(|rival| (rival.cause, rival.address.as_str()));
+        let group: Vec<_> = std::iter::once((finding.cause, finding.address.as_str()))
+            .chain(rivals)
+            .collect();
+        let confirmed = unseen.as_ref().and_then(|unseen| unseen.confirms(&group));
         if confirmed == Some(false) {
             unexplained.structured = true;
             unexplained.places.push(format!(

@@ -3,7 +3,6 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::DVector;
 
 use super::progress::Progress;
-use super::rig_errors::rig_errors;
 use crate::settings::{FAR_MARK_SIGMA, FEW_FAR_MARKS};
 use admire_identify::Problem;
 use admire_identify::global::{NuisanceLayout, Numbers, Observations, Predictor, Prepared, Row};
@@ -108,8 +107,7 @@ impl<'a> DiagnosisProblem<'a> {
         let seen = |case: usize, reading: usize| measurement.cases[case].marks[reading].x;
         (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
         new.set_row_weights(None);
-        let rig_errors = rig_errors(&new);
-        new.with_groups(rig_errors)
+        new
     }
 
     /// Returns a copy of this study with additional tolerance groups.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::base_fit::BaseFit;
 use super::candidate_effect::CandidateEffect;
-use super::diagnosis::Finding;
+use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
 use super::hold_out_test::{HeldOutTest, HoldOutPrediction, compared};
@@ -130,17 +130,12 @@ impl HoldOutSelection {
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
-    /// Returns true if a finding from all cases, or a cause that cannot be told from it, is more probable than not without the held-out cases, too.
-    /// Returns `None` if no selection was made without them.
-    pub(super) fn confirms(&self, finding: &Finding) -> Option<bool> {
-        let is_same = |h: &CandidateEffect| {
-            let rivals = finding.indistinguishable_from.iter();
-            let mut all = rivals.map(|rival| (rival.cause, &rival.address));
-            (h.cause, &h.address) == (finding.cause, &finding.address)
-                || all.any(|(cause, address)| (h.cause, &h.address) == (cause, address))
-        };
+    /// Returns true if one of these causes, each with its address, is more probable than not without the held-out cases, too. Returns `None` if no
+    /// selection was made without them.
+    pub(super) fn confirms(&self, causes: &[(Cause, &str)]) -> Option<bool> {
+        let is_one = |h: &CandidateEffect| causes.contains(&(h.cause, h.address.as_str()));
         self.searched.then(|| {
-            let here = probability(&self.models, |causes| causes.iter().any(is_same));
+            let here = probability(&self.models, |causes| causes.iter().any(is_one));
             here > NAMED_PROBABILITY
         })
     }

@@ -39,7 +39,8 @@ pub struct JointFit {
 /// Fits stiffnesses and tolerances to the cases that are not held out. Returns `None` if the built-in solver cannot solve the deck.
 pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
     let cases = problem.measurement.cases.iter();
-    let mut subject = DiagnosisProblem::new(problem, cases.map(|case| case.held_out).collect());
+    let mut subject =
+        DiagnosisProblem::with_rig_errors(problem, cases.map(|case| case.held_out).collect());
     let found = fit_without_effects(&mut subject, None, Data::Fitted)?;
     let structure = lack_of_fit_tests(&subject, &found);
     let posterior = &found.posterior;

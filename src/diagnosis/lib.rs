@@ -47,6 +47,7 @@ mod limits;
 mod model_set;
 mod operating_points;
 mod other_solver;
+mod point;
 mod predictive;
 pub mod priors;
 mod progress;

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::candidate_effect::CandidateEffect;
+use super::candidate_effect::{CandidateEffect, Term};
 use super::fit::FittedModel;
+use crate::settings::NAMED_PROBABILITY;
 
 /// Set of effects that a selection compared.
 #[derive(Clone, Debug)]
@@ -106,4 +107,47 @@ pub(super) fn weighted(sets: Vec<ModelSet>) -> Vec<(ModelSet, f64)> {
         .collect();
     out.sort_by(|a, b| b.1.total_cmp(&a.1));
     out
+}
+
+/// Returns the fit that is reported. It is the most probable fitted set; if some cause acts with a probability above one half, the most probable
+/// fitted set with a cause. Its effects that are less probable than not, with all that cannot be told from them, are left out if the set without
+/// them is fitted, too.
+pub(super) fn leading(models: &[(ModelSet, f64)], none: &Arc<FittedModel>) -> Arc<FittedModel> {
+    let acts = none_of_these(models) < NAMED_PROBABILITY;
+    let fits = || models.iter().filter_map(|(model, _)| model.fitted.as_ref());
+    let has_cause = |fitted: &&Arc<FittedModel>| {
+        !acts || fitted.effects.iter().any(CandidateEffect::is_in_catalogue)
+    };
+    let Some(best) = fits().find(has_cause).or_else(|| fits().next()) else {
+        return Arc::clone(none);
+    };
+    let is_named = |at: usize| {
+        let own = &best.effects[at];
+        let mut members = vec![own];
+        for (model, _) in models {
+            members.extend(instead(&model.causes, &best.effects, at));
+        }
+        let group = probability(models, |causes| {
+            causes
+                .iter()
+                .any(|h| members.iter().any(|m| m.same_site(h)))
+        });
+        own.term != Term::Main || group > NAMED_PROBABILITY
+    };
+    let unnamed: Vec<&CandidateEffect> = (0..best.effects.len())
+        .filter(|at| !is_named(*at))
+        .map(|at| &best.effects[at])
+        .collect();
+    if unnamed.is_empty() {
+        return Arc::clone(best);
+    }
+    let is_out = |h: &CandidateEffect| unnamed.iter().any(|other| other.same_site(h));
+    let named: Vec<_> = best.effects.iter().filter(|h| !is_out(h)).collect();
+    let is_rest = |fitted: &&Arc<FittedModel>| {
+        fitted.effects.len() == named.len()
+            && named
+                .iter()
+                .all(|h| fitted.effects.iter().any(|other| other.same_law(h)))
+    };
+    Arc::clone(fits().find(is_rest).unwrap_or(best))
 }

@@ -4,11 +4,20 @@
 use super::diagnosis_problem::DiagnosisProblem;
 use super::frame::{is_another, varying};
 use crate::settings::{MAX_CASE_ERRORS, MAX_MOUNT_LOADS};
+use admire_identify::Problem;
 use admire_identify::tolerance::{EffectGroup, ScalePrior, applied_loads};
 use admire_study::PriorSetting;
 
+impl<'a> DiagnosisProblem<'a> {
+    /// Creates the problem of a study, with the errors of the rig among its tolerances. `held_out` flags the cases that are held out.
+    pub fn with_rig_errors(problem: &Problem<'a>, held_out: Vec<bool>) -> Self {
+        let new = Self::new(problem, held_out);
+        new.with_groups(rig_errors(&new))
+    }
+}
+
 /// Returns the groups of tolerances for errors of the rig that the study leaves to be estimated.
-pub(super) fn rig_errors(subject: &DiagnosisProblem<'_>) -> Vec<(EffectGroup, ScalePrior)> {
+fn rig_errors(subject: &DiagnosisProblem<'_>) -> Vec<(EffectGroup, ScalePrior)> {
     let problem = &subject.problem;
     let cases = problem.programme.cases.len();
     let millimetre = subject.millimetre();

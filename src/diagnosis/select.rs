@@ -4,90 +4,20 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::candidate_effect::{CandidateEffect, Term};
-use super::cause::Cause;
-use super::causes::dry_friction;
+use super::candidate_effect::CandidateEffect;
 use super::challengers::{Challenger, Reason, challengers};
-use super::closure::{EffectSet, Pool, Sets};
+use super::closure::{EffectSet, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::early_stopping::EarlyStopping;
 use super::fit::{FittedModel, fit_with_early_stopping, with_zero_guesses};
-use super::model_set::{ModelSet, Selected, instead, none_of_these, probability, weighted};
+use super::model_set::{ModelSet, Selected, leading, weighted};
+use super::point::{Ids, Point, RoughLaw, new_rough_laws};
 use super::reduction::{EffectModel, Marginal};
 use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
 use super::settings::{
     CONVERGED_NATS, EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS,
-    MAX_SELECTION_POINTS, NAMED_PROBABILITY, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
+    MAX_SELECTION_POINTS, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
 };
-
-/// Set of effects, given by the indices of the effects in `Selector::known`, in ascending order.
-type Ids = Vec<usize>;
-
-/// Linearisation point: a fit at which all effects are linearised.
-struct Point {
-    model: EffectModel,
-    marginals: Vec<Marginal>,
-    /// Sets of effects within Occam's window, one pool for each marginal.
-    pools: Vec<Pool>,
-    /// Sets that the fit must be compared with if it leads.
-    challengers: Vec<Challenger>,
-    /// Indices in `Selector::known` of the terms of each effect of `model`. A combined effect has two.
-    ids: Vec<Ids>,
-}
-
-impl Point {
-    /// Returns the terms of a set, in ascending order.
-    fn ids_of(&self, set: &EffectSet) -> Ids {
-        let mut ids: Ids = set.iter().flat_map(|k| self.ids[*k].clone()).collect();
-        ids.sort_unstable();
-        ids
-    }
-
-    /// Returns the starts of an effect in a new fit: its forms, if it is a law with memory, each with first guesses of its parameters.
-    fn starts(&self, k: usize, guesses: impl Fn() -> Vec<f64>) -> Vec<(CandidateEffect, Vec<f64>)> {
-        let effect = &self.model.effects[k];
-        if let Some(scan) = &self.model.scans[k] {
-            let starts = scan.starts.iter();
-            return starts
-                .map(|start| dry_friction::started(effect, start))
-                .collect();
-        }
-        if k < self.model.own {
-            return vec![(effect.clone(), vec![0.0; effect.numbers.len()])];
-        }
-        if effect.memory.is_none() {
-            return vec![(effect.clone(), guesses())];
-        }
-        let forms = self.model.effects.iter().skip(self.model.own);
-        forms
-            .filter(|form| form.same_law(effect))
-            .map(|form| (form.clone(), guesses()))
-            .collect()
-    }
-
-    /// Returns the effects of the fit that a set does not contain.
-    fn left_out(&self, set: &EffectSet) -> EffectSet {
-        let own = 0..self.model.own;
-        own.filter(|k| !set.contains(k)).collect()
-    }
-
-    /// Returns the effects of this point that have these terms together. Returns `None` if a term is not a candidate at this point.
-    fn set_of(&self, ids: &Ids) -> Option<EffectSet> {
-        let mut open = ids.clone();
-        let mut set = EffectSet::new();
-        // Combined effects come first: their terms may be candidates of their own, too.
-        for count in [2, 1] {
-            for (k, terms) in self.ids.iter().enumerate() {
-                if terms.len() == count && terms.iter().all(|id| open.contains(id)) {
-                    open.retain(|id| !terms.contains(id));
-                    set.push(k);
-                }
-            }
-        }
-        set.sort_unstable();
-        open.is_empty().then_some(set)
-    }
-}
 
 /// Estimated log posterior of a set of effects that is not fitted.
 struct SetEstimate {
@@ -624,69 +554,4 @@ impl Selector<'_, '_> {
             cut_short: self.count >= MAX_SELECTION_FITS || self.subject.budget_exhausted(),
         }
     }
-}
-
-/// Law whose linear model is rough.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum RoughLaw {
-    /// Friction or creep. Each of them can look like the other.
-    WithMemory,
-    /// Law of any other cause.
-    Of(Cause),
-}
-
-/// Returns the effects of a set that are not in the fit of the point and whose laws are rough, with their laws.
-fn new_rough_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = (usize, RoughLaw)> {
-    let new = set.iter().copied().filter(|k| *k >= model.own);
-    new.filter_map(|k| {
-        let effect = &model.effects[k];
-        if effect.memory.is_some() {
-            return Some((k, RoughLaw::WithMemory));
-        }
-        let is_rough = effect.is_poorly_linearised();
-        is_rough.then_some((k, RoughLaw::Of(effect.cause)))
-    })
-}
-
-/// Returns the fit that is reported. It is the most probable fitted set; if some cause acts with a probability above one half, the most probable
-/// fitted set with a cause. Its effects that are less probable than not, with all that cannot be told from them, are left out if the set without
-/// them is fitted, too.
-fn leading(models: &[(ModelSet, f64)], none: &Arc<FittedModel>) -> Arc<FittedModel> {
-    let acts = none_of_these(models) < NAMED_PROBABILITY;
-    let fits = || models.iter().filter_map(|(model, _)| model.fitted.as_ref());
-    let has_cause = |fitted: &&Arc<FittedModel>| {
-        !acts || fitted.effects.iter().any(CandidateEffect::is_in_catalogue)
-    };
-    let Some(best) = fits().find(has_cause).or_else(|| fits().next()) else {
-        return Arc::clone(none);
-    };
-    let is_named = |at: usize| {
-        let own = &best.effects[at];
-        let mut members = vec![own];
-        for (model, _) in models {
-            members.extend(instead(&model.causes, &best.effects, at));
-        }
-        let group = probability(models, |causes| {
-            causes
-                .iter()
-                .any(|h| members.iter().any(|m| m.same_site(h)))
-        });
-        own.term != Term::Main || group > NAMED_PROBABILITY
-    };
-    let unnamed: Vec<&CandidateEffect> = (0..best.effects.len())
-        .filter(|at| !is_named(*at))
-        .map(|at| &best.effects[at])
-        .collect();
-    if unnamed.is_empty() {
-        return Arc::clone(best);
-    }
-    let is_out = |h: &CandidateEffect| unnamed.iter().any(|other| other.same_site(h));
-    let named: Vec<_> = best.effects.iter().filter(|h| !is_out(h)).collect();
-    let is_rest = |fitted: &&Arc<FittedModel>| {
-        fitted.effects.len() == named.len()
-            && named
-                .iter()
-                .all(|h| fitted.effects.iter().any(|other| other.same_law(h)))
-    };
-    Arc::clone(fits().find(is_rest).unwrap_or(best))
 }
