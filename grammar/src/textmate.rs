@@ -9,7 +9,7 @@ use crate::declaration::{Argument, Grammar, Keyword, Statement, Value};
 
 const TEMPLATE: &str = include_str!("adams.tmLanguage.json");
 
-/// What follows a whole word that stands alone, such as a flag.
+/// Regular expression for what follows a keyword without a value, such as a flag.
 const ALONE: &str = r"\b(?=\s*(?:[,:;)&!\\]|$))";
 
 /// End of a statement: a semicolon, or a line that is no continuation, comment or blank.
@@ -143,7 +143,7 @@ fn arguments(statement: &Statement) -> String {
     )
 }
 
-/// Returns a regular expression for all spellings of the given keywords, where `all` could stand in their place.
+/// Returns a regular expression for all spellings of the given keywords that are unambiguous among `all`.
 fn spellings(keywords: &[&Keyword], all: &[&Keyword]) -> String {
     let each = keywords.iter().map(|keyword| spelling(keyword, all));
     each.collect::<Vec<_>>().join("|")
@@ -170,7 +170,7 @@ fn spelling(keyword: &Keyword, all: &[&Keyword]) -> String {
     out + &")?".repeat(open)
 }
 
-/// Returns true if the beginning of a keyword stands for this keyword, and for no other of `all`.
+/// Returns true if this beginning of a keyword is a legal abbreviation of it, and of no other keyword of `all`.
 fn is_spelling(typed: &str, keyword: &Keyword, all: &[&Keyword]) -> bool {
     let mut prefixed = all.iter().filter(|k| k.name.starts_with(typed));
     if all.iter().any(|k| k.name == typed) {

@@ -6,9 +6,9 @@ use super::width::{WIDTH, hanging, wrapped};
 
 /// Width in characters up to which the first column of a table holds its cells in one line. This column contains the words that the table
 /// explains.
-const WORD: usize = 34;
-/// Number of blanks between columns.
-const GAP: usize = 2;
+const FIRST_COLUMN_WIDTH: usize = 34;
+/// Blanks between two columns of a table.
+const COLUMN_GAP: usize = 2;
 
 /// Formats a page of the guide.
 pub(super) fn in_lines(page: &str) -> String {
@@ -138,7 +138,7 @@ fn table(mut rows: Vec<Vec<String>>) -> String {
             let mut line = String::new();
             for (cell, width) in cells.iter().zip(&widths) {
                 let text = cell.get(k).map_or("", String::as_str);
-                line += &format!("{text:w$}", w = width + GAP);
+                line += &format!("{text:w$}", w = width + COLUMN_GAP);
             }
             out += line.trim_end();
             out.push('\n');
@@ -166,17 +166,17 @@ fn widths(rows: &[Vec<String>]) -> Option<Vec<usize>> {
     let longest_word = |cell: &str| cell.split_whitespace().map(length).max().unwrap_or(0);
     let whole: Vec<usize> = (0..count).map(|k| most(&length, k)).collect();
     let mut least: Vec<usize> = (0..count).map(|k| most(&longest_word, k)).collect();
-    least[0] = if whole[0] <= WORD {
+    least[0] = if whole[0] <= FIRST_COLUMN_WIDTH {
         whole[0]
     } else {
-        least[0].min(WORD)
+        least[0].min(FIRST_COLUMN_WIDTH)
     };
     let wanted: Vec<usize> = whole
         .iter()
         .zip(&least)
         .map(|(w, l)| w.max(l) - l)
         .collect();
-    let spare = WIDTH.checked_sub(least.iter().sum::<usize>() + GAP * (count - 1))?;
+    let spare = WIDTH.checked_sub(least.iter().sum::<usize>() + COLUMN_GAP * (count - 1))?;
     let all = wanted.iter().sum::<usize>();
     let share = |wanted: usize| {
         if all <= spare {
@@ -264,7 +264,7 @@ mod tests {
         assert_eq!(in_lines(page), expected);
     }
 
-    /// Words between backticks stand in one line, so that they can be searched and copied.
+    /// Words between backticks are not broken across lines, so that they can be searched and copied.
     #[test]
     fn no_identifier_is_broken() {
         let mut broken = Vec::new();

@@ -342,12 +342,12 @@ mod tests {
                 meaning.map_or(0, |(_, text)| (text.clone() + " ").matches(". ").count());
             assert!((1..=3).contains(&sentences), "{}: {sentences}", entry.term);
             let before = rows.insert(letters(&entry.term), entry.cells);
-            assert!(before.is_none(), "`{}` stands there twice", entry.term);
+            assert!(before.is_none(), "`{}` is listed twice", entry.term);
         }
         assert!(rows.len() > 100);
     }
 
-    /// Every cause that the page on diagnoses lists has an effect and a fingerprint, and every effect has an example of its own.
+    /// Every cause on the page about diagnoses has an effect and a fingerprint. Every effect has an example.
     #[test]
     fn every_cause_has_an_effect_and_a_fingerprint() {
         let of = |section| entries().filter(move |entry| entry.section == section);

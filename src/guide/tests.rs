@@ -7,9 +7,9 @@ use crate::link::{Link, links};
 use crate::{PAGES, Page, page};
 
 /// Largest size of a picture in bytes.
-const PICTURE: u64 = 150_000;
-/// Number of words that no paragraph reaches.
-const PARAGRAPH: usize = 90;
+const MAX_PICTURE_BYTES: u64 = 150_000;
+/// A paragraph has fewer words than this.
+const MAX_PARAGRAPH_WORDS: usize = 90;
 /// Pages that are being rewritten; their paragraphs are not counted yet.
 const BEING_REWRITTEN: [&str; 2] = ["diagnosis", "mathematics"];
 
@@ -75,7 +75,7 @@ fn fault(from: &Page, link: &Link) -> Option<String> {
     if link.picture {
         let size = std::fs::metadata(folder().join(address)).map(|file| file.len());
         return match size {
-            Ok(size) if size <= PICTURE => None,
+            Ok(size) if size <= MAX_PICTURE_BYTES => None,
             Ok(size) => Some(format!("the picture has {size} bytes")),
             Err(why) => Some(why.to_string()),
         };
@@ -208,7 +208,7 @@ fn paragraphs_are_short() {
         for (number, piece) in pieces(entry.text) {
             let cells = piece.split(" | ");
             let words = cells.map(|cell| cell.split_whitespace().count()).max();
-            if let Some(words) = words.filter(|words| *words >= PARAGRAPH) {
+            if let Some(words) = words.filter(|words| *words >= MAX_PARAGRAPH_WORDS) {
                 long.push(format!("{}.md:{number}: {words} words", entry.topic));
             }
         }

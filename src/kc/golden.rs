@@ -18,56 +18,7 @@ const TYRE: Tyre = Tyre {
 
 /// Compliance of the left wheel centre at design, in mm, N and rad. Rows and columns are X, Y, Z, RX, RY, RZ. The preloaded bushings make it
 /// unsymmetric.
-const LEFT: [[f64; 6]; 6] = [
-    [
-        3.48003940e-4,
-        2.02510165e-4,
-        1.522157910e-3,
-        -1.02318667e-6,
-        -2.67300987e-6,
-        3.59167932e-7,
-    ],
-    [
-        2.02492340e-4,
-        4.44040188e-4,
-        -8.74811347e-4,
-        6.42730588e-7,
-        2.13806088e-6,
-        1.91084112e-7,
-    ],
-    [
-        1.522458210e-3,
-        -8.74717471e-4,
-        2.49492961e-2,
-        -1.22759856e-5,
-        -5.38782788e-5,
-        -7.88419175e-7,
-    ],
-    [
-        -1.02323457e-6,
-        6.42609239e-7,
-        -1.22742653e-5,
-        3.45258618e-8,
-        -7.29588128e-10,
-        -2.10042219e-9,
-    ],
-    [
-        -2.67385742e-6,
-        2.13796280e-6,
-        -5.38810232e-5,
-        -7.24319979e-10,
-        1.51701446e-7,
-        5.50991790e-9,
-    ],
-    [
-        3.58887390e-7,
-        1.91276634e-7,
-        -7.93155947e-7,
-        -2.09803407e-9,
-        5.52070469e-9,
-        5.94438818e-9,
-    ],
-];
+const LEFT: [[f64; 6]; 6] = include!("golden_compliance.in");
 
 /// Wheel centres, spin axes and contact points at design: poses of the parts in the results file.
 const CENTRE: [Vec3; 2] = [

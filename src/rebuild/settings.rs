@@ -41,7 +41,8 @@ pub(crate) const DEFAULT_TORSION_NM_PER_RAD: f64 = 500.0;
 pub(crate) const MARK_DISTANCE_RELATIVE: f64 = 0.1;
 /// Largest distance in mm of a part from its place in the results that counts as repeated.
 pub(crate) const REPEATED_MM: f64 = 1e-3;
-/// Penalty of an element that acts on ground, in the score that compares assignments of forces to parts. A name of Adams/Car that agrees gains 1.
+/// Penalty of an element that acts on ground, in the score that compares assignments of forces to parts. Unit of all penalties: a name of
+/// Adams/Car that agrees.
 pub(crate) const GROUND_PENALTY: f64 = 1.0;
 /// Further penalty of an element that is no joint and whose I part is ground: a force on one part is written with that part as its I part.
 pub(crate) const GROUND_I_PENALTY: f64 = 0.2;

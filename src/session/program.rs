@@ -16,7 +16,7 @@ pub fn started_by(file: PathBuf) {
 /// Returns the file that the user started: `admire` or `mdi`.
 ///
 /// # Errors
-/// Fails if the system does not tell the file of the process.
+/// An error of the operating system if it does not give the path of the process.
 pub fn own_program() -> io::Result<PathBuf> {
     STARTED
         .get()

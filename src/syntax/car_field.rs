@@ -10,10 +10,10 @@ use crate::{Dataset, Stated, Statement, Value, as_id};
 const WORDS: [&str; 6] = ["tx", "ty", "tz", "rx", "ry", "rz"];
 /// Names of the components in results.
 const COMPONENTS: [&str; 6] = ["fx", "fy", "fz", "tx", "ty", "tz"];
-/// Number of values in the array of an axis.
-const LENGTH: usize = 11;
-/// Largest deviation of an odd curve, relative to its largest value.
-const ODD: f64 = 1e-6;
+/// Largest deviation of an odd curve from its mirror image, relative to its largest value. Files print six digits or more.
+const ODD_RELATIVE: f64 = 1e-6;
+/// Largest number of parameters that a message lists.
+const MAX_LISTED: usize = 8;
 
 /// Objects that a FIELD of Adams/Car names in the parameters of its subroutine.
 #[derive(Clone, PartialEq, Debug)]
@@ -44,6 +44,8 @@ pub struct CarAxis {
 }
 
 impl CarAxis {
+    /// Number of values in the array of an axis.
+    pub const LENGTH: usize = 11;
     /// Places in the array of the numbers of the law, counted from zero: scale, preload, offset and stretch.
     pub const PLACES: [usize; 4] = [2, 6, 7, 8];
 
@@ -68,8 +70,9 @@ impl CarAxis {
         ] = numbers
         else {
             return Err(format!(
-                "has {} numbers, and the layout {LENGTH}",
-                numbers.len()
+                "has {} numbers, instead of {}",
+                numbers.len(),
+                Self::LENGTH
             ));
         };
         if let Some(kind) = [kind, damping_kind].iter().find(|kind| kind.fract() != 0.0) {
@@ -252,9 +255,9 @@ fn values(stated: &Stated, name: &str) -> Vec<f64> {
 
 /// Returns true if the values lie opposite each other about zero.
 fn opposite(values: &[f64]) -> bool {
-    let room = ODD * values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let tolerance = ODD_RELATIVE * values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let mut pairs = values.iter().zip(values.iter().rev());
-    pairs.all(|(a, b)| (a + b).abs() <= room)
+    pairs.all(|(a, b)| (a + b).abs() <= tolerance)
 }
 
 /// Returns the numeric parameters of a USER call.
@@ -264,7 +267,8 @@ pub fn parameters(user: &str) -> impl Iterator<Item = f64> + '_ {
     words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok())
 }
 
-/// Returns what the built-in solver takes FIELDs of Adams/Car for. `others` are parameters whose meaning is not known.
+/// Returns the message that the built-in solver reads FIELDs of Adams/Car as bushings, and its help. `others` are parameters whose meaning
+/// is not known.
 pub fn reading(count: usize, others: &[f64]) -> (String, String) {
     let subject = match count {
         1 => "1 FIELD is read as a bushing".to_string(),
@@ -275,13 +279,13 @@ pub fn reading(count: usize, others: &[f64]) -> (String, String) {
     );
     let mut listed: Vec<String> = others.iter().map(f64::to_string).collect();
     listed.dedup();
-    listed.truncate(8);
+    listed.truncate(MAX_LISTED);
     let help = if listed.is_empty() {
-        "the names of its curves and arrays tell; no dataset of Adams/Car was at hand to verify it"
+        "recognised by the names of its curves and arrays; unverified, because no dataset of Adams/Car was available"
             .to_string()
     } else {
         format!(
-            "the names of its curves and arrays tell; the parameters {} have no part in it",
+            "recognised by the names of its curves and arrays; the parameters {} are not used",
             listed.join(", ")
         )
     };

@@ -379,6 +379,6 @@ fn a_bushing_of_adams_car_is_a_field_in_results() {
     );
     near(&[column("PART_2_XFORM", "X")[0]], &[4.0]);
     assert!(column("PART_2_XFORM", "X")[1] < 3.0);
-    let told = "1 FIELD is read as a bushing of Adams/Car";
-    assert!(messages.contains(told), "{messages}");
+    let warning = "1 FIELD is read as a bushing of Adams/Car";
+    assert!(messages.contains(warning), "{messages}");
 }

@@ -102,7 +102,7 @@ const STEERING: [&str; 14] = [
     "steer_axis_road_plane_intersection",
 ];
 
-/// Columns that the places of the wheels tell, without any compliance.
+/// Columns that follow from the positions of the wheels, without any compliance.
 const PLACES: [&str; 19] = [
     "ackerman",
     "ackerman_angle",
@@ -202,19 +202,19 @@ fn columns_of_a_rebuilt_deck() {
                 if reading.entity == "turn_radius" {
                     given.last_turn_radius = Some(reading.value);
                 }
-                let told = of(&path);
+                let real = of(&path);
                 let errors = columns.entry((path, reading.entity)).or_default();
-                errors.size = errors.size.max(told.abs());
+                errors.size = errors.size.max(real.abs());
                 let within = [number == 50, (10..=90).contains(&number), true];
                 for (most, _) in errors.apart.iter_mut().zip(within).filter(|(_, is)| *is) {
-                    *most = most.max((reading.value - told).abs());
+                    *most = most.max((reading.value - real).abs());
                 }
             }
             number += 1;
         });
         assert_eq!((number, columns.len()), (101, 137));
         for ((path, entity), errors) in &columns {
-            // Heights are inputs; both wheels stand at one height, and the steer axis meets the road on the road.
+            // Heights are inputs; both wheels are at one height, and the steer axis is intersected with the road.
             let zero = [
                 "wheel_travel.vertical",
                 "roll_angle.at_wheel",
@@ -239,56 +239,7 @@ fn columns_of_a_rebuilt_deck() {
 
 /// The compliance of the left wheel centre at design, of the axle's own deck (mm, N, rad).
 fn matrix_at_design(compliance: &Compliance) {
-    const REAL: [[f64; 6]; 6] = [
-        [
-            3.48003940e-4,
-            2.02510165e-4,
-            1.522157910e-3,
-            -1.02318667e-6,
-            -2.67300987e-6,
-            3.59167932e-7,
-        ],
-        [
-            2.02492340e-4,
-            4.44040188e-4,
-            -8.74811347e-4,
-            6.42730588e-7,
-            2.13806088e-6,
-            1.91084112e-7,
-        ],
-        [
-            1.522458210e-3,
-            -8.74717471e-4,
-            2.4949296100e-2,
-            -1.22759856e-5,
-            -5.38782788e-5,
-            -7.88419175e-7,
-        ],
-        [
-            -1.02323457e-6,
-            6.42609239e-7,
-            -1.22742653e-5,
-            3.45258618e-8,
-            -7.29588128e-10,
-            -2.10042219e-9,
-        ],
-        [
-            -2.67385742e-6,
-            2.13796280e-6,
-            -5.38810232e-5,
-            -7.24319979e-10,
-            1.51701446e-7,
-            5.50991790e-9,
-        ],
-        [
-            3.58887390e-7,
-            1.91276634e-7,
-            -7.93155947e-7,
-            -2.09803407e-9,
-            5.52070469e-9,
-            5.94438818e-9,
-        ],
-    ];
+    const REAL: [[f64; 6]; 6] = include!("../../src/kc/golden_compliance.in");
     for (i, row) in REAL.iter().enumerate() {
         for (j, real) in row.iter().enumerate() {
             // Relative to the geometric mean of the diagonal: displacements and rotations are alike then.

@@ -11,7 +11,7 @@ use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
 /// Solves a deck of the corpus under drawn loads at the contact point and writes its results. Loads along x and y are left out where
-/// `has_load` says so.
+/// `has_load` is set.
 fn results(
     deck: &Path,
     (cases, seed): (usize, u64),

@@ -3,6 +3,7 @@
 use admire_solver::model::Model;
 use admire_solver::statics::{Solver, Tangent};
 use admire_solver::system::System;
+use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 
@@ -119,24 +120,28 @@ fn derivatives_of_the_equilibrium_agree_with_differences() {
     }
 }
 
-/// What the compiler says of a deck, and whether it refuses it.
-fn told(text: &str) -> (bool, Vec<String>) {
+/// Returns whether the compiler refuses a deck, and its diagnostics.
+fn diagnostics(text: &str) -> (bool, Vec<Diagnostic>) {
     let text = format!("{HEAD}{text}END\n");
     let dataset = Dataset::parse(Source::new("car.adm", text.into_bytes())).value;
-    let model = Model::lower(&dataset).value;
-    let compiled = System::compile(&model);
-    let messages = compiled.diagnostics.iter().map(|d| d.message.clone());
-    (compiled.has_errors(), messages.collect())
+    let compiled = System::compile(&Model::lower(&dataset).value);
+    (compiled.has_errors(), compiled.diagnostics)
+}
+
+/// Returns whether the compiler refuses a deck, and its messages.
+fn compiled_messages(text: &str) -> (bool, Vec<String>) {
+    let (refused, found) = diagnostics(text);
+    (refused, found.into_iter().map(|d| d.message).collect())
 }
 
 #[test]
 fn what_does_not_fit_is_refused_by_name() {
     let whole = car(&PLAIN, [0.0; 6]);
-    let (refused, messages) = told(&whole);
+    let (refused, messages) = compiled_messages(&whole);
     assert!(!refused, "{messages:?}");
     let changed = |from: &str, to: &str| {
         assert!(whole.contains(from), "{from}");
-        told(&whole.replacen(from, to, 1))
+        compiled_messages(&whole.replacen(from, to, 1))
     };
     for (from, to, expected) in [
         (
@@ -184,15 +189,15 @@ fn what_does_not_fit_is_refused_by_name() {
         );
     }
     // A subroutine that names nothing of a bushing is refused as ever.
-    let (refused, messages) = told(&[part([0.0; 6]), field("902, 7")].concat());
+    let (refused, messages) = compiled_messages(&[part([0.0; 6]), field("902, 7")].concat());
     assert!(refused);
     let plain = "its values come from a user subroutine; it would exert a force";
     assert!(messages.iter().any(|m| m.ends_with(plain)), "{messages:?}");
 }
 
-/// Parameters that name nothing are told, since they may mean something.
+/// Parameters that name no object are reported, because their meaning is not known.
 #[test]
-fn parameters_without_a_name_are_told() {
+fn parameters_without_a_name_are_reported() {
     let text = [
         part([0.0; 6]),
         splines(),
@@ -200,15 +205,10 @@ fn parameters_without_a_name_are_told() {
         field("902, 31, 32, 33, 34, 35, 36, 7"),
     ]
     .concat();
-    let dataset = Dataset::parse(Source::new(
-        "car.adm",
-        format!("{HEAD}{text}END\n").into_bytes(),
-    ))
-    .value;
-    let compiled = System::compile(&Model::lower(&dataset).value);
-    let help = compiled.diagnostics[0].help.clone().unwrap_or_default();
+    let (_, found) = diagnostics(&text);
+    let help = found[0].help.clone().unwrap_or_default();
     assert!(
-        help.contains("the parameters 902, 7 have no part in it"),
+        help.contains("the parameters 902, 7 are not used"),
         "{help}"
     );
 }

@@ -149,7 +149,7 @@ def main(source, target):
             for word, digits in (("QP", 6), ("QG", 6), ("REULER", 12), ("MASS", 6), ("IP", 3)):
                 if s.arguments.get(word):
                     s.arguments[word] = tidy(s.numbers(word), digits)
-    # A marker stands behind its part.
+    # In a deck, the markers of a part follow it.
     order = {s.id: k for k, s in enumerate(kept) if s.kind == "PART"}
     place = lambda s: (order.get(s.id), 0) if s.kind == "PART" else (order[s.reference("PART")], 1) if s.kind == "MARKER" else (10**6, 0)
     kept.sort(key=place)

@@ -6,10 +6,8 @@ use crate::function::Interpolant;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 use admire_syntax::car_field::CarAxis;
 
-/// Number of values per axis in the parameters: the whole array of the axis.
-const PER_AXIS: usize = 11;
-/// Radial deflection, relative to the range of the curve, below which the curve counts as its tangent.
-const NEAR: f64 = 1e-12;
+/// Radial deflection, relative to the range of the curve, below which round-off spoils X(r)/r. The tangent replaces it there.
+const ROUND_OFF_RELATIVE: f64 = 1e-12;
 
 /// Bushing of Adams/Car: a curve per axis of J; the curves of x and y share the radial deflection.
 ///
@@ -37,7 +35,7 @@ impl CarBushing {
     fn secant(&self, axis: usize, r: f64) -> (f64, f64) {
         let curve = &self.curves[axis];
         let (at_zero, [tangent, _]) = curve.at(0.0, 0.0, 0);
-        if r <= NEAR * curve.reach() {
+        if r <= ROUND_OFF_RELATIVE * curve.reach() {
             return (tangent, 0.0);
         }
         let (value, [slope, _]) = curve.at(r, 0.0, 0);
@@ -49,7 +47,7 @@ impl CarBushing {
 
 impl Law for CarBushing {
     fn parameter_count(&self) -> usize {
-        6 * PER_AXIS
+        6 * CarAxis::LENGTH
     }
 
     fn evaluate(
@@ -60,7 +58,8 @@ impl Law for CarBushing {
         out: &mut Wrench,
     ) -> Result<(), Degenerate> {
         let d = Deflection::of(motion)?;
-        let number = |axis: usize, which: usize| theta[PER_AXIS * axis + CarAxis::PLACES[which]];
+        let number =
+            |axis: usize, which: usize| theta[CarAxis::LENGTH * axis + CarAxis::PLACES[which]];
         let d6 = d.coordinates();
         let q = Vec6::from_fn(|k, _| number(k, 3) * d6[k] - number(k, 2));
         // c holds the values of the curves, by_q their derivatives by the deflections.
@@ -95,10 +94,10 @@ impl Law for CarBushing {
             .fixed_columns_mut::<3>(3)
             .copy_from(&by_angles);
         if with_parameters {
-            let columns = out.parameter_columns(6 * PER_AXIS);
+            let columns = out.parameter_columns(6 * CarAxis::LENGTH);
             for k in 0..6 {
                 let [scale, preload, offset, stretch] =
-                    CarAxis::PLACES.map(|place| PER_AXIS * k + place);
+                    CarAxis::PLACES.map(|place| CarAxis::LENGTH * k + place);
                 columns[scale][k] = -c[k];
                 columns[preload][k] = 1.0;
                 for m in 0..6 {
@@ -146,10 +145,10 @@ mod tests {
 
     /// Arrays with scale, preload, offset and stretch.
     fn theta(of: impl Fn(usize) -> [f64; 4]) -> Vec<f64> {
-        let mut theta = vec![0.0; 66];
+        let mut theta = vec![0.0; 6 * CarAxis::LENGTH];
         for axis in 0..6 {
             for (place, value) in CarAxis::PLACES.into_iter().zip(of(axis)) {
-                theta[PER_AXIS * axis + place] = value;
+                theta[CarAxis::LENGTH * axis + place] = value;
             }
         }
         theta
@@ -237,7 +236,7 @@ mod tests {
         assert!((value[2] - (7.0 - 2.0 * (80.0 * 4.0 + 30.0 * 16.0))).abs() < 1e-9);
     }
 
-    /// Beyond the last knot a curve goes on along its last chord, in torsion too.
+    /// Beyond the last knot a curve is extrapolated along its last chord, in torsion too.
     #[test]
     fn curves_are_lines_beyond_their_ends() {
         let plain = theta(|_| [1.0, 0.0, 0.0, 1.0]);

@@ -66,8 +66,8 @@ codes! {
     /// A user-written subroutine is used, which only real ADAMS can run.
     UserSubroutine = "user-subroutine",
     /// A FIELD with a user subroutine is read as a bushing of Adams/Car, or names parts of one and does not fit.
-    /// The names of the curves `X.tx_spline` to `X.rz_spline` and of the arrays `X.tx_data_array` to `X.rz_data_array` among its
-    /// parameters tell. With q the displacement times its scale minus its offset: F = preload - scale C(q), C an Akima curve, linear
+    /// It is recognised by the curves `X.tx_spline` to `X.rz_spline` and the arrays `X.tx_data_array` to `X.rz_data_array` among its
+    /// parameters. With q the displacement times its scale minus its offset: F = preload - scale C(q), C an Akima curve, linear
     /// beyond its ends. The radial axes x and y share r = sqrt(qx^2 + qy^2): Fx = preload - scale X(r) qx/r.
     CarBushing = "car-bushing",
     // Lint: problems of a dataset that was parsed without errors.

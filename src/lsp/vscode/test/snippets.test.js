@@ -1,4 +1,4 @@
-// Every snippet, with its proposals taken as they stand, is accepted by `admire check`.
+// Every snippet, with its default values, is accepted by `admire check`.
 "use strict";
 
 const assert = require("node:assert");

@@ -44,10 +44,10 @@ async function withServer(test) {
     new rpc.StreamMessageWriter(server.stdin),
   );
   const published = new Map();
-  let told = () => {};
+  let notify = () => {};
   connection.onNotification(rpc.PublishDiagnosticsNotification.type, ({ uri, diagnostics }) => {
     published.set(uri, diagnostics);
-    told();
+    notify();
   });
   connection.listen();
   const { capabilities } = await connection.sendRequest(rpc.InitializeRequest.type, {
@@ -80,7 +80,7 @@ async function withServer(test) {
     /** Waits for complaints about a file that satisfy a condition. */
     async complaints(uri, wanted) {
       while (!published.has(uri) || !wanted(published.get(uri))) {
-        await new Promise((resolve) => (told = resolve));
+        await new Promise((resolve) => (notify = resolve));
       }
       return published.get(uri);
     },

@@ -64,7 +64,7 @@ async function scopes(text, language) {
   return pieces.map((piece) => `${piece.text.trim()}=${piece.scopes.at(-1).replace(/\.(adams|teimorbit)$/, "")}`);
 }
 
-/** Asserts that a text has pieces with scopes, in this order; others may stand between. */
+/** Asserts that a text has pieces with these scopes, in this order. Other pieces may lie between them. */
 async function has(text, language, wanted) {
   const found = await scopes(text, language);
   let at = 0;

@@ -13,7 +13,7 @@ use admire_syntax::units::Dimension;
 
 const PLAIN: Dimension = Dimension::NONE;
 /// Dimensions of the array of a translational axis.
-const TRANSLATION: [Dimension; 11] = [
+const TRANSLATION: [Dimension; CarAxis::LENGTH] = [
     PLAIN,
     Dimension::new(1, 0, -1, 0, 0),
     PLAIN,
@@ -27,7 +27,7 @@ const TRANSLATION: [Dimension; 11] = [
     PLAIN,
 ];
 /// Dimensions of the array of a rotational axis.
-const ROTATION: [Dimension; 11] = [
+const ROTATION: [Dimension; CarAxis::LENGTH] = [
     PLAIN,
     Dimension::new(1, 0, 1, 0, -1),
     PLAIN,
@@ -115,8 +115,8 @@ impl SystemCompiler<'_> {
             .map_err(|_| "a bushing has six curves".to_string())
     }
 
-    /// Tells how the FIELDs of Adams/Car are read.
-    pub(super) fn tell_car_bushings(&mut self) {
+    /// Adds a warning that says how the FIELDs of Adams/Car are read.
+    pub(super) fn report_car_bushings(&mut self) {
         let active = self.model.pair_forces.iter().filter(|f| f.header.active);
         let read: Vec<&CarField> = active.filter_map(|field| field.car.as_ref()).collect();
         let others: Vec<f64> = read.iter().flat_map(|car| car.others.clone()).collect();

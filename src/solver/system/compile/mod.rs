@@ -68,7 +68,7 @@ impl System {
         compiler.data();
         compiler.readings();
         compiler.left_out();
-        compiler.tell_car_bushings();
+        compiler.report_car_bushings();
         compiler.finish()
     }
 }
