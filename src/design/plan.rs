@@ -16,8 +16,8 @@ use super::prospect::{MeasurementPredictor, Readings};
 use super::rivals::{CompetingModels, Separation, discrimination_chi_square};
 use crate::settings::{BEYOND_RANGE_FACTOR, MAX_WHEEL_CASES, WORST_COMBINATIONS};
 use admire_diagnosis::{
-    CauseLimit, Data, DetectionLimit, DiagnosisProblem, FittedModel, Progress, as_it_is,
-    cause_limits, detection_limits, seek,
+    CauseLimit, Data, DetectionLimit, DiagnosisProblem, FittedModel, Progress, cause_limits,
+    detection_limits, fit_without_effects, selected,
 };
 use admire_identify::settings::NAMED_COMPONENT;
 use admire_identify::{IdentifyError, Problem};
@@ -150,19 +150,19 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let no_cases = || IdentifyError::NoCases(None);
     let held = |case: &admire_study::Case| case.held_out;
     let held_out: Vec<bool> = problem.measurement.cases.iter().map(held).collect();
-    let mut of_all = DiagnosisProblem::new(problem, held_out.clone());
+    let mut of_all = DiagnosisProblem::with_rig_errors(problem, held_out.clone());
     of_all.with_progress(progress);
     let (mut rivals, mut of_points, mut of_causes) = (None, Vec::new(), Vec::new());
     if aim.looks_at(Aim::Causes) {
-        let sought = seek(&mut of_all, progress).ok_or_else(no_cases)?;
-        rivals = CompetingModels::of(&sought.found, &sought.leading);
-        of_points = detection_limits(&of_all, &sought.leading);
-        of_causes = cause_limits(&of_all, &sought.leading);
+        let selected = selected(&mut of_all, progress).ok_or_else(no_cases)?;
+        rivals = CompetingModels::of(&selected);
+        of_points = detection_limits(&of_all, &selected.leading);
+        of_causes = cause_limits(&of_all, &selected.leading);
     }
-    let mut subject = DiagnosisProblem::new(problem, held_out);
+    let mut subject = DiagnosisProblem::with_rig_errors(problem, held_out);
     subject.with_progress(progress);
     progress.begin("fitting the model as it is");
-    let fitted = as_it_is(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
+    let fitted = fit_without_effects(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
     progress.begin("weighing what could be measured");
     let programme = problem.programme;
     let mut candidates = ProposedMeasurements::loads(programme, &[1.0, BEYOND_RANGE_FACTOR]);

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::information::Information;
 use super::prospect::Readings;
 use crate::settings::RIVAL_MIN_PROBABILITY;
-use admire_diagnosis::{CandidateEffect, FittedModel, Found, Visited};
+use admire_diagnosis::{CandidateEffect, FittedModel, ModelSet, Selected};
 
 /// Leading model and its most probable rival.
 #[derive(Clone, Debug)]
@@ -33,11 +33,12 @@ pub struct Separation {
 }
 
 impl CompetingModels {
-    /// Returns the leading model and its most probable rival from a search, or `None` if no rival is probable enough.
-    pub(super) fn of(found: &Found, leading: &Arc<FittedModel>) -> Option<Self> {
-        let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
+    /// Returns the leading model and its most probable rival from a selection, or `None` if no rival is probable enough.
+    pub(super) fn of(selected: &Selected) -> Option<Self> {
+        let leading = &selected.leading;
+        let fitted = |(model, p): &(ModelSet, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
         let mut fits: Vec<(Arc<FittedModel>, f64)> =
-            found.models.iter().filter_map(fitted).collect();
+            selected.models.iter().filter_map(fitted).collect();
         let at = fits.iter().position(|(fit, _)| Arc::ptr_eq(fit, leading))?;
         let (own, p) = fits.remove(at);
         let differs =

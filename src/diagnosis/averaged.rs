@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::diagnosis::Parameter;
 use super::diagnosis_problem::DiagnosisProblem;
-use super::visited::Visited;
+use super::model_set::ModelSet;
 use crate::settings::{AVERAGED_MIN_PROBABILITY, ONE_SIDED_HALF_WIDTH};
 use admire_identify::Status;
 use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
@@ -14,7 +14,7 @@ use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
 /// stiffness is closer to a Gaussian in the stiffness than in its logarithm.
 pub(super) fn model_averaged_parameters(
     subject: &DiagnosisProblem<'_>,
-    models: &[(Visited, f64)],
+    models: &[(ModelSet, f64)],
 ) -> Vec<Parameter> {
     let fitted: Vec<_> = models
         .iter()

@@ -274,7 +274,13 @@ impl CandidateEffect {
     /// Returns true if the law of the effect is known in kind but not in shape, so that linearisation approximates it poorly. The asymmetry
     /// of a friction is linear, and therefore excluded.
     pub fn is_poorly_linearised(&self) -> bool {
-        self.cause.has_rough_law() && self.term != Term::Asymmetry
+        self.memory.is_some() || self.cause.has_rough_law() && self.term != Term::Asymmetry
+    }
+
+    /// Returns true if parameter `number` keeps its fitted value in linear models. The readings depend on the slip length, the anchor or the rate of
+    /// a law with memory through the history of the law, and a linear model is wrong for all but small changes of them.
+    pub fn is_held(&self, number: usize) -> bool {
+        self.memory.is_some() && number > 0
     }
 
     /// Returns true if both effects are the same term of the same cause at the same site, in any form. Both or neither must be combined with
@@ -311,12 +317,17 @@ impl CandidateEffect {
         self.is_in_catalogue() && !self.is_left_by_law()
     }
 
-    /// Returns true if both effects have the same cause, site, term and form.
+    /// Returns true if both effects have the same cause, site, term, form and parameters.
     pub fn same_form(&self, other: &Self) -> bool {
         self.same_site(other)
             && self.form == other.form
             && self.term == other.term
             && self.numbers.len() == other.numbers.len()
+            && self
+                .numbers
+                .iter()
+                .zip(&other.numbers)
+                .all(|(own, other)| own.name == other.name)
     }
 
     /// Returns true if both effects represent the same law at the same site. Forms of a law with memory count as the same law, because they
@@ -327,6 +338,19 @@ impl CandidateEffect {
             && self.term == other.term
             && self.numbers.len() == other.numbers.len();
         self.same_form(other) || (self.same_site(other) && remembers)
+    }
+
+    /// Returns true if both effects represent the law of one cause at the same site by different functions, or by the same one. A selection
+    /// counts them as one effect and fits each of them.
+    pub fn is_alternative(&self, other: &Self) -> bool {
+        self.cause == Cause::ProgressiveStiffness
+            && self.same_site(other)
+            && self.term == other.term
+    }
+
+    /// Returns true if a selection counts both effects as one: the same law, or alternative functions of it.
+    pub fn is_same_effect(&self, other: &Self) -> bool {
+        self.same_law(other) || self.is_alternative(other)
     }
 
     /// Returns the random effects that this candidate frees. Each pair holds the index and the standard deviation of the slab, the wide

@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::candidate_effect::{CandidateEffect, Term};
@@ -17,6 +18,16 @@ pub(super) type EffectSet = Vec<usize>;
 
 /// Sets of effects, each with its log posterior odds against the model without effects: log Bayes factor plus log prior odds.
 pub(super) type Pool = BTreeMap<EffectSet, f64>;
+
+/// Effect that may be added to a set.
+pub(super) struct Addition {
+    /// Index of the effect in the [`EffectModel`].
+    pub effect: usize,
+    /// Log posterior odds of the enlarged set against the model without effects.
+    pub score: f64,
+    /// Posterior mean of the effect's parameters in the enlarged set, in units of their prior standard deviations.
+    pub mean: DVector<f64>,
+}
 
 /// Evaluation of sets of effects in the linear model of one fit, at fixed variance components.
 pub(super) struct Sets<'a> {
@@ -83,6 +94,11 @@ impl<'a> Sets<'a> {
         {
             return false;
         }
+        // The other function of a law in the fit is fitted as a challenger.
+        let is_of_fit = |own: &CandidateEffect| own.is_alternative(new);
+        if effect >= self.model.own && self.model.effects[..self.model.own].iter().any(is_of_fit) {
+            return false;
+        }
         match new.term {
             Term::Main => !there.any(|other| other.same_site(new) || is_rival(other, new)),
             term => {
@@ -100,7 +116,7 @@ impl<'a> Sets<'a> {
 
     /// Returns true if an effect may be dropped from a set. The main term of a law cannot be dropped while the set contains further terms of that
     /// law.
-    fn may_leave(&self, set: &[usize], effect: usize) -> bool {
+    pub(super) fn may_leave(&self, set: &[usize], effect: usize) -> bool {
         let own = &self.model.effects[effect];
         let mut others = set.iter().map(|k| &self.model.effects[*k]);
         !others.any(|other| other.term > own.term && other.same_site(own))
@@ -146,6 +162,15 @@ impl<'a> Sets<'a> {
         pool
     }
 
+    /// Returns the sets that differ from `start` by one added, dropped or exchanged effect and are more probable.
+    pub(super) fn neighbours(&self, start: &EffectSet) -> Pool {
+        let Some(own) = self.score(start) else {
+            return Pool::new();
+        };
+        let all = self.expanded(start, own).into_iter();
+        all.filter(|(_, score)| *score > own).collect()
+    }
+
     /// Returns the sets that differ from `set` by one added, dropped or exchanged effect, with their log posterior odds. Enlarged sets at or
     /// below `least` are left out.
     fn expanded(&self, set: &EffectSet, least: f64) -> Vec<(EffectSet, f64)> {
@@ -156,38 +181,15 @@ impl<'a> Sets<'a> {
             }
         }
         let of = |base: &EffectSet| {
-            let mut out = Vec::new();
-            let Some(known) = self.conditioned(base) else {
-                return out;
-            };
+            let mut out: Vec<(EffectSet, f64)> = Vec::new();
             if let Some(score) = self.score(base) {
                 out.push((base.clone(), score));
             }
-            if base.len() >= MAX_EFFECTS {
-                return out;
-            }
-            let ln_prior = self.ln_prior(base);
-            for effect in 0..self.model.effects.len() {
-                let range = &self.model.ranges[effect];
-                if range.is_empty() || base.contains(&effect) || !self.may_join(base, effect) {
-                    continue;
-                }
-                let Some((gain, mean)) = self.reduction.beside(&known, range, effect) else {
-                    continue;
-                };
-                let new = &self.model.effects[effect];
-                if new.one_sided && mean[0] <= 0.0 {
-                    continue;
-                }
+            for addition in self.additions(base) {
                 let mut larger = base.clone();
-                larger.push(effect);
+                larger.push(addition.effect);
                 larger.sort_unstable();
-                let prior = if new.cause == Cause::ProgressiveStiffness {
-                    self.ln_prior(&larger)
-                } else {
-                    ln_prior + new.ln_prior + self.model.corrections[effect]
-                };
-                if known.ln_bayes_factor + gain + prior > least
+                if addition.score > least
                     && let Some(score) = self.score(&larger)
                 {
                     out.push((larger, score));
@@ -196,6 +198,45 @@ impl<'a> Sets<'a> {
             out
         };
         bases.par_iter().map(of).flatten().collect()
+    }
+
+    /// Returns the effects that may be added to a set, with the log posterior odds of the enlarged set.
+    pub(super) fn additions(&self, base: &EffectSet) -> Vec<Addition> {
+        let mut out = Vec::new();
+        let Some(known) = self.conditioned(base) else {
+            return out;
+        };
+        if base.len() >= MAX_EFFECTS {
+            return out;
+        }
+        let ln_prior = self.ln_prior(base);
+        for effect in 0..self.model.effects.len() {
+            let range = &self.model.ranges[effect];
+            if range.is_empty() || base.contains(&effect) || !self.may_join(base, effect) {
+                continue;
+            }
+            let Some((gain, mean)) = self.reduction.beside(&known, range, effect) else {
+                continue;
+            };
+            let new = &self.model.effects[effect];
+            if new.one_sided && mean[0] <= 0.0 {
+                continue;
+            }
+            let prior = if new.cause == Cause::ProgressiveStiffness {
+                let mut larger = base.clone();
+                larger.push(effect);
+                self.ln_prior(&larger)
+            } else {
+                ln_prior + new.ln_prior + self.model.corrections[effect]
+            };
+            let score = known.ln_bayes_factor + gain + prior;
+            out.push(Addition {
+                effect,
+                score,
+                mean,
+            });
+        }
+        out
     }
 
     /// Returns the best pairs of effects, each effect with a single column. Two correlated effects may explain the readings only together, so

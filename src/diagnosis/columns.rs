@@ -16,6 +16,7 @@ use admire_solver::mechanics::Vec6;
 use admire_solver::model::MarkerIx;
 use admire_solver::statics::Tangents;
 use admire_solver::system::{Parameters, Scratch, Slot, State};
+use admire_study::Channel;
 use admire_syntax::Address;
 
 /// Responses of all load cases to a list of parameters. They are converted to columns over the residual rows in batches small enough for the
@@ -92,9 +93,9 @@ impl<'a> OperatingPoints<'a> {
         sites: &[((MarkerIx, MarkerIx), usize)],
     ) -> (Vec<DMatrix<f64>>, Vec<Vec<f64>>) {
         let cases = self.cases();
-        // A row belongs to one case, so one force in all cases shows the effects of all of them. A summary of several cases does not.
+        // If every row belongs to one case, one force in all cases shows the effects of all of them.
         let channels = &self.measurement.channels;
-        let is_split = channels.iter().all(|channel| channel.summary.is_none());
+        let is_split = channels.iter().all(Channel::is_of_single_cases);
         let acting = |(pair, axis): &((MarkerIx, MarkerIx), usize),
                       is_on: &dyn Fn(usize) -> bool| {
             let force = |case| f64::from(u8::from(is_on(case)));
@@ -311,12 +312,12 @@ impl<'a> OperatingPoints<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base_fit::tests::{axle_problem, shipped_axle};
     use crate::candidate_effect::{CandidateEffect, Term};
-    use crate::causes::{bushing_coupling, dry_friction};
+    use crate::causes::{self, bushing_coupling, dry_friction};
     use crate::diagnosis_problem::{Data, DiagnosisProblem};
     use crate::fit::{FittedModel, fit, with_zero_guesses};
-    use crate::scan::Catalogue;
-    use crate::sought::tests::{of_the_axle, shipped_axle};
+    use crate::site::Sites;
 
     /// Compares the first-order columns of the last effect of a fit with the Jacobian columns of the fit. The deck of the fit contains that
     /// effect.
@@ -343,23 +344,23 @@ mod tests {
     fn a_further_part_does_what_its_numbers_in_the_deck_do() {
         let loaded = shipped_axle();
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let with = |base: &FittedModel, h: &CandidateEffect| {
             let mut chosen = with_zero_guesses(base);
             chosen.push((h.clone(), vec![0.05; h.numbers.len()]));
             fit(&subject, &chosen, Some((base, &base.x)), Data::All)
         };
-        let catalogue = Catalogue::new(&subject, &none);
-        let growing = catalogue
-            .hypotheses
-            .iter()
-            .filter(|h| h.joint_with.is_some());
+        let survey = OperatingPoints::new(&subject, &none);
+        let candidates = causes::candidates(&survey, &none);
+        let growing = candidates.iter().filter(|h| h.joint_with.is_some());
         // Each candidate requires a fit. A fit fails if an iterate has no equilibrium.
         let fitted = growing.step_by(5).filter_map(|h| with(&none, h));
         let compared = fitted.map(|fitted| compare(&subject, &fitted)).count();
         assert!(compared > 4, "{compared}");
-        let friction = |h: &&CandidateEffect| h.memory.is_some() && h.address == "BUSHING/2.K.1";
-        let friction = catalogue.hypotheses.iter().find(friction).expect("a place");
+        let sites = Sites::new(&survey);
+        let frictions = dry_friction::scanned(&survey, &sites);
+        let friction = frictions.iter().find(|(h, _)| h.address == "BUSHING/2.K.1");
+        let (friction, _) = friction.expect("a site");
         let fitted = with(&none, friction).expect("it can be solved");
         let parts = dry_friction::by_direction(&OperatingPoints::new(&subject, &fitted));
         assert_eq!(parts.len(), 1);
@@ -373,7 +374,7 @@ mod tests {
     fn unit_forces_act_case_by_case() {
         let loaded = shipped_axle();
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let survey = OperatingPoints::new(&subject, &none);
         let sites = crate::site::Sites::new(&survey);
         assert!(sites.all.len() > 10);

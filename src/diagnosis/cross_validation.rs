@@ -14,14 +14,15 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use serde::Serialize;
 
+use super::base_fit::BaseFit;
 use super::candidate_effect::CandidateEffect;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
 use super::hold_out::HoldOutSelection;
 use super::jackknife::{Squares, rms_reduction};
+use super::model_set::ModelSet;
 use super::progress::Progress;
-use super::sought::Begun;
-use super::visited::Visited;
+
 use crate::settings::{
     AT_REST_TOLERANCE, CV_BLOCKS, CV_MAX_GROUPS, CV_MIN_CASES, UNEVEN_GAIN_RATIO,
 };
@@ -244,7 +245,7 @@ impl<'a> Folds<'a> {
     pub(super) fn validate(
         &self,
         none: &Arc<FittedModel>,
-        models: &[(Visited, f64)],
+        models: &[(ModelSet, f64)],
     ) -> Option<CrossValidation> {
         self.collected(false, |group| {
             let before = self.refits(none)[group].as_ref()?.misfit.clone();
@@ -280,9 +281,9 @@ impl<'a> Folds<'a> {
         self.collected(true, |group| {
             let mut subject = unfitted.clone();
             subject.hold_out(&self.groups[group]);
-            let begun = Begun::without_held_out(&subject)?;
-            let unseen = HoldOutSelection::new(begun, &[], progress)
-                .filter(|found| !found.is_cut_short())?;
+            let base = BaseFit::without_held_out(&subject)?;
+            let unseen =
+                HoldOutSelection::new(base, progress).filter(|found| !found.is_cut_short())?;
             let chosen = CandidateEffect::causes(&unseen.chosen.effects);
             Some(GroupPrediction {
                 causes: chosen.map(ToString::to_string).collect(),

@@ -19,8 +19,7 @@ use super::lack_of_fit::{is_significant, is_structured, lack_of_fit_tests, least
 use super::limits::{cause_limits, detection_limits};
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
-use super::searched::Searched;
-use super::sought::{Sought, none_of_these};
+use super::selection::Selection;
 use super::stiffness::{CorrectedStiffness, corrected};
 use crate::settings::{HELD_OUT_LEVEL, HOLD_OUT_PERIOD};
 use admire_identify::tolerance::{EffectGroup, NoiseScale};
@@ -111,18 +110,16 @@ pub fn diagnose_watched<'a>(
 ) -> Result<Outcome<'a>, IdentifyError> {
     let no_cases = || IdentifyError::NoCases(None);
     let is_blind = check != GainCheck::Quick;
-    let mut unfitted = DiagnosisProblem::new(problem, held_out);
+    let mut unfitted = DiagnosisProblem::with_rig_errors(problem, held_out);
     unfitted.with_progress(progress);
-    let searched = Searched::to_the_end(unfitted, is_blind, progress);
-    let (unfitted, searched) = searched.ok_or_else(no_cases)?;
-    let Searched {
+    let selection = Selection::new(unfitted.clone(), is_blind, progress).ok_or_else(no_cases)?;
+    let Selection {
         subject,
-        sought,
+        selected,
         tested,
         mut unseen,
-    } = searched;
-    let Sought { found, leading } = sought;
-    let none = Arc::clone(&found.none);
+    } = selection;
+    let (none, leading) = (Arc::clone(&selected.none), Arc::clone(&selected.leading));
     let before = if Arc::ptr_eq(&none, &leading) {
         tested.clone()
     } else {
@@ -133,15 +130,10 @@ pub fn diagnose_watched<'a>(
         |fitted: &FittedModel| HoldOutPrediction::new(&subject, fitted)?.test(&subject, fitted);
     let tests = [test(&none), test(&leading)];
     let folds = Folds::new(&subject);
-    let (mut findings, order, is_nameless) = findings(
-        &subject,
-        &found,
-        &leading,
-        folds.as_ref(),
-        tests[1].as_ref(),
-    );
+    let (mut findings, order, is_nameless) =
+        findings(&subject, &selected, folds.as_ref(), tests[1].as_ref());
     let rivals = order.iter().filter_map(|k| {
-        let (fitted, instead) = rival_fit(&found, &leading, *k)?;
+        let (fitted, instead) = rival_fit(&selected, *k)?;
         Some(Rival {
             finding: leading.effects[*k].clone(),
             fitted,
@@ -157,9 +149,9 @@ pub fn diagnose_watched<'a>(
     two_laws_at_one_element(&findings, &mut unexplained);
     if is_nameless {
         unexplained.structured = true;
-        let acts = 100.0 * (1.0 - none_of_these(&found));
+        let acts = 100.0 * (1.0 - selected.none_of_these());
         unexplained.places.push(format!(
-            "some cause acts with a probability of {acts:.0} percent, but none that is more probable than not and predicts other cases"
+            "some cause acts with a probability of {acts:.0} percent, but none that is more probable than not"
         ));
     }
     let stand_in = leading.effects.iter().position(|h| !h.is_in_catalogue());
@@ -170,6 +162,28 @@ pub fn diagnose_watched<'a>(
             leading.effects[at].address
         ));
     }
+    for k in &order {
+        let of = |finding: &&Finding| {
+            let own = &leading.effects[*k];
+            finding.cause == own.cause && finding.address == own.address && !finding.minor
+        };
+        let Some(finding) = findings.iter().find(of) else {
+            continue;
+        };
+        let rivals = finding.indistinguishable_from.iter();
+        let rivals = rivals.map(|rival| (rival.cause, rival.address.as_str()));
+        let group: Vec<_> = std::iter::once((finding.cause, finding.address.as_str()))
+            .chain(rivals)
+            .collect();
+        let confirmed = unseen.as_ref().and_then(|unseen| unseen.confirms(&group));
+        if confirmed == Some(false) {
+            unexplained.structured = true;
+            unexplained.places.push(format!(
+                "{} at {}, which is probable but not found without the cases held out",
+                finding.cause, finding.address
+            ));
+        }
+    }
     let verdict = if unexplained.structured {
         Verdict::Unexplained
     } else if matters {
@@ -178,7 +192,7 @@ pub fn diagnose_watched<'a>(
         Verdict::Consistent
     };
     if unexplained.structured {
-        let before = stand_in.map(|at| without(&found, &leading, at));
+        let before = stand_in.map(|at| without(&selected, at));
         unexplained.remainder = remainder(
             &subject,
             before.as_ref().unwrap_or(&leading),
@@ -198,7 +212,7 @@ pub fn diagnose_watched<'a>(
             .filter(|_| check == GainCheck::Folds)
             .and_then(|folds| folds.search(&unfitted, progress));
         let folds = folds.as_ref().filter(|_| !progress.is_stopped());
-        cross_validation = searched.or_else(|| folds?.validate(&none, &found.models));
+        cross_validation = searched.or_else(|| folds?.validate(&none, &selected.models));
     }
     if let Some(remainder) = &mut unexplained.remainder
         && subject.holds_out()
@@ -220,7 +234,8 @@ pub fn diagnose_watched<'a>(
             predicted(&subject, &blind, sizes)
         });
     }
-    let cut_short = found.cut_short || unseen.as_ref().is_some_and(HoldOutSelection::is_cut_short);
+    let cut_short =
+        selected.cut_short || unseen.as_ref().is_some_and(HoldOutSelection::is_cut_short);
     let mut listed = mark_findings(&subject);
     listed.append(&mut findings);
     let baseline_rms = match &unseen {
@@ -236,8 +251,8 @@ pub fn diagnose_watched<'a>(
                 held_out_rms: baseline_rms,
             },
             findings: listed,
-            none_of_these: none_of_these(&found),
-            parameters: model_averaged_parameters(&subject, &found.models),
+            none_of_these: selected.none_of_these(),
+            parameters: model_averaged_parameters(&subject, &selected.models),
             tolerances: tolerances(&subject, &leading),
             detection_limits: detection_limits(&subject, &leading),
             cause_limits: cause_limits(&subject, &leading),
@@ -256,7 +271,7 @@ pub fn diagnose_watched<'a>(
         structure: structures,
         unseen,
         stiffnesses: corrected(problem, &none, &leading),
-        places: found.places,
+        places: selected.places,
         cut_short,
         plain: DeckOnlyPrediction::new(&subject, &leading).ok_or_else(no_cases)?,
         baseline: none,

@@ -102,9 +102,10 @@ pub(super) fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) ->
 
 #[cfg(test)]
 mod tests {
+    use super::super::base_fit::tests::{axle_problem, shipped_axle};
     use super::super::cause::Cause;
-    use super::super::scan::Catalogue;
-    use super::super::sought::tests::{of_the_axle, shipped_axle};
+    use super::super::causes;
+    use super::super::operating_points::OperatingPoints;
     use super::*;
 
     /// The deck of this test has angles in degrees. The statement of the split-off part has angles in radians, with truncated digits.
@@ -112,8 +113,8 @@ mod tests {
     fn a_piece_begins_where_its_part_is() {
         let loaded = shipped_axle();
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
-        let links = Catalogue::new(&subject, &none).hypotheses;
+        let (subject, none) = axle_problem(&problem);
+        let links = causes::all(&OperatingPoints::new(&subject, &none));
         let links = links
             .iter()
             .filter(|h| h.cause == Cause::LinkCompliance || h.cause == Cause::FreePlay);

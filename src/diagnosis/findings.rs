@@ -10,64 +10,37 @@ use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::{Estimate, FittedModel};
 use super::hold_out_test::{HeldOutTest, HoldOutPrediction, moved};
+use super::model_set::{ModelSet, Selected};
 use super::remainder::is_at_element_of;
-use super::sought::{NAMED, none_of_these, of_place, probability};
-use super::visited::{Found, Visited};
 use crate::settings::{
-    CV_RANDOM_EFFECT_TOLERANCE_NATS, CV_TOLERANCE_NATS, MINOR_MARKS_SIGMA, MINOR_WHEEL_DEG,
-    RIVAL_WINDOW_TWO_NATS,
+    MINOR_MARKS_SIGMA, MINOR_WHEEL_DEG, NAMED_PROBABILITY, RIVAL_WINDOW_TWO_NATS,
 };
 use admire_study::orientation::chi_square_p_value;
 
-/// Returns a fitted model with another cause in place of effect `at` of the leading model, and that other cause.
+/// Returns a fitted set with another cause in place of effect `at` of the leading set, and that other cause.
 pub(super) fn rival_fit(
-    found: &Found,
-    leading: &FittedModel,
+    selected: &Selected,
     at: usize,
 ) -> Option<(Arc<FittedModel>, CandidateEffect)> {
-    found.models.iter().find_map(|(model, _)| {
-        let rival = instead(model, leading, at)?;
-        Some((Arc::clone(model.fitted.as_ref()?), rival.clone()))
-    })
+    let mut rivals = selected.rivals(at);
+    rivals.find_map(|(model, rival)| Some((Arc::clone(model.fitted.as_ref()?), rival.clone())))
 }
 
-/// Returns the cause that `model` contains in place of effect `at` of the leading model. All other causes of the two models must be at the
-/// same sites.
-fn instead<'m>(
-    model: &'m Visited,
-    leading: &FittedModel,
-    at: usize,
-) -> Option<&'m CandidateEffect> {
-    let own = &leading.effects[at];
-    let others = CandidateEffect::causes(&leading.effects).filter(|h| !h.same_site(own));
-    let mut rest: Vec<&CandidateEffect> = CandidateEffect::causes(&model.causes).collect();
-    if rest.len() != CandidateEffect::causes(&leading.effects).count() {
-        return None;
-    }
-    for other in others {
-        let place = rest.iter().position(|h| h.same_site(other))?;
-        rest.remove(place);
-    }
-    rest.pop().filter(|h| !h.same_site(own))
-}
-
-/// Returns the findings of the leading model, the most important first, and the index of each finding among the model's effects. The flag is
-/// true if some cause acts with a probability above one half, but no cause that matters qualifies as a finding.
+/// Returns the findings of the leading set, the most important first, and the index of each finding among its effects. A cause is a finding if it,
+/// or the group of causes that cannot be told from it, is more probable than not. The flag is true if some cause acts with a probability above one
+/// half, but no cause that matters is a finding.
 pub(super) fn findings(
     subject: &DiagnosisProblem<'_>,
-    found: &Found,
-    leading: &Arc<FittedModel>,
+    selected: &Selected,
     folds: Option<&Folds<'_>>,
     after: Option<&HeldOutTest>,
 ) -> (Vec<Finding>, Vec<usize>, bool) {
+    let leading = &selected.leading;
     let own = leading.ln_posterior();
     let of = |k: usize| {
         let h = &leading.effects[k];
         let mut rivals: Vec<Indistinguishable> = Vec::new();
-        for (model, _) in &found.models {
-            let Some(rival) = instead(model, leading, k) else {
-                continue;
-            };
+        for (model, rival) in selected.rivals(k) {
             let behind = 2.0 * (own - model.ln_posterior);
             let known = rivals
                 .iter()
@@ -77,7 +50,7 @@ pub(super) fn findings(
                 rivals.push(Indistinguishable {
                     cause: rival.cause,
                     address: rival.address.clone(),
-                    probability: probability(found, |causes| causes.iter().any(is_rival)),
+                    probability: selected.probability(|causes| causes.iter().any(is_rival)),
                     bic_behind: behind.max(0.0),
                 });
             }
@@ -86,8 +59,8 @@ pub(super) fn findings(
             let mut rivals = rivals.iter();
             other.same_site(h) || rivals.any(|r| is_at(other, r.cause, &r.address))
         };
-        let group = probability(found, |causes| causes.iter().any(in_group));
-        let without = without(found, leading, k);
+        let group = selected.probability(|causes| causes.iter().any(in_group));
+        let without = without(selected, k);
         let evidence = 2.0 * (leading.posterior.ln_z - without.posterior.ln_z);
         let before = HoldOutPrediction::new(subject, &without);
         // The importance counts the effect of the cause alone. A refit without the cause would absorb part of its effect by wrong values of
@@ -124,7 +97,7 @@ pub(super) fn findings(
             address: h.address.clone(),
             form: (!h.side.is_empty()).then(|| h.side.to_string()),
             members: h.members.clone(),
-            probability: of_place(found, h),
+            probability: selected.of_site(h),
             group_probability: group,
             parameters: numbers
                 .iter()
@@ -140,7 +113,7 @@ pub(super) fn findings(
             evidence: Evidence {
                 statistic: "evidence",
                 value: evidence,
-                p_value: (chi_square_p_value(evidence.max(0.0), count) * found.places as f64)
+                p_value: (chi_square_p_value(evidence.max(0.0), count) * selected.places as f64)
                     .min(1.0),
                 bic_gain: evidence + 2.0 * (leading.ln_prior() - without.ln_prior()),
             },
@@ -172,20 +145,12 @@ pub(super) fn findings(
     };
     let told = (0..leading.effects.len()).filter(is_told);
     let out: Vec<(Finding, usize)> = told.map(of).collect();
-    // A cause that worsens the prediction of other cases is not a finding.
-    let predicts = |(finding, k): &(Finding, usize)| {
-        let worse = if leading.effects[*k].is_slab() {
-            CV_RANDOM_EFFECT_TOLERANCE_NATS
-        } else {
-            CV_TOLERANCE_NATS
-        };
-        let nats = finding.gain.cross_validated_nats;
-        finding.group_probability > NAMED && nats.is_none_or(|nats| nats > -worse)
-    };
+    let is_named = |(finding, _): &(Finding, usize)| finding.group_probability > NAMED_PROBABILITY;
     let matters = |(finding, _): &(Finding, usize)| !finding.minor;
-    let (mut out, others): (Vec<_>, Vec<_>) = out.into_iter().partition(predicts);
-    let is_nameless =
-        none_of_these(found) < NAMED && !out.iter().any(matters) && others.iter().any(matters);
+    let (mut out, others): (Vec<_>, Vec<_>) = out.into_iter().partition(is_named);
+    let is_nameless = selected.none_of_these() < NAMED_PROBABILITY
+        && !out.iter().any(matters)
+        && others.iter().any(matters);
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor
             .cmp(&b.minor)
@@ -199,18 +164,17 @@ fn is_at(h: &CandidateEffect, cause: Cause, address: &str) -> bool {
     h.cause == cause && h.address == address
 }
 
-/// Returns the best fitted model that contains all effects of the leading model except effect `at` and further terms of the same law. Falls
-/// back to the model without any cause.
-pub(super) fn without(found: &Found, leading: &FittedModel, at: usize) -> Arc<FittedModel> {
-    let is_rest = |model: &Visited| {
-        let own = &leading.effects[at];
-        let mut rest = leading.effects.iter().filter(|h| !h.same_site(own));
+/// Returns the fit of the leading set without effect `at` and without further terms of the same law. Falls back to the fit without effects.
+pub(super) fn without(selected: &Selected, at: usize) -> Arc<FittedModel> {
+    let leading = &selected.leading.effects;
+    let is_rest = |model: &ModelSet| {
+        let mut rest = leading.iter().filter(|h| !h.same_site(&leading[at]));
         model.causes.len() == rest.clone().count()
             && rest.all(|h| model.causes.iter().any(|other| other.same_form(h)))
     };
-    let mut models = found.models.iter().map(|(model, _)| model);
+    let mut models = selected.models.iter().map(|(model, _)| model);
     let fitted = models.find_map(|model| model.fitted.as_ref().filter(|_| is_rest(model)));
-    Arc::clone(fitted.unwrap_or(&found.none))
+    Arc::clone(fitted.unwrap_or(&selected.none))
 }
 
 /// Returns the findings that the marks alone show: a wrong noise level, misplaced marks and gross errors of readings.

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::aim::Aim;
 use super::candidate_effect::{CandidateEffect, Parametrisation, Term};
 use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::early_stopping::EarlyStopping;
 pub use super::estimate::Estimate;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
-use super::settle::{End, Settled, Sweep};
+use super::settle::{ENOUGH, Settled, Sweep};
 use super::unknowns::{Known, Unknowns};
 use crate::settings::{CONVERGED_NATS, MAX_FIT_ITERATIONS, WRONG_MINIMUM_RMS_SIGMA};
 use admire_identify::global::{
@@ -99,10 +99,11 @@ impl FittedModel {
         CandidateEffect::ln_prior_of(&self.effects)
     }
 
-    /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. The predicted decrease that
-    /// the fit did not realise is subtracted.
+    /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. If the fit ended early, the
+    /// predicted decrease that it did not realise is subtracted.
     pub fn ln_posterior(&self) -> f64 {
-        self.posterior.ln_z - self.posterior.gain + self.ln_prior()
+        let left = Some(self.posterior.gain).filter(|gain| *gain > ENOUGH);
+        self.posterior.ln_z - left.unwrap_or(0.0) + self.ln_prior()
     }
 
     /// Returns true if the fit ended near the optimum of its linear model, false if it stopped early and far from it.
@@ -293,98 +294,22 @@ pub(super) fn fit(
     warm: Option<(&FittedModel, &[f64])>,
     data: Data,
 ) -> Option<FittedModel> {
-    match fit_with_early_stopping(subject, chosen, warm, None, data, EarlyStopping::NONE)? {
-        FitOutcome::New(fitted) => Some(Arc::unwrap_or_clone(fitted)),
-        FitOutcome::Duplicate => None,
-    }
+    let fitted = fit_with_early_stopping(subject, chosen, warm, data, EarlyStopping::NONE)?;
+    Some(Arc::unwrap_or_clone(fitted))
 }
 
-/// Conditions under which a fit stops before it converges.
-#[derive(Clone, Copy)]
-pub(super) struct EarlyStopping<'a> {
-    /// Log evidence of the leading model in nats, without prior odds. A fit stops if it cannot come near this value.
-    pub lead: f64,
-    /// Fit of the same causes and laws that started from other guesses. A new fit stops if it leads to the same optimum.
-    pub known: Option<&'a FittedModel>,
-    /// Minimum log evidence at the start of a fit in nats, without prior odds. A fit stops if it starts below this value.
-    pub least: f64,
-}
-
-impl<'a> EarlyStopping<'a> {
-    /// Conditions that never stop a fit early.
-    pub(super) const NONE: Self = Self {
-        lead: f64::NEG_INFINITY,
-        known: None,
-        least: f64::NEG_INFINITY,
-    };
-
-    /// Creates conditions that stop a fit if it leads to the optimum of `known`, or if it cannot come near the evidence of `known`.
-    pub(super) fn beyond(known: &'a FittedModel) -> Self {
-        Self {
-            lead: known.ln_posterior() - known.ln_prior(),
-            known: Some(known),
-            ..Self::NONE
-        }
-    }
-
-    /// Adds the condition that a fit stops if it starts below the log evidence `least`.
-    pub(super) const fn above(self, least: f64) -> Self {
-        Self { least, ..self }
-    }
-
-    /// Returns true if the fit cannot come near the leading model, whether or not it stopped for that reason.
-    pub(super) fn is_beaten(&self, fitted: &FittedModel) -> bool {
-        let aim = Aim {
-            lead: self.lead,
-            ..Aim::NONE
-        };
-        aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
-    }
-
-    /// Returns true if the fit started below the minimum evidence, and stopped for that reason.
-    pub(super) fn is_astray(&self, fitted: &FittedModel) -> bool {
-        fitted.posterior.ln_z - fitted.posterior.gain < self.least
-    }
-
-    fn aim(&self, chosen: &[(CandidateEffect, Vec<f64>)]) -> Aim<'a> {
-        let alike = |(a, (b, _)): (&CandidateEffect, &(CandidateEffect, Vec<f64>))| a.same_law(b);
-        let same = |known: &&FittedModel| {
-            known.is_converged()
-                && known.effects.len() == chosen.len()
-                && known.effects.iter().zip(chosen).all(alike)
-        };
-        Aim {
-            lead: self.lead,
-            known: self.known.filter(same).map(|known| known.x.as_slice()),
-            least: self.least,
-        }
-    }
-}
-
-/// Result of a fit with early stopping.
-#[derive(Clone)]
-pub(super) enum FitOutcome {
-    /// Fitted model, at an optimum that no earlier fit of the same set reached.
-    New(Arc<FittedModel>),
-    /// The fit led to the optimum of an earlier fit of the same set.
-    Duplicate,
-}
-
-/// Fits the extended deck as [`fit`] does, but stops early under the conditions of `target`. Variance components start from `sizes` if
-/// given, otherwise from `warm`, otherwise from the prior medians of the study.
+/// Fits the extended deck as [`fit`] does, but stops early under the condition of `stopping`. Variance components start from `warm`, if given,
+/// otherwise from the prior medians of the study.
 pub(super) fn fit_with_early_stopping(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(CandidateEffect, Vec<f64>)],
     warm: Option<(&FittedModel, &[f64])>,
-    sizes: Option<&VarianceComponents>,
     data: Data,
-    target: EarlyStopping<'_>,
-) -> Option<FitOutcome> {
+    stopping: EarlyStopping,
+) -> Option<Arc<FittedModel>> {
     let chosen = &apart(chosen)[..];
-    let parent = warm.filter(|warm| sizes.is_none() && is_submodel_start(*warm, chosen));
-    let own = || warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
-    let sizes = sizes.unwrap_or_else(own);
-    let aim = target.aim(chosen);
+    let parent = warm.filter(|warm| is_submodel_start(*warm, chosen));
+    let sizes = warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
     let deck = deck_of(
         subject,
         chosen,
@@ -442,15 +367,15 @@ pub(super) fn fit_with_early_stopping(
         };
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
         let is_free = parent.is_some();
-        let end =
-            start.and_then(|start| sweep.settle(start, &first, (MAX_FIT_ITERATIONS, aim), is_free));
+        let end = start
+            .and_then(|start| sweep.settle(start, &first, (MAX_FIT_ITERATIONS, stopping), is_free));
         subject.count_sweeps(sweep.predictor.sweeps());
         (sweep, end)
     } else {
         // Two starts are compared by evidence. The first start is a fit of the stiffnesses alone. It treats everything else as exact, and
         // can end in a wrong minimum. The second start is a joint fit from the initial values. It fails as often, but in other studies. The
         // second start is skipped if the stiffnesses alone nearly explain the readings.
-        let from = |alone: bool, aim: Aim<'_>| {
+        let from = |alone: bool, stopping: EarlyStopping| {
             let (mut sweep, mut x) = (begun()?, x.clone());
             if alone {
                 sweep.stiffnesses_alone(&mut x);
@@ -466,32 +391,22 @@ pub(super) fn fit_with_early_stopping(
                 residual.norm_squared()
                     > WRONG_MINIMUM_RMS_SIGMA * WRONG_MINIMUM_RMS_SIGMA * residual.len() as f64
             });
-            let end = start.and_then(|start| sweep.settle(start, sizes, (steps, aim), alone));
+            let end = start.and_then(|start| sweep.settle(start, sizes, (steps, stopping), alone));
             subject.count_sweeps(sweep.predictor.sweeps());
             Some((sweep, end, missed))
         };
-        let (sweep, first, missed) = from(true, aim)?;
-        let known = first.as_ref().and_then(End::own);
-        let to_beat = known.map_or(f64::NEG_INFINITY, Settled::reached);
-        let aim = Aim {
-            lead: to_beat,
-            known: known.map(|known| known.point.x.as_slice()),
-            ..Aim::NONE
-        };
-        let better = |(_, end, _): &(Sweep<'_>, Option<End>, bool)| {
-            let own = end.as_ref().and_then(End::own);
-            own.is_some_and(|own| own.reached() > to_beat)
-        };
-        let second = missed.then(|| from(false, aim)).flatten().filter(better);
+        let (sweep, first, missed) = from(true, stopping)?;
+        let to_beat = first.as_ref().map_or(f64::NEG_INFINITY, Settled::reached);
+        let second = missed
+            .then(|| from(false, EarlyStopping { lead: to_beat }))
+            .flatten()
+            .filter(|(_, end, _)| end.as_ref().is_some_and(|own| own.reached() > to_beat));
         match second {
             Some((sweep, end, _)) => (sweep, end),
             None => (sweep, first),
         }
     };
-    let settled = match end? {
-        End::Own(settled) => *settled,
-        End::Known => return Some(FitOutcome::Duplicate),
-    };
+    let settled = end?;
     let (mut thetas, mut states) = (Vec::new(), Vec::new());
     for case in cases {
         let (state, theta) = sweep.predictor.answer(case)?;
@@ -499,7 +414,7 @@ pub(super) fn fit_with_early_stopping(
         thetas.push(theta.clone());
     }
     let (x, misfit, jacobian, linear) = settled.point.into_parts();
-    Some(FitOutcome::New(Arc::new(FittedModel {
+    Some(Arc::new(FittedModel {
         effects: chosen.iter().map(|(h, _)| h.clone()).collect(),
         x,
         residual: misfit,
@@ -516,7 +431,7 @@ pub(super) fn fit_with_early_stopping(
         thetas,
         states,
         deck,
-    })))
+    }))
 }
 
 /// Returns true if the fit is converged and contains all `chosen` causes, and if `x` are the fit's own unknowns.

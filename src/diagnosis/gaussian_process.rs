@@ -32,8 +32,6 @@ pub(super) struct GpPosterior {
     pub covariance: DMatrix<f64>,
     /// Factor of the prior covariance: the covariance is `root` times its transpose.
     pub root: DMatrix<f64>,
-    /// Coefficients of the posterior mean, which equals `root` times `weights`.
-    pub weights: DVector<f64>,
 }
 
 impl GpPosterior {
@@ -107,7 +105,6 @@ impl GpPosterior {
                     covariance: &root * factor.inverse() * &transposed * (s * s),
                     mean: &root * &z * s,
                     root: root * s,
-                    weights: z,
                 });
             }
         }

@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use super::base_fit::BaseFit;
 use super::candidate_effect::CandidateEffect;
+use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
 use super::hold_out_test::{HeldOutTest, HoldOutPrediction, compared};
 use super::jackknife::{Squares, rms_reduction};
+use super::model_set::{ModelSet, probability};
 use super::progress::Progress;
-use super::rig_errors::RigErrors;
-use super::search::Search;
-use super::sought::{Begun, Sought};
+use super::select::select;
+use crate::settings::NAMED_PROBABILITY;
 use admire_session::backend::BackendError;
 
 /// Predictions of the held-out cases by models fitted without them.
@@ -31,11 +33,8 @@ pub struct HoldOutSelection {
     pub searched: bool,
     /// True if the search ended early: its budget was spent, or the user stopped it.
     cut_short: bool,
-    /// All models that the search fitted.
-    fits: Vec<Arc<FittedModel>>,
-    /// Rig errors that made the search stop early, because they explain the readings much better than any cause. `None` if no rig errors did
-    /// so.
-    gave_way: Option<RigErrors>,
+    /// Probabilities of the sets that the selection compared.
+    models: Vec<(ModelSet, f64)>,
 }
 
 /// Result of the prediction of held-out cases, as written to `diagnosis.json`.
@@ -67,23 +66,19 @@ pub struct HoldOut {
 }
 
 impl HoldOutSelection {
-    /// Selects causes without the held-out cases, starting from the fit `begun`. The search stops early if the rig errors in `open` explain
-    /// the readings much better than any cause. Returns `None` if no further search may start, or if nothing can be predicted.
-    pub(super) fn new(begun: Begun<'_>, open: &[RigErrors], progress: &Progress) -> Option<Self> {
+    /// Selects causes without the held-out cases, starting from the fit `base`. Returns `None` if no further selection may start, or if nothing
+    /// can be predicted.
+    pub(super) fn new(base: BaseFit<'_>, progress: &Progress) -> Option<Self> {
         if !progress.extend() {
             return None;
         }
         progress.begin("searching causes without the cases held out");
-        let Begun { subject, none } = begun;
-        let search = Search::new(&subject, none, Data::Fitted).giving_way_to(open);
-        let sought = Sought::new(search.ended());
-        let found = sought.found;
-        let models = [found.none, sought.leading];
-        let new = Self::of(&subject, models, (true, found.cut_short))?;
-        let fits = found.models.into_iter();
+        let BaseFit { subject, none } = base;
+        let selected = select(&subject, &none, Data::Fitted);
+        let models = [selected.none, selected.leading];
+        let new = Self::of(&subject, models, (true, selected.cut_short))?;
         Some(Self {
-            gave_way: found.gave_way.map(|way| way.errors),
-            fits: fits.filter_map(|(model, _)| model.fitted).collect(),
+            models: selected.models,
             ..new
         })
     }
@@ -117,8 +112,7 @@ impl HoldOutSelection {
             predicted: [before.0, after.0],
             searched,
             cut_short,
-            fits: Vec::new(),
-            gave_way: None,
+            models: Vec::new(),
         })
     }
 
@@ -136,19 +130,14 @@ impl HoldOutSelection {
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
-    /// Returns the model without causes and the model with the selected causes.
-    pub fn models(&self) -> [&Arc<FittedModel>; 2] {
-        [&self.none, &self.chosen]
-    }
-
-    /// Returns all models that the search fitted.
-    pub(super) fn fits(&self) -> &[Arc<FittedModel>] {
-        &self.fits
-    }
-
-    /// Returns the rig errors that made the search stop early, if any did so.
-    pub(super) fn gave_way(&self) -> Option<RigErrors> {
-        self.gave_way
+    /// Returns true if one of these causes, each with its address, is more probable than not without the held-out cases, too. Returns `None` if no
+    /// selection was made without them.
+    pub(super) fn confirms(&self, causes: &[(Cause, &str)]) -> Option<bool> {
+        let is_one = |h: &CandidateEffect| causes.contains(&(h.cause, h.address.as_str()));
+        self.searched.then(|| {
+            let here = probability(&self.models, |causes| causes.iter().any(is_one));
+            here > NAMED_PROBABILITY
+        })
     }
 
     /// Returns the selected model if its causes were selected without the held-out cases, otherwise `None`.

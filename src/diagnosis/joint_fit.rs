@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::averaged::model_averaged_parameters;
+use super::base_fit::fit_without_effects;
 use super::diagnose::tolerances;
 use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
 use super::lack_of_fit::lack_of_fit_tests;
+use super::model_set::ModelSet;
 use super::settle::ENOUGH;
-use super::sought::as_it_is;
-use super::visited::Visited;
 use admire_identify::global::gauss_newton::Prior;
 use admire_identify::global::{Joint, Marginal};
 use admire_identify::{Fit, FitTest, FitVerdict, LackOfFitTest, NOT_CONVERGED, Problem, Status};
@@ -39,8 +39,9 @@ pub struct JointFit {
 /// Fits stiffnesses and tolerances to the cases that are not held out. Returns `None` if the built-in solver cannot solve the deck.
 pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
     let cases = problem.measurement.cases.iter();
-    let mut subject = DiagnosisProblem::new(problem, cases.map(|case| case.held_out).collect());
-    let found = as_it_is(&mut subject, None, Data::Fitted)?;
+    let mut subject =
+        DiagnosisProblem::with_rig_errors(problem, cases.map(|case| case.held_out).collect());
+    let found = fit_without_effects(&mut subject, None, Data::Fitted)?;
     let structure = lack_of_fit_tests(&subject, &found);
     let posterior = &found.posterior;
     let chi_square = (
@@ -54,7 +55,7 @@ pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
         dof: subject.tails.map(|tails| tails.nu),
     };
     let found = Arc::new(found);
-    let only = Visited {
+    let only = ModelSet {
         causes: Vec::new(),
         ln_posterior: 0.0,
         fitted: Some(Arc::clone(&found)),

@@ -1,11 +1,16 @@
 //! Detection limits: the sizes from which errors would be found. The report uses them to state which errors the readings cannot show.
 
-use super::candidate_effect::{CandidateEffect, EffectParameter, Parametrisation, Term};
+use std::sync::Arc;
+
+use super::candidate_effect::{
+    CandidateEffect, EffectParameter, Parametrisation, Sensitivity, Term,
+};
 use super::cause::Cause;
 use super::diagnosis::{CauseLimit, DetectionLimit};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
-use super::scan::{Catalogue, first_member};
+use super::reduction::{EffectModel, first_member};
+use super::remainder::sites_of;
 use crate::settings::{MAX_CAUSE_LIMIT_SD, MAX_HARDPOINT_LIMIT_MM};
 use admire_identify::tolerance::EffectGroup;
 
@@ -75,16 +80,24 @@ fn outstanding(
 /// correct model. To first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`, where `F` is the information of the readings in units
 /// of the prior. Among the forms of a cause at one site, the largest limit is reported, because any of the forms may act. Among the first
 /// guesses of one law, the smallest limit is reported. Faults of the readings of single cases are left out.
-pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<CauseLimit> {
-    let catalogue = Catalogue::new(subject, fitted);
-    let information = catalogue.information(fitted, &fitted.sizes);
+pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &Arc<FittedModel>) -> Vec<CauseLimit> {
+    let sites = sites_of(subject, fitted);
+    let model = EffectModel::new(subject, fitted, &sites, Vec::new());
+    let Some(marginal) = model.marginalised(&fitted.sizes) else {
+        return Vec::new();
+    };
+    let information = model.reduction(&marginal).information_beside_the_fit();
     let mut out: Vec<CauseLimit> = Vec::new();
-    for (h, information) in catalogue.hypotheses.iter().zip(&information) {
+    for (h, information) in model.effects.iter().zip(&information).skip(model.own) {
         let is_part = h.term > Term::Main || h.joint_with.is_some();
         if h.cause == Cause::HardpointError || is_part || h.only_case(&subject.rows).is_some() {
             continue;
         }
-        for (k, number) in h.numbers.iter().enumerate() {
+        let mut columns = information.iter();
+        for number in &h.numbers {
+            let has_column = matches!(number.unknown, Parametrisation::Member(_))
+                || number.column != Sensitivity::None;
+            let information = has_column.then(|| columns.next()).flatten();
             let d = match number.unknown {
                 Parametrisation::Member(member) => {
                     let group = fitted.priors[first_member(fitted) + member].group;
@@ -97,7 +110,7 @@ pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec
                 | Parametrisation::Offset { .. } => {
                     continue;
                 }
-                _ => information.get(k).and_then(|f| alone(*f, h.ln_prior)),
+                _ => information.and_then(|f| alone(*f, h.ln_prior)),
             };
             let d = d.filter(|d| *d < MAX_CAUSE_LIMIT_SD);
             take(&mut out, h, number, d);

@@ -62,14 +62,6 @@ impl Progress {
         self.sweeps() >= self.budget()
     }
 
-    /// Grants a search a new full budget, unless the diagnosis was stopped.
-    pub(super) fn renew(&self) {
-        let further = self.sweeps() + MAX_SWEEPS;
-        let grant = |budget: usize| (budget > 0).then_some(further);
-        let order = Ordering::Relaxed;
-        let _ = self.budget.fetch_update(order, order, grant);
-    }
-
     /// Grants a further search a new full budget. Returns false, without a grant, if the previous search was stopped or spent its budget.
     pub(super) fn extend(&self) -> bool {
         let further = self.sweeps() + MAX_SWEEPS;

@@ -20,7 +20,6 @@ use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
 use super::site::Sites;
 use super::site_law::Scanned;
-use admire_identify::global::Evolution;
 use admire_identify::tolerance::{
     EffectProducts, LinearModel, RowsByVarianceClass, VarianceComponents, transposed,
 };
@@ -37,7 +36,7 @@ pub(super) struct EffectModel {
     pub ranges: Vec<Range<usize>>,
     /// Result of the scan of each effect whose law is scanned at its site.
     pub scans: Vec<Option<Scanned>>,
-    /// Correction of the log Bayes factor of each effect, from that of its column to that of its scanned law. Zero for all other effects.
+    /// Correction of the log Bayes factor of each effect, from that of its column to that of its law with memory. Zero for all other effects.
     pub corrections: Vec<f64>,
     /// Products of the columns of the effects. A column is the change of the prediction per prior standard deviation of a parameter.
     products: Option<EffectProducts>,
@@ -97,13 +96,7 @@ impl EffectModel {
         let mut effects = fitted.effects.clone();
         let own = effects.len();
         let mut scans: Vec<Option<Scanned>> = vec![None; own];
-        // Friction is scanned at its site instead of being tried with several first guesses.
-        let is_slider = |effect: &CandidateEffect| {
-            let memory = effect.memory.as_ref();
-            memory.is_some_and(|plan| plan.carries == Evolution::Slider)
-        };
-        let candidates = causes::candidates(&survey, fitted);
-        effects.extend(candidates.into_iter().filter(|effect| !is_slider(effect)));
+        effects.extend(causes::candidates(&survey, fitted));
         effects.extend(further);
         scans.resize(effects.len(), None);
         for (effect, scan) in dry_friction::scanned(&survey, sites) {
@@ -132,6 +125,9 @@ impl EffectModel {
                 } else if k < own {
                     let at = fitted.parameter_index[k][n];
                     is_kept[at] = false;
+                    if effect.is_held(n) {
+                        continue;
+                    }
                     let (column, off) = natural(number, fitted.x[at], priors[at].sd);
                     columns.push(whole.column(at) * column);
                     residual.axpy(off, &whole.column(at), 1.0);
@@ -203,6 +199,22 @@ impl EffectModel {
         })
     }
 
+    /// Corrects the log Bayes factors of the laws with memory in the fit, so that the score of the fitted set is the evidence of the fit. Only the
+    /// force of such a law has a column; its other parameters keep their values. `marginal` is at the variance components of the fit.
+    pub(super) fn correct_held_laws(&mut self, marginal: &Marginal) {
+        let held = |k: &usize| self.effects[*k].memory.is_some();
+        let held: Vec<usize> = (0..self.own).filter(held).collect();
+        let own = self.ranges[..self.own].iter();
+        let conditioned = || self.reduction(marginal).conditioned(own);
+        let Some(set) = (!held.is_empty()).then(conditioned).flatten() else {
+            return;
+        };
+        let left = self.fitted.posterior.ln_z - marginal.ln_z - set.ln_bayes_factor;
+        for k in &held {
+            self.corrections[*k] = left / held.len() as f64;
+        }
+    }
+
     /// Returns the reduced model.
     pub(super) const fn reduction<'m>(&'m self, marginal: &'m Marginal) -> Reduction<'m> {
         Reduction {
@@ -234,7 +246,8 @@ impl EffectModel {
         };
         for (k, range) in self.ranges[..self.own].iter().enumerate() {
             for (n, number) in self.effects[k].numbers.iter().enumerate() {
-                let Some(mean) = value(range.start + n) else {
+                let column = range.clone().nth(n);
+                let Some(mean) = column.and_then(&value) else {
                     continue;
                 };
                 match number.unknown {
@@ -371,6 +384,24 @@ impl Reduction<'_> {
         Some((0.5 * g.dot(&mean) - half_ln_det(&factor), mean))
     }
 
+    /// Returns the information about each parameter of each effect, in units of its prior, with the effects of the fit marginalised.
+    pub(super) fn information_beside_the_fit(&self) -> Vec<Vec<f64>> {
+        let EffectModel { ranges, own, .. } = self.model;
+        let Some(fit) = self.conditioned(ranges[..*own].iter()) else {
+            return vec![Vec::new(); ranges.len()];
+        };
+        let of = |(range, block): (&Range<usize>, &DMatrix<f64>)| {
+            let mut information = block.diagonal();
+            let rows: Vec<usize> = range.clone().collect();
+            if let Some(cross) = self.block(&rows, &fit.columns) {
+                let cross = cross.transpose();
+                information -= cross.tr_mul(&fit.factor.solve(&cross)).diagonal();
+            }
+            information.iter().copied().collect()
+        };
+        ranges.iter().zip(&self.marginal.own).map(of).collect()
+    }
+
     /// Returns a block of the information matrix; `None` if a column is not known.
     fn block(&self, rows: &[usize], columns: &[usize]) -> Option<DMatrix<f64>> {
         let mut out = DMatrix::zeros(rows.len(), columns.len());
@@ -410,7 +441,7 @@ fn natural(number: &EffectParameter, x: f64, sd: f64) -> (f64, f64) {
 }
 
 /// Returns the index of the first random effect among the unknowns of a fit.
-fn first_member(fitted: &FittedModel) -> usize {
+pub(super) fn first_member(fitted: &FittedModel) -> usize {
     let members = fitted.priors.iter();
     members
         .clone()
@@ -421,19 +452,19 @@ fn first_member(fitted: &FittedModel) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base_fit::tests::{axle_problem, shipped_axle};
     use crate::closure::Sets;
     use crate::diagnosis_problem::Data;
     use crate::fit::fit;
     use crate::remainder::sites_of;
     use crate::settings::OCCAM_WINDOW_NATS;
-    use crate::sought::tests::{of_the_axle, shipped_axle};
 
     /// Fits sets of effects. The evidence of each fit must equal the evidence of the same set in the linear model reduced at that fit.
     #[test]
     fn the_score_of_a_fitted_set_is_the_evidence_of_its_fit() {
         let loaded = shipped_axle();
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let none = Arc::new(none);
         let sites = sites_of(&subject, &none);
         let model = EffectModel::new(&subject, &none, &sites, Vec::new());
@@ -494,7 +525,7 @@ mod tests {
     fn the_closure_holds_all_pairs_within_the_window() {
         let loaded = shipped_axle();
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let none = Arc::new(none);
         let sites = sites_of(&subject, &none);
         let mut model = EffectModel::new(&subject, &none, &sites, Vec::new());

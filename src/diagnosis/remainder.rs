@@ -24,7 +24,7 @@ use super::hold_out_test::{compared, unseen};
 use super::operating_points::OperatingPoints;
 use super::predictive::PredictiveDistribution;
 use super::site::{Site, SiteModel, Sites};
-use crate::settings::{GP_SITE_NATS, MAX_LN_STIFFNESS_STEP};
+use crate::settings::GP_SITE_NATS;
 use admire_identify::settings::NORMAL_QUANTILE_975;
 use admire_identify::tolerance::{Posterior, VarianceComponents};
 use admire_solver::model::{Header, MarkerIx, Model};
@@ -112,9 +112,6 @@ struct Best {
     next: Option<(String, f64)>,
     /// Effects on all rows of a unit force in each single case, one column per case.
     effect: DMatrix<f64>,
-    /// Decrease of the fit's unknowns per unit force in each case, one column per case. By this decrease, the unknowns absorb part of the effect
-    /// of the force.
-    taken_up: DMatrix<f64>,
     /// Effect of the force on all rows after the fit's unknowns have adapted to the force.
     response: DMatrix<f64>,
     /// Posterior of the fit without the force, at the variance components in use.
@@ -224,12 +221,6 @@ pub(super) struct GpTerm {
     /// Candidate with one parameter per column of `root`, in units of the priors. Its effects on the rows are linearised at the end of a
     /// fit.
     pub hypothesis: CandidateEffect,
-    /// First guesses of the candidate's parameters.
-    pub guesses: Vec<f64>,
-    /// Start values of the unknowns that the fit already has, adapted to the force.
-    pub x: Vec<f64>,
-    /// Gain in log evidence predicted by the linear model, in nats, without prior odds.
-    pub nats: f64,
     place: Site,
     root: DMatrix<f64>,
 }
@@ -263,7 +254,10 @@ pub(super) fn gp_terms(
     let each = [&usual, &fitted.sizes].into_iter();
     let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sites, sizes, None));
     let mut out: Vec<GpTerm> = Vec::new();
-    for unnamed in found.map(|best| as_hypothesis(subject, fitted, best)) {
+    let priors = subject.problem.priors;
+    let odds = libm::log(priors.class_probability * priors.unmodelled_force_odds);
+    for mut unnamed in found.map(as_hypothesis) {
+        unnamed.hypothesis.ln_prior += odds;
         if !out
             .iter()
             .any(|other| other.hypothesis.same_form(&unnamed.hypothesis))
@@ -290,11 +284,11 @@ pub(super) fn left_by_laws(
     let priors = subject.problem.priors;
     let left = |h: &CandidateEffect| {
         let best = most_spoken_for(subject, fitted, sites, &usual, Some(&h.address))?;
-        let mut left = as_hypothesis(subject, fitted, best);
+        let mut left = as_hypothesis(best);
         left.hypothesis.cause = h.cause;
         left.hypothesis.side = h.side;
         left.hypothesis.term = Term::LawMisfit;
-        left.hypothesis.ln_prior += libm::log(priors.law_misfit / priors.class_probability);
+        left.hypothesis.ln_prior += libm::log(priors.law_misfit);
         Some(left)
     };
     let open = CandidateEffect::causes(chosen).filter(|h| h.cause.has_rough_law() && !is_closed(h));
@@ -337,19 +331,13 @@ fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     columns.column_iter().enumerate().map(number).collect()
 }
 
-fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Best) -> GpTerm {
+fn as_hypothesis(found: Best) -> GpTerm {
     let form = match found.process.over {
         Over::Deflection => "over deflection",
         Over::Load => "over a load",
         Over::Order => "over the order",
     };
-    let GpPosterior {
-        root,
-        weights,
-        mean,
-        nats,
-        ..
-    } = found.process.law;
+    let root = found.process.law.root;
     let mut hypothesis = CandidateEffect::plain(
         Cause::UnmodelledForce,
         found.address,
@@ -357,18 +345,9 @@ fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Be
         numbers(&found.effect, &root),
     );
     let laws = found.tried * GRID_SIZE;
-    hypothesis.ln_prior = libm::log(subject.problem.priors.class_probability / laws as f64);
-    let step = &found.posterior.step - &found.taken_up * mean;
-    let x = fitted.x.iter().zip(step.iter()).zip(&fitted.priors);
-    let moved = x.map(|((x, step), prior)| match prior.group {
-        None => x + step.clamp(-MAX_LN_STIFFNESS_STEP, MAX_LN_STIFFNESS_STEP),
-        Some(_) => x + step,
-    });
+    hypothesis.ln_prior = -libm::log(laws as f64);
     GpTerm {
         hypothesis,
-        guesses: weights.iter().copied().collect(),
-        x: moved.collect(),
-        nats,
         place: found.place,
         root,
     }
@@ -448,7 +427,6 @@ fn most_spoken_for(
         place: sites.all[at].clone(),
         response: effect - &fitted.jacobian * &taken_up,
         effect: effect.clone(),
-        taken_up,
         posterior,
         tried,
         address,

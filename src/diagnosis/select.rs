@@ -5,60 +5,29 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::candidate_effect::CandidateEffect;
-use super::cause::Cause;
-use super::causes::dry_friction;
-use super::closure::{EffectSet, Pool, Sets};
+use super::challengers::{Challenger, Reason, challengers};
+use super::closure::{EffectSet, Sets};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
-use super::fit::{
-    EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
-};
+use super::early_stopping::EarlyStopping;
+use super::fit::{FittedModel, fit_with_early_stopping, with_zero_guesses};
+use super::fitted_set::FittedSet;
+use super::model_set::{ModelSet, Selected, leading, weighted};
+use super::point::{Forms, Ids, Point};
 use super::reduction::{EffectModel, Marginal};
 use super::remainder::{GpTerm, gp_terms, left_by_laws, sites_of};
-use super::rig_errors::Promises;
+use super::set_estimate::{SetEstimate, estimates};
 use super::settings::{
-    EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS, MAX_SELECTION_POINTS,
-    OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
+    CONVERGED_NATS, EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS,
+    MAX_SELECTION_POINTS, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
 };
-use super::visited::{Found, Visited, probabilities};
-use admire_study::settings::Selection;
 
-/// Set of effects, given by the indices of the effects in `Selector::known`, in ascending order.
-type Ids = Vec<usize>;
-
-/// Linearisation point: a fit at which all effects are linearised.
-struct Point {
-    model: EffectModel,
-    marginals: Vec<Marginal>,
-    /// Sets of effects within Occam's window, one pool for each marginal model.
-    pools: Vec<Pool>,
-    /// Index in `Selector::known` of each effect of `model`.
-    ids: Vec<usize>,
-}
-
-/// Estimated log posterior of a set of effects that is not fitted.
-struct SetEstimate {
-    ln_posterior: f64,
-    /// Squared distance between the predictions of this set and of the nearest fitted set, in units of noise.
-    distance: f64,
-    point: usize,
-    marginal: usize,
-    set: EffectSet,
-}
-
-/// Fitted set of effects.
-struct Fit {
-    ln_posterior: f64,
-    /// The fit itself. `None` if it is outside of Occam's window, to save memory.
-    model: Option<Arc<FittedModel>>,
-}
-
-impl Fit {
-    fn new(fitted: &Arc<FittedModel>) -> Self {
-        Self {
-            ln_posterior: fitted.ln_posterior(),
-            model: Some(Arc::clone(fitted)),
-        }
-    }
+/// Rule by which a fit becomes a linearisation point.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum BecomesPoint {
+    Always,
+    IfProbable,
+    /// Only if the fit leads clearly.
+    IfLeading,
 }
 
 struct Selector<'a, 'b> {
@@ -69,25 +38,21 @@ struct Selector<'a, 'b> {
     known: Vec<CandidateEffect>,
     /// Forces of unknown law that were candidates at a linearisation point.
     forces: Vec<GpTerm>,
-    fits: BTreeMap<Ids, Fit>,
+    fits: BTreeMap<Ids, FittedSet>,
     /// Sets that are not fitted again: their fit failed, or an effect had the wrong sign.
     discarded: BTreeSet<Ids>,
+    /// Sets whose fit did not improve when it was repeated from another linearisation point.
+    settled: BTreeSet<Ids>,
     points: Vec<Point>,
     count: usize,
 }
 
-/// Returns the selection by closure if it is the method of the study; see [`select`].
-pub(super) fn closed(
+/// Selects effects by comparing fits, starting from `none`, the fit without effects.
+pub(super) fn select(
     subject: &DiagnosisProblem<'_>,
     none: &Arc<FittedModel>,
     data: Data,
-) -> Option<Found> {
-    let is_closure = subject.problem.selection == Selection::Closure;
-    is_closure.then(|| select(subject, none, data))
-}
-
-/// Selects effects by comparing fits, starting from `none`, the fitted model without effects.
-fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
+) -> Selected {
     let mut selector = Selector {
         none: Arc::clone(none),
         subject,
@@ -96,38 +61,161 @@ fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -
         forces: Vec::new(),
         fits: BTreeMap::new(),
         discarded: BTreeSet::new(),
+        settled: BTreeSet::new(),
         points: Vec::new(),
         count: 1,
     };
-    selector.fits.insert(Vec::new(), Fit::new(none));
+    selector
+        .fits
+        .entry(Vec::new())
+        .or_default()
+        .add(Forms::new(), none);
     selector.add_point(none);
     selector.run();
-    selector.into_found()
+    selector.selected()
 }
 
 impl Selector<'_, '_> {
     fn run(&mut self) {
-        while self.count < MAX_SELECTION_FITS
+        loop {
+            self.confirm_estimates();
+            if !self.challenge(false) {
+                break;
+            }
+        }
+    }
+
+    fn may_continue(&self) -> bool {
+        self.count < MAX_SELECTION_FITS
             && !self.subject.budget_exhausted()
             && !self.subject.progress().is_stopped()
-        {
-            let least = self.best() + libm::log(RESOLVED_PROBABILITY);
+    }
+
+    /// Fits sets until the posterior of every set that is probable enough is known: first the sets with the fewest effects, because a linear model
+    /// errs least for them, and of these the most promising. A set that predicts the same as a fitted one is fitted only if its estimate is higher
+    /// than all fits.
+    fn confirm_estimates(&mut self) {
+        while self.may_continue() {
+            if self.challenge(true) {
+                continue;
+            }
+            let best = self.best();
+            let least = best + libm::log(RESOLVED_PROBABILITY);
             let open = self.estimates().into_iter().filter(|(_, estimate)| {
-                estimate.ln_posterior > least && estimate.distance > EQUIVALENT_DISTANCE
+                estimate.ln_posterior > least
+                    && (estimate.distance > EQUIVALENT_DISTANCE
+                        || estimate.ln_posterior > best + CONVERGED_NATS)
             });
-            let next = open.max_by(|a, b| a.1.ln_posterior.total_cmp(&b.1.ln_posterior));
+            let next = open.min_by(|(_, a), (_, b)| {
+                let by_size = a.set.len().cmp(&b.set.len());
+                by_size.then(b.ln_posterior.total_cmp(&a.ln_posterior))
+            });
             let Some((ids, estimate)) = next else { break };
-            self.confirm(&ids, &estimate);
+            self.confirm(&ids, &estimate, BecomesPoint::IfProbable);
+        }
+    }
+
+    /// Fits the sets that the leading fit must be compared with. If `only_laws` is set, only known laws in place of a force of unknown law are
+    /// fitted. Returns true if anything was fitted.
+    fn challenge(&mut self, only_laws: bool) -> bool {
+        let count = self.count;
+        let fits = self.fits.values();
+        let leading = fits.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
+        let Some(leading) = leading.and_then(|fit| fit.model().cloned()) else {
+            return false;
+        };
+        let is_own = |point: &Point| Arc::ptr_eq(&point.model.fitted, &leading);
+        let Some(at) = self.points.iter().position(is_own) else {
+            return false;
+        };
+        let mut open = std::mem::take(&mut self.points[at].challengers);
+        if only_laws {
+            let later = open.iter().filter(|c| c.reason != Reason::KnownLaw);
+            self.points[at].challengers = later.cloned().collect();
+            open.retain(|c| c.reason == Reason::KnownLaw);
+        }
+        for Challenger {
+            set,
+            reason,
+            expected,
+        } in open
+        {
+            let ids = self.points[at].ids_of(&set);
+            let model = &self.points[at].model;
+            let is_new_law = |k: &usize| *k >= model.own && model.effects[*k].memory.is_some();
+            // The fit of a law with memory may have stopped early at another start.
+            let may_stop_early =
+                matches!(reason, Reason::Rival | Reason::UnusualSize) && set.iter().any(is_new_law);
+            let forms = self.points[at].forms_of(&set);
+            let of_set = self.fits.get(&ids);
+            let is_settled = of_set.is_some_and(|fits| match reason {
+                Reason::OtherFunction => fits.holds(&forms),
+                _ => !may_stop_early,
+            });
+            if is_settled || self.discarded.contains(&ids) {
+                continue;
+            }
+            // A new leading fit has challengers of its own.
+            let fits = self.fits.values().filter_map(FittedSet::model);
+            let best = fits
+                .map(|fit| fit.ln_posterior())
+                .fold(f64::NEG_INFINITY, f64::max);
+            if !self.may_continue() || best > leading.ln_posterior() + CONVERGED_NATS {
+                break;
+            }
+            let estimate = SetEstimate {
+                ln_posterior: expected,
+                distance: f64::NAN,
+                point: at,
+                marginal: 0,
+                set,
+            };
+            let becomes = match reason {
+                Reason::KnownLaw => BecomesPoint::Always,
+                Reason::Rival => BecomesPoint::IfLeading,
+                _ => BecomesPoint::IfProbable,
+            };
+            self.confirm(&ids, &estimate, becomes);
+        }
+        if !only_laws {
+            self.fit_rivals(&leading);
+        }
+        self.count > count
+    }
+
+    /// Fits the sets that hold another cause in place of one of the leading set and are probable. Their estimates rest on the leading fit, which
+    /// predicts the same.
+    fn fit_rivals(&mut self, leading: &FittedModel) {
+        let least = leading.ln_posterior() + libm::log(RESOLVED_PROBABILITY);
+        let own: Ids = leading
+            .effects
+            .iter()
+            .map(|effect| self.id(effect))
+            .collect();
+        let open = self.estimates().into_iter().filter(|(ids, estimate)| {
+            let shared = ids.iter().filter(|id| own.contains(id)).count();
+            estimate.ln_posterior > least && ids.len() == own.len() && shared + 1 == own.len()
+        });
+        let mut open: Vec<(Ids, SetEstimate)> = open.collect();
+        open.sort_by(|a, b| b.1.ln_posterior.total_cmp(&a.1.ln_posterior));
+        for (ids, estimate) in open {
+            if self.may_continue() {
+                self.confirm(&ids, &estimate, BecomesPoint::IfProbable);
+            }
         }
     }
 
     fn best(&self) -> f64 {
-        let all = self.fits.values().map(|fit| fit.ln_posterior);
+        let all = self.fits.values().map(FittedSet::ln_posterior);
         all.fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn id(&mut self, effect: &CandidateEffect) -> usize {
-        if let Some(at) = self.known.iter().position(|known| known.same_law(effect)) {
+        if let Some(at) = self
+            .known
+            .iter()
+            .position(|known| known.is_same_effect(effect))
+        {
             return at;
         }
         self.known.push(effect.clone());
@@ -152,116 +240,45 @@ impl Selector<'_, '_> {
             .iter()
             .filter_map(|sizes| model.marginalised(sizes))
             .collect();
+        if let Some(marginal) = marginals.first() {
+            model.correct_held_laws(marginal);
+        }
         let start: EffectSet = (0..model.own).collect();
         let is_first = self.points.is_empty();
         let pools = marginals
             .iter()
-            .map(|marginal| Sets::new(&model, marginal).closure(&start, is_first))
+            .map(|marginal| {
+                let sets = Sets::new(&model, marginal);
+                let mut pool = sets.closure(&start, is_first);
+                pool.extend(sets.neighbours(&start));
+                pool
+            })
             .collect();
+        let challengers = marginals
+            .first()
+            .map(|marginal| challengers(&model, marginal));
         model.forget_products();
-        let ids: Vec<usize> = model.effects.iter().map(|effect| self.id(effect)).collect();
+        let terms = |effect: &CandidateEffect| -> Ids {
+            let terms = effect.split();
+            terms.iter().map(|term| self.id(term)).collect()
+        };
+        let ids = model.effects.iter().map(terms).collect();
         self.forces.extend(forces);
         self.points.push(Point {
             model,
             marginals,
             pools,
+            challengers: challengers.unwrap_or_default(),
             ids,
         });
     }
 
-    /// Converts a set to the effect indices of a linearisation point. Returns `None` if an effect of the set is not a candidate at that point.
-    fn at_point(point: &Point, ids: &Ids) -> Option<EffectSet> {
-        let own = |id: &usize| point.ids.iter().position(|other| other == id);
-        let mut set = ids.iter().map(own).collect::<Option<EffectSet>>()?;
-        set.sort_unstable();
-        Some(set)
-    }
-
-    /// Estimates the log posterior of all probable sets that are not fitted. The estimate of the linear model is corrected by the error that the
-    /// linear model has for the nearest fitted set. The correction decreases with the distance between the two predictions.
     fn estimates(&self) -> BTreeMap<Ids, SetEstimate> {
-        let best = self.best();
-        let mut out: BTreeMap<Ids, SetEstimate> = BTreeMap::new();
-        for (p, point) in self.points.iter().enumerate() {
-            for (r, (marginal, pool)) in point.marginals.iter().zip(&point.pools).enumerate() {
-                let sets = Sets::new(&point.model, marginal);
-                let mut references = Vec::new();
-                let mut largest = 0.0_f64;
-                let mut by_law: BTreeMap<RoughLaw, f64> = BTreeMap::new();
-                for (ids, fit) in &self.fits {
-                    let own = fit.ln_posterior;
-                    if own < best - 3.0 * OCCAM_WINDOW_NATS {
-                        continue;
-                    }
-                    let Some(set) = Self::at_point(point, ids) else {
-                        continue;
-                    };
-                    let (Some(score), Some(parts)) = (sets.score(&set), sets.contributions(&set))
-                    else {
-                        continue;
-                    };
-                    let error = own - (marginal.ln_z + score);
-                    largest = largest.max(error);
-                    for law in new_rough_laws(&point.model, &set) {
-                        let known = by_law.entry(law).or_insert(error);
-                        *known = known.max(error);
-                    }
-                    references.push((parts, error));
-                }
-                for (set, score) in pool {
-                    let linear = marginal.ln_z + score;
-                    if linear + largest < best - OCCAM_WINDOW_NATS {
-                        continue;
-                    }
-                    let mut ids: Ids = set.iter().map(|k| point.ids[*k]).collect();
-                    ids.sort_unstable();
-                    ids.dedup();
-                    if ids.len() < set.len()
-                        || self.fits.contains_key(&ids)
-                        || self.discarded.contains(&ids)
-                    {
-                        continue;
-                    }
-                    let Some(parts) = sets.contributions(set) else {
-                        continue;
-                    };
-                    let (mut distance, mut correction) = (f64::INFINITY, 0.0);
-                    for (other, error) in &references {
-                        let apart = sets.distance(&parts, other);
-                        if apart < distance {
-                            distance = apart;
-                            correction = libm::exp(-0.5 * apart) * error;
-                        }
-                    }
-                    // The linear model of a law is rough, in the same way for the same law at another place.
-                    let of_law =
-                        new_rough_laws(&point.model, set).filter_map(|law| by_law.get(&law));
-                    correction = of_law.fold(correction, |most, error| error.max(most));
-                    let new = SetEstimate {
-                        ln_posterior: linear + correction,
-                        distance,
-                        point: p,
-                        marginal: r,
-                        set: set.clone(),
-                    };
-                    let is_better = |old: &SetEstimate| {
-                        if new.distance.min(old.distance) <= EQUIVALENT_DISTANCE {
-                            new.distance < old.distance
-                        } else {
-                            new.ln_posterior > old.ln_posterior
-                        }
-                    };
-                    if out.get(&ids).is_none_or(is_better) {
-                        out.insert(ids, new);
-                    }
-                }
-            }
-        }
-        out
+        estimates(&self.points, &self.fits, &self.discarded)
     }
 
     /// Fits a set of effects, starting from the optimum of the linear model. Stores the fit, or discards the set if the fit fails.
-    fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate) {
+    fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate, becomes: BecomesPoint) {
         self.count += 1;
         let point = &self.points[estimate.point];
         let marginal = &point.marginals[estimate.marginal];
@@ -274,31 +291,47 @@ impl Selector<'_, '_> {
         let x = point
             .model
             .start(marginal, &conditioned, MAX_LN_STIFFNESS_START);
-        let guesses = |k: usize, start: usize| {
-            let effect = &point.model.effects[k];
-            match &point.model.scans[k] {
-                Some(scan) => dry_friction::started(effect, &scan.starts[start]),
-                None if k < point.model.own => (effect.clone(), vec![0.0; effect.numbers.len()]),
-                None => {
-                    let guesses = point.model.guesses(marginal, &conditioned, k);
-                    (effect.clone(), guesses)
-                }
-            }
-        };
-        let is_scanned = set.iter().any(|k| point.model.scans[*k].is_some());
-        let starts = if is_scanned { 2 } else { 1 };
+        let starts: Vec<Vec<(CandidateEffect, Vec<f64>)>> = set
+            .iter()
+            .map(|k| {
+                point.starts(*k, |form| {
+                    let with = |own: &usize| if own == k { form } else { *own };
+                    let set: EffectSet = set.iter().map(with).collect();
+                    let conditioned = sets.conditioned(&set);
+                    conditioned.map_or_else(
+                        || vec![0.0; point.model.effects[form].numbers.len()],
+                        |conditioned| point.model.guesses(marginal, &conditioned, form),
+                    )
+                })
+            })
+            .collect();
+        let count = starts.iter().map(Vec::len).max().unwrap_or(1);
         let parent = Arc::clone(&point.model.fitted);
-        let ends = (0..starts).filter_map(|start| {
-            let chosen: Vec<_> = set.iter().map(|k| guesses(*k, start)).collect();
+        let ends = (0..count).filter_map(|start| {
+            let of = |starts: &Vec<(CandidateEffect, Vec<f64>)>| {
+                starts.get(start).or(starts.last()).cloned()
+            };
+            let chosen: Vec<_> = starts.iter().filter_map(of).collect();
             self.fit(&chosen, &parent, &x)
         });
-        let found = ends.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
+        let mut found: Vec<Arc<FittedModel>> = ends.collect();
+        found.sort_by(|a, b| b.ln_posterior().total_cmp(&a.ln_posterior()));
+        // Kinks of a law with memory may stop a fit early; a new start may pass them.
+        if let Some(end) = found.first()
+            && end.effects.iter().any(|effect| effect.memory.is_some())
+            && end.ln_posterior() + CONVERGED_NATS < estimate.ln_posterior
+            && let Some(again) = self.fit(&with_zero_guesses(end), end, &end.x)
+            && again.ln_posterior() > end.ln_posterior()
+        {
+            found.insert(0, again);
+        }
+        if found.is_empty() && !self.fits.contains_key(ids) {
+            self.discarded.insert(ids.clone());
+        }
         let best = self.best();
-        match found {
-            Some(found) => self.note(ids, &found, best),
-            None => {
-                self.discarded.insert(ids.clone());
-            }
+        // The most probable fit comes first, so that it alone can become a linearisation point.
+        for fitted in found {
+            self.note(ids, &fitted, best, becomes);
         }
     }
 
@@ -310,27 +343,15 @@ impl Selector<'_, '_> {
     ) -> Option<Arc<FittedModel>> {
         let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
         // What a law with memory promises rises while its slip length shortens.
-        let target = if effects.iter().any(|effect| effect.memory.is_some()) {
+        let stopping = if effects.iter().any(|effect| effect.memory.is_some()) {
             EarlyStopping::NONE
         } else {
             EarlyStopping {
                 lead: self.best() - CandidateEffect::ln_prior_of(&effects),
-                ..EarlyStopping::NONE
             }
         };
         let one = |chosen: &[(CandidateEffect, Vec<f64>)], from: &FittedModel, x: &[f64]| {
-            let found = fit_with_early_stopping(
-                self.subject,
-                chosen,
-                Some((from, x)),
-                None,
-                self.data,
-                target,
-            )?;
-            match found {
-                FitOutcome::New(fitted) => Some(fitted),
-                FitOutcome::Duplicate => None,
-            }
+            fit_with_early_stopping(self.subject, chosen, Some((from, x)), self.data, stopping)
         };
         let mut found = one(chosen, parent, x)?;
         // A force of unknown law is linearised again at the end of the fit, and the fit is repeated.
@@ -358,26 +379,27 @@ impl Selector<'_, '_> {
 
     /// Stores a fit. A fit near the best becomes a further linearisation point. From that point, subsets of its effects are fitted again if the
     /// linear model predicts a higher log posterior than their earlier fits reached.
-    fn note(&mut self, ids: &Ids, found: &Arc<FittedModel>, best: f64) {
+    fn note(&mut self, ids: &Ids, found: &Arc<FittedModel>, best: f64, becomes: BecomesPoint) {
         let own = found.ln_posterior();
-        if self
-            .fits
-            .get(ids)
-            .is_some_and(|old| old.ln_posterior >= own)
-        {
+        let each = found.effects.iter();
+        let forms = each.map(|effect| (self.id(effect), effect.form)).collect();
+        let fits = self.fits.entry(ids.clone()).or_default();
+        if !fits.add(forms, found) {
             return;
         }
         if ids.is_empty() {
             self.none = Arc::clone(found);
         }
-        self.fits.insert(ids.clone(), Fit::new(found));
         let least = best.max(own) - OCCAM_WINDOW_NATS;
-        for fit in self.fits.values_mut() {
-            if fit.ln_posterior < least {
-                fit.model = None;
-            }
+        for fits in self.fits.values_mut() {
+            fits.forget(least);
         }
-        if own < best - 0.5 * OCCAM_WINDOW_NATS || self.points.len() >= MAX_SELECTION_POINTS {
+        let is_point = match becomes {
+            BecomesPoint::Always => true,
+            BecomesPoint::IfProbable => own >= best - 0.5 * OCCAM_WINDOW_NATS,
+            BecomesPoint::IfLeading => own > best + CONVERGED_NATS,
+        };
+        if !is_point || self.points.len() >= MAX_SELECTION_POINTS {
             return;
         }
         self.add_point(found);
@@ -391,17 +413,17 @@ impl Selector<'_, '_> {
         let mut again = Vec::new();
         for (other, fit) in &self.fits {
             let is_subset = other.len() < ids.len() && other.iter().all(|id| ids.contains(id));
-            if !is_subset {
+            if !is_subset || self.settled.contains(other) {
                 continue;
             }
-            let Some(set) = Self::at_point(point, other) else {
+            let Some(set) = point.set_of(other, &Forms::new()) else {
                 continue;
             };
             let Some(score) = sets.score(&set) else {
                 continue;
             };
             let expected = marginal.ln_z + score;
-            if expected > fit.ln_posterior + 1.0 && expected > best - OCCAM_WINDOW_NATS {
+            if expected > fit.ln_posterior() + 1.0 && expected > best - OCCAM_WINDOW_NATS {
                 again.push((other.clone(), set));
             }
         }
@@ -413,70 +435,49 @@ impl Selector<'_, '_> {
                 marginal: 0,
                 set,
             };
-            self.confirm(&ids, &estimate);
+            let known = self.fits[&ids].ln_posterior();
+            self.confirm(&ids, &estimate, BecomesPoint::IfProbable);
+            if self.fits[&ids].ln_posterior() < known + CONVERGED_NATS {
+                self.settled.insert(ids);
+            }
         }
     }
 
-    fn into_found(self) -> Found {
+    fn selected(&self) -> Selected {
         let best = self.best();
-        let mut visited: Vec<Visited> = Vec::new();
-        for fit in self.fits.values() {
-            if let Some(fitted) = &fit.model
-                && fit.ln_posterior > best - OCCAM_WINDOW_NATS
-            {
-                visited.push(Visited {
+        let mut sets: Vec<ModelSet> = Vec::new();
+        for (fitted, ln_posterior) in self.fits.values().flat_map(FittedSet::models) {
+            if ln_posterior > best - OCCAM_WINDOW_NATS {
+                sets.push(ModelSet {
                     causes: fitted.effects.clone(),
-                    ln_posterior: fit.ln_posterior,
+                    ln_posterior,
                     fitted: Some(Arc::clone(fitted)),
                 });
             }
         }
         for estimate in self.estimates().into_values() {
-            let effects = &self.points[estimate.point].model.effects;
-            let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
-            visited.push(Visited {
-                causes: causes.collect(),
-                ln_posterior: estimate.ln_posterior.min(best - 1e-9),
-                fitted: None,
-            });
+            let ln_posterior = estimate.ln_posterior.min(best);
+            if ln_posterior > best - OCCAM_WINDOW_NATS {
+                let effects = &self.points[estimate.point].model.effects;
+                let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
+                sets.push(ModelSet {
+                    causes: causes.collect(),
+                    ln_posterior,
+                    fitted: None,
+                });
+            }
         }
-        let fits = self.fits.values();
-        let leading = fits.max_by(|a, b| a.ln_posterior.total_cmp(&b.ln_posterior));
-        let leading = leading.and_then(|fit| fit.model.as_ref());
+        let models = weighted(sets);
         let none = Arc::clone(&self.none);
-        Found {
-            best: leading.map_or_else(|| Arc::clone(&none), Arc::clone),
+        Selected {
+            leading: leading(&models, &none),
             none,
-            models: probabilities(&visited),
+            models,
             places: self
                 .points
                 .first()
                 .map_or(0, |point| point.model.effects.len()),
             cut_short: self.count >= MAX_SELECTION_FITS || self.subject.budget_exhausted(),
-            gave_way: None,
-            promises: Promises::default(),
         }
     }
-}
-
-/// Law whose linear model is rough.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum RoughLaw {
-    /// Friction or creep. Each of them can look like the other.
-    WithMemory,
-    /// Law of any other cause.
-    Of(Cause),
-}
-
-/// Returns the laws of the effects of a set that are not in the fit of the point.
-fn new_rough_laws(model: &EffectModel, set: &[usize]) -> impl Iterator<Item = RoughLaw> {
-    let new = set.iter().filter(|k| **k >= model.own);
-    new.filter_map(|k| {
-        let effect = &model.effects[*k];
-        if effect.memory.is_some() {
-            return Some(RoughLaw::WithMemory);
-        }
-        let is_rough = effect.is_poorly_linearised();
-        is_rough.then_some(RoughLaw::Of(effect.cause))
-    })
 }

@@ -5,6 +5,20 @@ admire_study::constants! {
 
     /// Maximum number of Gauss-Newton steps of a fit.
     MAX_FIT_ITERATIONS: usize = 16, "";
+    /// Predicted evidence at the end of a fit, below the leading set, at which the fit stops.
+    LEAD_FAR_NATS: f64 = 50.0, "nats";
+    /// Deficit against the leading set at which a fit stops once little is left to gain.
+    LEAD_CLOSE_NATS: f64 = 7.0, "nats";
+    /// Ratio of the largest possible to the predicted gain, once little is left to gain.
+    LEAD_CLOSE_RISE: f64 = 3.0, "";
+    /// Predicted evidence of a fit after its first steps, below the leading set, at which the fit stops.
+    LEAD_LOST_NATS: f64 = 200.0, "nats";
+    /// Number of last steps from which the pace of a fit is estimated.
+    PACE_STEPS: usize = 3, "";
+    /// Number of steps in which the evidence of a fit must rise.
+    STILL_STEPS: usize = 4, "";
+    /// Smallest rise of the evidence in these steps.
+    STILL_NATS: f64 = 0.2, "nats";
     /// Predicted decrease of the negative log posterior below which a fit counts as converged.
     CONVERGED_NATS: f64 = 1.0, "nats";
     /// Ratio of rms residual to declared noise above which a stiffness-only fit may have ended in a wrong minimum. A second start is then
@@ -35,20 +49,29 @@ admire_study::constants! {
     SPLIT_STIFFNESS_N_PER_MM: f64 = 1e6, "N/mm";
     /// Maximum number of sliders in one friction law.
     MAX_SLIDERS: usize = 3, "";
-    /// First guesses of the slip length of a friction law, as fractions of the displacement range: short, middle and long.
-    START_SLIP_LENGTHS: [f64; 3] = [0.01, 0.08, 0.3], "of range";
-    /// First guesses of the friction force in the first case, as fractions of its limit: free, pushed and pulled.
-    START_FRICTION_FORCES: [f64; 3] = [0.0, 1.0, -1.0], "";
     /// First guesses of the creep rate: the fraction of the remaining distance by which rubber flows in one case. Faster flow has ended
     /// before the reading. With a fraction near one, the force would depend on the last load step only, which looks like friction if the
     /// steps are equal.
     START_CREEP_RATES: [f64; 3] = [0.1, 0.3, 0.5], "";
+    /// First guesses of the stiffness within a free play, in prior standard deviations of its logarithm. A fit from a stiff spring may end with less
+    /// play than there is.
+    START_PLAY_STIFFNESSES: [f64; 2] = [0.0, -2.0], "sd";
     /// First guesses of the clearance of a stop, as fractions of the displacement range.
     START_CLEARANCES: [f64; 4] = [0.25, 0.5, 0.7, 0.85], "of range";
     /// Number of Karhunen-Loeve functions that represent a drift of the measuring frame from case to case.
     FRAME_DRIFT_FUNCTIONS: usize = 6, "";
 
-    // ## Readings far from the fit: diagnosis_problem.rs
+    // ## Errors of the rig: rig_errors.rs
+
+    /// Largest number of errors of single cases, of loads or of the measuring frame. In a study with more, these errors are left out.
+    MAX_CASE_ERRORS: usize = 400, "";
+    /// Largest number of loads under which a mount may yield.
+    MAX_MOUNT_LOADS: usize = 12, "";
+
+    // ## Readings far from the fit: diagnosis_problem.rs, base_fit.rs
+
+    /// Maximum number of rounds in which readings far from the fit are judged.
+    OUTLIER_ROUNDS: usize = 3, "";
 
     /// Residual beyond which a mark coordinate counts as far from the fit.
     FAR_MARK_SIGMA: f64 = 4.0, "sigma";
@@ -61,12 +84,6 @@ admire_study::constants! {
     MINOR_MARKS_SIGMA: f64 = 0.2, "sigma";
     /// Rms change of the wheel angles by the effect of a finding, below which the finding is minor.
     MINOR_WHEEL_DEG: f64 = 0.01, "deg";
-    /// Loss of cross-validated log predictive density above which a cause is not listed as a finding. It allows for the error of the
-    /// comparison.
-    CV_TOLERANCE_NATS: f64 = 0.5, "nats";
-    /// Loss of cross-validated log predictive density above which a freed random effect is not listed as a finding. If the effect is not
-    /// freed, its tolerance group absorbs it, with almost the same predictions.
-    CV_RANDOM_EFFECT_TOLERANCE_NATS: f64 = 3.0, "nats";
     /// Largest deficit of a rival explanation against the leading model, in twice the log posterior odds.
     RIVAL_WINDOW_TWO_NATS: f64 = 6.0, "2 nats";
     /// Relative half width of an interval above which only its upper bound is stated.
@@ -122,10 +139,14 @@ admire_study::constants! {
     RESOLVED_PROBABILITY: f64 = 0.01, "";
     /// Squared distance between the predictions of two sets of effects, up to which the two predictions count as the same.
     EQUIVALENT_DISTANCE: f64 = 1.0, "sigma^2";
+    /// Difference of squared distances below which it is round-off.
+    ROUND_OFF_DISTANCE: f64 = 1e-6, "sigma^2";
     /// Maximum number of effects in a set.
     MAX_EFFECTS: usize = 12, "";
     /// Maximum number of sets whose neighbours are evaluated at one fit. A neighbour differs by one added, dropped or exchanged effect.
     MAX_EXPANSIONS: usize = 60, "";
+    /// Probability above which a cause is named.
+    NAMED_PROBABILITY: f64 = 0.5, "";
     /// Maximum number of fits in one selection of effects.
     MAX_SELECTION_FITS: usize = 40, "";
     /// Maximum number of fits at which the effects are linearised.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::aim::{Aim, is_still};
+use super::early_stopping::{EarlyStopping, is_still};
 use super::progress::Progress;
 use super::unknowns::{RowColumn, Unknowns};
 use admire_identify::global::gauss_newton::{LeastSquares, homotopy_start};
@@ -16,7 +16,7 @@ use admire_identify::tolerance::{
 /// The longest step of the logarithm of a stiffness, at first and later.
 const REACH: [f64; 2] = [0.8, 1.2];
 /// A step that promises less than so many nats was the last one.
-pub(super) const ENOUGH: f64 = 0.05;
+pub(super) const ENOUGH: f64 = 0.01;
 /// Sizes of tolerances that are not free are held for so many steps of a fit, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -99,23 +99,6 @@ impl Point {
     }
 }
 
-/// How a fit ended.
-pub(super) enum End {
-    /// Where it could go no further.
-    Own(Box<Settled>),
-    /// On the way to a known one.
-    Known,
-}
-
-impl End {
-    pub(super) fn own(&self) -> Option<&Settled> {
-        match self {
-            Self::Own(settled) => Some(settled),
-            Self::Known => None,
-        }
-    }
-}
-
 /// The end of a fit.
 pub(super) struct Settled {
     /// Where.
@@ -132,12 +115,12 @@ impl Settled {
         self.posterior.ln_z - self.posterior.gain
     }
 
-    fn end(point: Point, sizes: VarianceComponents) -> Option<End> {
-        Some(End::Own(Box::new(Self {
+    fn end(point: Point, sizes: VarianceComponents) -> Option<Self> {
+        Some(Self {
             posterior: point.linear.posterior(&sizes)?,
             point,
             sizes,
-        })))
+        })
     }
 }
 
@@ -375,9 +358,9 @@ impl Sweep<'_> {
         &mut self,
         start: Point,
         first: &VarianceComponents,
-        (steps, aim): (usize, Aim<'_>),
+        (steps, stopping): (usize, EarlyStopping),
         free: bool,
-    ) -> Option<End> {
+    ) -> Option<Settled> {
         let mut sizes = first.clone();
         let mut here = start;
         // Steps of stiffnesses are made in what the deflections are linear in.
@@ -397,24 +380,20 @@ impl Sweep<'_> {
             if free || step_number >= HELD || reached.gain < NEAR {
                 sizes = here.linear.maximise_evidence(&sizes);
                 reached = here.linear.solve(&sizes, 0.0)?;
-            } else if step_number > 0 && aim.is_lost(&reached) {
+            } else if step_number > 0 && stopping.is_lost(&reached) {
                 let own = here.linear.maximise_evidence(&sizes);
                 let granted = here.linear.solve(&own, 0.0)?;
-                if aim.is_lost(&granted) {
+                if stopping.is_lost(&granted) {
                     return Settled::end(here, own);
                 }
             }
             let objective = here.linear.objective(&sizes);
             // What the linear model promises counts for the fit here.
-            let is_beaten = aim.is_beaten(reached.ln_z, reached.gain);
+            let is_beaten = stopping.is_beaten(reached.ln_z, reached.gain);
             let own = reached.ln_z - reached.gain;
             course.push(own);
-            let hopeless = (step_number == 0 && aim.is_astray(own))
-                || (is_beaten && (step_number >= HELD || reached.gain < KINKS))
-                || aim.is_out_of_reach(&course, (HELD, steps));
-            if aim.is_known(&here.x, &reached) {
-                return Some(End::Known);
-            }
+            let hopeless = (is_beaten && (step_number >= HELD || reached.gain < KINKS))
+                || stopping.is_out_of_reach(&course, (HELD, steps));
             let is_over = step_number >= steps || slow == SLOW || is_still(&course);
             if reached.gain < ENOUGH || is_over || hopeless {
                 if here.is_exact || hopeless {

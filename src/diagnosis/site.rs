@@ -94,19 +94,26 @@ pub(super) struct Reduced {
 
 impl Reduced {
     /// Leaves out the effects of a fit for which `is_out` holds. Their parameters must be zero where the effect is absent, as those of a force of
-    /// unknown law are. Returns `None` if the linear model has no finite solution.
+    /// unknown law are. Laws with memory keep all parameters except their force. Returns `None` if the linear model has no finite solution.
     pub(super) fn without(
         fitted: &FittedModel,
         is_out: impl Fn(&CandidateEffect) -> bool,
     ) -> Option<Self> {
         let sizes = &fitted.sizes;
-        let mut out: Vec<usize> = Vec::new();
+        let (mut out, mut held): (Vec<usize>, Vec<usize>) = (Vec::new(), Vec::new());
         for (effect, places) in fitted.effects.iter().zip(&fitted.parameter_index) {
             if is_out(effect) {
                 out.extend(places);
+            } else {
+                let numbers = places.iter().enumerate();
+                held.extend(
+                    numbers
+                        .filter(|(n, _)| effect.is_held(*n))
+                        .map(|(_, at)| at),
+                );
             }
         }
-        if out.is_empty() {
+        if out.is_empty() && held.is_empty() {
             return Some(Self {
                 posterior: fitted.posterior.clone(),
                 whitened: fitted.whitened(),
@@ -117,7 +124,8 @@ impl Reduced {
         for k in &out {
             residual.axpy(fitted.x[*k], &whole.column(*k), 1.0);
         }
-        let kept: Vec<usize> = (0..fitted.x.len()).filter(|k| !out.contains(k)).collect();
+        let is_kept = |k: &usize| !out.contains(k) && !held.contains(k);
+        let kept: Vec<usize> = (0..fitted.x.len()).filter(is_kept).collect();
         let mut jacobian = whole.select_columns(&kept);
         let model = LinearModel::new(
             &fitted.whitening,

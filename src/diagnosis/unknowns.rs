@@ -14,6 +14,7 @@ use admire_identify::tolerance::{Effect, EffectGroup, ScalePrior};
 use admire_identify::{Problem, tolerance};
 use admire_solver::mechanics::Vec3;
 use admire_solver::system::{Parameters, Slot};
+use admire_study::Channel;
 use admire_syntax::Address;
 
 /// Unknowns of an earlier fit, from which a new fit starts.
@@ -95,9 +96,9 @@ impl Unknowns {
             .map(|unknown| own(unknown.mean, unknown.sd))
             .collect();
         let stiffnesses = list.len();
-        // A summary of several cases, such as a gradient, ties the errors of these cases together.
+        // A reading of several cases, such as a gradient, ties the errors of these cases together.
         let channels = &problem.measurement.channels;
-        let is_apart = channels.iter().all(|channel| channel.summary.is_none());
+        let is_apart = channels.iter().all(Channel::is_of_single_cases);
         for member in &subject.layer.members {
             let meaning = match &member.effect {
                 Effect::Always(pairs) => {
@@ -207,7 +208,7 @@ impl Unknowns {
                     }
                     (Parametrisation::Rate { address, usual }, _) => {
                         if before.is_none() {
-                            guess = libm::log(*usual);
+                            guess = libm::log(*usual) + guess * number.sd;
                         }
                         (mean, sd) = (libm::log(*usual), number.sd);
                         UnknownTarget::Stiffness(components(std::slice::from_ref(address), &slot)?)

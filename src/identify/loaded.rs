@@ -134,7 +134,6 @@ impl LoadedStudy {
             regression: &self.study.regression,
             tolerances: &self.study.tolerances,
             priors: &self.study.priors,
-            selection: self.study.selection,
             free: &self.free,
             unknowns: self.unknowns.clone(),
         }

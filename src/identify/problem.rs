@@ -6,7 +6,7 @@ use admire_session::backend::{
     Backend, BackendError, FreeMotions, LoadProgramme, Sweep, SweepRequest,
 };
 use admire_solver::model::Model;
-use admire_study::settings::{IdentifySettings, RegressionSettings, Selection};
+use admire_study::settings::{IdentifySettings, RegressionSettings};
 use admire_study::{CausePriors, Measurement, ToleranceSettings};
 use admire_syntax::{Address, Dataset};
 
@@ -29,8 +29,6 @@ pub struct Problem<'a> {
     pub tolerances: &'a ToleranceSettings,
     /// Settings of section `[priors]` of `study.toml`.
     pub priors: &'a CausePriors,
-    /// Method by which a diagnosis selects the causes.
-    pub selection: Selection,
     /// Free (zero-stiffness) motions of the deck.
     pub free: &'a FreeMotions,
     /// Parameters of the deck to identify.

@@ -267,11 +267,6 @@ impl Text<'_> {
                 )
             })
             .collect();
-        if !out.is_empty() {
-            out.push(
-                "Places that are equivalent to those named were not all looked at.".to_string(),
-            );
-        }
         out.push(format!(
             "The probability that no cause of the catalogue acts is {}.",
             percent(self.outcome.diagnosis.none_of_these)

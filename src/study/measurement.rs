@@ -110,6 +110,11 @@ impl Channel {
         self.summary.is_none() && !self.column.0.is_empty()
     }
 
+    /// Returns true if every reading of the channel depends on one case only, so it is neither a summary nor relative to another case.
+    pub fn is_of_single_cases(&self) -> bool {
+        self.summary.is_none() && self.relative_to.is_none()
+    }
+
     /// Returns the unit as a suffix of a number, with a leading blank. The result is empty if the study states no unit.
     pub fn behind(&self) -> String {
         self.unit

@@ -118,6 +118,8 @@ priors! {
     frame_turn_deg = 0.03, "deg", 1e-4 to 90.0;
     /// Standard deviation of the gain of a channel.
     channel_gain = 0.1, "", 1e-4 to 1.0;
+    /// Probability of a force whose law the catalogue lacks, relative to the classes of causes.
+    unmodelled_force_odds = 0.1, "", 1e-6 to 1.0;
     /// Probability that the law of a cause leaves a misfit at its place.
     law_misfit = 0.5, "", 1e-3 to 0.999;
     /// Largest misfit of the law of a cause at its place, relative to the usual force there.

@@ -185,24 +185,6 @@ pub enum Loss {
     Huber,
 }
 
-/// Method by which a diagnosis selects the causes.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Selection {
-    /// Stepwise search: causes are added, dropped and exchanged one at a time.
-    #[default]
-    Stepwise,
-    /// All sets of causes near the best set in the linear model are confirmed by fits. Experimental.
-    Closure,
-}
-
-impl Selection {
-    /// Reads the key `selection` of section `[diagnosis]`.
-    pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
-        let words = [("stepwise", Self::Stepwise), ("closure", Self::Closure)];
-        section.choice("selection", Self::default(), &words, out)
-    }
-}
-
 /// Settings of section `[identify]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IdentifySettings {

@@ -7,7 +7,7 @@ use super::kc_curves::KcSettings;
 use super::priors::CausePriors;
 use super::section::{Key, SchemaRecorder, Section, SpannedText};
 use super::settings::{
-    ChannelSettings, IdentifySettings, RegressionSettings, Selection, SolverSettings, WheelSettings,
+    ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
 };
 use super::stated::ToleranceSettings;
 use super::table::Table;
@@ -66,8 +66,6 @@ pub struct Study {
     pub tolerances: ToleranceSettings,
     /// Settings of section `[priors]`.
     pub priors: CausePriors,
-    /// Method by which a diagnosis selects causes: key `selection` of section `[diagnosis]`.
-    pub selection: Selection,
     /// Labels of cases and names of channels held out of all fits: key `hold_out` of section `[validate]`.
     pub hold_out: Option<Vec<SpannedText>>,
     /// Reference deck of section `[reference]`, used only for reports.
@@ -344,10 +342,6 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let tolerances = ToleranceSettings::read(&mut section, out);
     section.finish(out);
 
-    let mut section = root.section("diagnosis", out);
-    let selection = Selection::read(&mut section, out);
-    section.finish(out);
-
     let mut section = root.section("priors", out);
     let priors = CausePriors::read(&mut section, out);
     section.finish(out);
@@ -388,7 +382,6 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         regression,
         tolerances,
         priors,
-        selection,
         hold_out,
         reference: reference.map(|(source, _)| source),
         car,

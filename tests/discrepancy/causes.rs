@@ -356,7 +356,7 @@ fn a_conical_bushing() {
 fn a_conical_bushing_that_hardens() {
     let [x, y] = ["DX(3,4,4)", "DY(3,4,4)"];
     let law = format!(
-        "MARKER/990, PART = 1, FLOATING\nGFORCE/990\n, I = 3\n, JFLOAT = 990\n, RM = 4\n, FX = -150.0*{y}*COSH({x}/40.0)\\\n, FY = -150.0*40.0*SINH({x}/40.0)\\\n, FZ = 0.0\\\n, TX = 0.0\\\n, TY = 0.0\\\n, TZ = 0.0\n"
+        "MARKER/990, PART = 1, FLOATING\nGFORCE/990\n, I = 3\n, JFLOAT = 990\n, RM = 4\n, FX = -150.0*{y}*COSH({x}/30.0)\\\n, FY = -150.0*30.0*SINH({x}/30.0)\\\n, FZ = 0.0\\\n, TX = 0.0\\\n, TY = 0.0\\\n, TZ = 0.0\n"
     );
     for seed in [24, 31] {
         let plant = Plant {
@@ -390,7 +390,7 @@ fn a_bump_stop_that_is_not_in_the_model() {
 #[test]
 fn a_contact_patch_that_is_elsewhere() {
     let contact = ", QP = -17.07941120175, -94.82756163548, -302.8878130055\n";
-    let moved = ", QP = -11.079411201749998, -94.82756163548, -302.8878130055\n";
+    let moved = ", QP = -7.07941120175, -94.82756163548, -302.8878130055\n";
     found(
         Plant {
             truth: ("load-point-error", "MARKER/19"),

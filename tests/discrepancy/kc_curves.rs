@@ -43,10 +43,9 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     assert_eq!(count, 2);
     assert_eq!(diagnosis.findings.len(), 2, "{:?}", diagnosis.findings);
     // The loops are reproduced: in the cases that no fit saw, every curve agrees within its noise.
-    let [before, after] = outcome.unseen.as_ref().unwrap().tests;
-    assert!(
-        after.chi_square < 1.5 * after.dof as f64 && before.chi_square > 5.0 * after.chi_square
-    );
+    let [_, after] = outcome.unseen.as_ref().unwrap().tests;
+    assert!(after.chi_square < 1.5 * after.dof as f64);
+    assert!(held_out.rms_before > 5.0 * held_out.rms_after);
 }
 
 /// Checks that a toe gain of 1.4 is estimated at its full size, although without the gain the stiffnesses absorb a part of it.

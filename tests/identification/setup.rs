@@ -32,7 +32,6 @@ impl Loaded {
             regression: &self.study.regression,
             tolerances: &self.study.tolerances,
             priors: &self.study.priors,
-            selection: self.study.selection,
             free: &self.free,
             unknowns: self.unknowns.clone(),
         }

@@ -13,31 +13,11 @@ use super::super::candidate_effect::{
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use crate::priors::FORCE_LEVER_MM;
-use crate::settings::{MAX_SLIDERS, START_FRICTION_FORCES, START_SLIP_LENGTHS};
-use crate::site::{Reduced, Site, SiteModel, Sites, sites};
+use crate::settings::MAX_SLIDERS;
+use crate::site::{Reduced, Site, SiteModel, Sites};
 use crate::site_law::{Scanned, SiteMotion, SliderPriors, SliderStart};
 
 use super::super::operating_points::statement;
-
-/// Forms of the law with different first guesses: index in `START_SLIP_LENGTHS`, index in `START_FRICTION_FORCES`, and name.
-const FORMS: [(usize, usize, &str); 9] = [
-    (0, 0, "short, free at first"),
-    (0, 1, "short, pushed at first"),
-    (0, 2, "short, pulled at first"),
-    (1, 0, "middle, free at first"),
-    (1, 1, "middle, pushed at first"),
-    (1, 2, "middle, pulled at first"),
-    (2, 0, "long, free at first"),
-    (2, 1, "long, pushed at first"),
-    (2, 2, "long, pulled at first"),
-];
-
-/// Turns the candidate `h`, a slider, into the further term `index` of an existing friction law. Parallel sliders that slip one after the
-/// other form a law with a gradual limit. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
-pub(crate) fn further_slider(survey: &OperatingPoints<'_>, h: &mut CandidateEffect, index: usize) {
-    h.term = Term::Further(index);
-    h.ln_prior = libm::log(survey.priors().gradual_friction / FORMS.len() as f64);
-}
 
 /// Returns, for each friction in the model, a term that makes the friction limit larger in one direction and smaller in the other. The term is a
 /// constant force parallel to the slider. The force shifts both limits of the friction, and it shifts the displacement at which the friction
@@ -76,35 +56,6 @@ pub(crate) fn by_direction(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect>
         (force > 0.0).then_some(out)
     };
     chosen.iter().enumerate().filter_map(of).collect()
-}
-
-/// Returns the friction force in each case as a fraction of its limit, for the displacements `u`. The spring has the slip length `length`.
-/// `anchor` is the displacement at which the spring is unstretched before the first case.
-fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
-    u.iter()
-        .map(|&u| {
-            let slip = admire_solver::element::Slip::at(u, &[1.0 / length, 1.0, anchor]);
-            anchor = slip.anchor_after;
-            -slip.force
-        })
-        .collect()
-}
-
-/// Adds candidates for friction in every component of every bushing, and in the free motions of joints.
-pub(crate) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
-    for site in sites(survey) {
-        let u = &site.displacement;
-        for (share, first, form) in FORMS {
-            let (share, first) = (START_SLIP_LENGTHS[share], START_FRICTION_FORCES[first]);
-            let length = share * range(u);
-            // The force on marker I opposes the stretch.
-            let anchor = u[0] - first * length;
-            let mut candidate = slider(survey, &site, length, &pattern(u, length, anchor));
-            candidate.form = form;
-            candidate.numbers[2].mean = anchor;
-            out.push(candidate);
-        }
-    }
 }
 
 fn range(u: &[f64]) -> f64 {

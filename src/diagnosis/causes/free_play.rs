@@ -8,6 +8,7 @@ use super::super::candidate_effect::{
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use super::link_compliance::link_ends;
+use crate::settings::START_PLAY_STIFFNESSES;
 
 /// Adds candidates for free play at both ends of every movable part with exactly two attachments.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
@@ -69,4 +70,17 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
             joint_with: None,
         });
     }
+}
+
+/// Returns the starts of a fit with free play, given the first guesses of its parameters.
+pub(crate) fn starts(
+    effect: &CandidateEffect,
+    guesses: &[f64],
+) -> Vec<(CandidateEffect, Vec<f64>)> {
+    let start = |stiffness: f64| {
+        let mut guesses = guesses.to_vec();
+        guesses[1] = stiffness;
+        (effect.clone(), guesses)
+    };
+    START_PLAY_STIFFNESSES.map(start).to_vec()
 }

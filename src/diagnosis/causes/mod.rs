@@ -13,7 +13,7 @@ mod creep;
 pub(super) mod dry_friction;
 mod element_parameter;
 mod frame_drift;
-mod free_play;
+pub(super) mod free_play;
 mod hardpoint_error;
 mod link_compliance;
 mod load_crosstalk;
@@ -27,13 +27,11 @@ use super::candidate_effect::Term;
 use super::cause::Cause;
 use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
-use super::settings::MAX_SLIDERS;
 
 /// Returns all candidate effects at all sites of the deck, in a fixed order.
 pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     let mut out = Vec::new();
     progressive_stiffness::hypotheses(survey, &mut out);
-    dry_friction::hypotheses(survey, &mut out);
     creep::hypotheses(survey, &mut out);
     link_compliance::hypotheses(survey, &mut out);
     free_play::hypotheses(survey, &mut out);
@@ -54,11 +52,14 @@ pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),
     };
+    // Forms of a law with memory differ in their first guesses only, and count once.
+    let forms = |h: &CandidateEffect| out.iter().filter(|other| other.same_law(h)).count();
     let mut counts: Vec<((Cause, &'static str), f64)> = Vec::new();
-    for own in out.iter().map(class) {
-        match counts.iter_mut().find(|(of, _)| *of == own) {
-            Some((_, count)) => *count += 1.0,
-            None => counts.push((own, 1.0)),
+    for h in &out {
+        let share = 1.0 / forms(h) as f64;
+        match counts.iter_mut().find(|(of, _)| *of == class(h)) {
+            Some((_, count)) => *count += share,
+            None => counts.push((class(h), share)),
         }
     }
     for h in &mut out {
@@ -81,17 +82,11 @@ pub(super) fn candidates(
     fitted: &FittedModel,
 ) -> Vec<CandidateEffect> {
     let mut hypotheses = all(survey);
-    hypotheses.retain_mut(|h| {
-        let there = || fitted.effects.iter().filter(|chosen| chosen.same_site(h));
-        let count = there()
-            .filter(|chosen| chosen.term != Term::Asymmetry)
-            .count();
-        let is_closed = there().any(CandidateEffect::is_left_by_law);
-        if (1..MAX_SLIDERS).contains(&count) && h.cause == Cause::DryFriction && !is_closed {
-            dry_friction::further_slider(survey, h, count);
-            return true;
-        }
-        count == 0
+    hypotheses.retain(|h| {
+        let there =
+            |chosen: &&CandidateEffect| chosen.same_site(h) && chosen.term != Term::Asymmetry;
+        let mut there = fitted.effects.iter().filter(there);
+        there.all(|chosen| chosen.is_alternative(h) && !chosen.same_form(h))
     });
     let own = |h: &CandidateEffect| bushing_coupling::growth(survey, h);
     let growing = hypotheses
@@ -109,7 +104,7 @@ pub(super) fn candidates(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sought::tests::of_the_axle;
+    use crate::base_fit::tests::axle_problem;
     use admire_identify::LoadedStudy;
 
     /// Candidates of the shipped axle with a section `[priors]` in its study.
@@ -127,7 +122,7 @@ mod tests {
         std::fs::write(&file, format!("{text}\n[priors]\n{priors}\n")).expect("study.toml");
         let loaded = LoadedStudy::read(folder.path()).value.expect("a study");
         let problem = loaded.problem();
-        let (subject, none) = of_the_axle(&problem);
+        let (subject, none) = axle_problem(&problem);
         let survey = OperatingPoints::new(&subject, &none);
         all(&survey)
     }

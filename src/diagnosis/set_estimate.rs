@@ -1,0 +1,159 @@
+//! Estimated log posteriors of sets of effects that are not fitted.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::closure::{EffectSet, Sets};
+use super::fitted_set::FittedSet;
+use super::point::{Ids, Point, RoughLaw, new_rough_laws};
+use super::settings::{EQUIVALENT_DISTANCE, OCCAM_WINDOW_NATS, ROUND_OFF_DISTANCE};
+
+/// Estimated log posterior of a set of effects that is not fitted.
+pub(super) struct SetEstimate {
+    pub ln_posterior: f64,
+    /// Squared distance between the predictions of this set and of the nearest fitted set, in units of noise.
+    pub distance: f64,
+    /// Index of the linearisation point.
+    pub point: usize,
+    /// Index of the marginal at this point.
+    pub marginal: usize,
+    pub set: EffectSet,
+}
+
+/// Contribution of each effect of a set to the prediction: pairs of column index and coefficient.
+type Contributions = Vec<Vec<(usize, f64)>>;
+
+/// Fitted set as the linear model of a point sees it.
+struct Reference {
+    set: EffectSet,
+    /// Contributions at each marginal.
+    parts: Vec<Option<Contributions>>,
+    /// Log posterior of the fit above that of the linear model.
+    error: f64,
+}
+
+/// Estimates the log posterior of all probable sets that are not fitted. A linear model is used for the sets that hold all effects of its fit: it
+/// misjudges a set without a large effect of the fit.
+pub(super) fn estimates(
+    points: &[Point],
+    fits: &BTreeMap<Ids, FittedSet>,
+    discarded: &BTreeSet<Ids>,
+) -> BTreeMap<Ids, SetEstimate> {
+    let each = fits.values().map(FittedSet::ln_posterior);
+    let best = each.fold(f64::NEG_INFINITY, f64::max);
+    let mut out: BTreeMap<Ids, SetEstimate> = BTreeMap::new();
+    for (p, point) in points.iter().enumerate() {
+        let references = references(point, fits);
+        let by_law = errors_of_laws(point, &references);
+        let largest = references.iter().map(|known| known.error);
+        let largest = largest.fold(0.0, f64::max);
+        for (r, (marginal, pool)) in point.marginals.iter().zip(&point.pools).enumerate() {
+            let sets = Sets::new(&point.model, marginal);
+            for (set, score) in pool {
+                let linear = marginal.ln_z + score;
+                if linear + largest < best - OCCAM_WINDOW_NATS || !point.holds_fit(set) {
+                    continue;
+                }
+                let ids = point.ids_of(set);
+                if fits.contains_key(&ids) || discarded.contains(&ids) {
+                    continue;
+                }
+                let Some(parts) = sets.contributions(set) else {
+                    continue;
+                };
+                let (mut distance, mut error) = (f64::INFINITY, 0.0);
+                for known in &references {
+                    let Some(other) = &known.parts[r] else {
+                        continue;
+                    };
+                    let apart = sets.distance(&parts, other);
+                    if apart < distance {
+                        (distance, error) = (apart, known.error);
+                    }
+                }
+                // A set that predicts the same as a fitted set has the same error. Any other set has at least the error of the fitted set that it
+                // enlarges.
+                let alike = libm::exp(-0.5 * distance);
+                let enlarged = error_of_subset(&references, set, false);
+                let mut correction = alike * error + (1.0 - alike) * enlarged;
+                // The linear model of a law is rough, in the same way for the same law at another place. A law that does nothing has no error.
+                for (k, law) in new_rough_laws(&point.model, set) {
+                    let own = set.iter().position(|other| *other == k);
+                    let part = own.and_then(|own| parts.get(own..=own));
+                    let acts = part.map_or(0.0, |part| sets.distance(part, &[]));
+                    let acting = 1.0 - libm::exp(-0.5 * acts);
+                    let known = by_law.get(&law).copied().unwrap_or_default();
+                    correction = correction.max(enlarged + acting * known);
+                }
+                let new = SetEstimate {
+                    ln_posterior: linear + correction,
+                    distance,
+                    point: p,
+                    marginal: r,
+                    set: set.clone(),
+                };
+                // Of several linear models, that counts for which a fitted set predicts the same; else the one with the highest estimate.
+                let is_better = |old: &SetEstimate| {
+                    let apart = new.distance - old.distance;
+                    let is_known = new.distance.min(old.distance) <= EQUIVALENT_DISTANCE;
+                    if is_known && apart.abs() > ROUND_OFF_DISTANCE {
+                        apart < 0.0
+                    } else {
+                        new.ln_posterior > old.ln_posterior
+                    }
+                };
+                if out.get(&ids).is_none_or(is_better) {
+                    out.insert(ids, new);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Returns the fitted sets that the linear model of a point applies to. The variance components of a fit are free, so that its log posterior is
+/// compared with the highest one of the marginals.
+fn references(point: &Point, fits: &BTreeMap<Ids, FittedSet>) -> Vec<Reference> {
+    let sets = || {
+        let each = point.marginals.iter();
+        each.map(|marginal| (marginal, Sets::new(&point.model, marginal)))
+    };
+    let of = |(ids, fit): (&Ids, &FittedSet)| {
+        let set = point.set_of(ids, &fit.forms().cloned().unwrap_or_default())?;
+        let linear = sets().filter_map(|(marginal, sets)| Some(marginal.ln_z + sets.score(&set)?));
+        let linear = linear.max_by(f64::total_cmp)?;
+        point.holds_fit(&set).then(|| Reference {
+            parts: sets().map(|(_, sets)| sets.contributions(&set)).collect(),
+            error: fit.ln_posterior() - linear,
+            set,
+        })
+    };
+    fits.iter().filter_map(of).collect()
+}
+
+/// Returns the error of the largest fitted subset of a set. If `is_proper` is set, the set itself does not count. Of several subsets of one size,
+/// that with the lowest error counts.
+fn error_of_subset(references: &[Reference], set: &EffectSet, is_proper: bool) -> f64 {
+    let is_subset = |known: &&Reference| {
+        known.set.iter().all(|k| set.contains(k)) && !(is_proper && known.set.len() == set.len())
+    };
+    let each = references.iter().filter(is_subset);
+    let largest = each.max_by(|a, b| {
+        let by_size = a.set.len().cmp(&b.set.len());
+        by_size.then(b.error.total_cmp(&a.error))
+    });
+    largest.map_or(0.0, |known| known.error)
+}
+
+/// Returns for each rough law by how much its fits exceed the estimates of the linear model, at the place where they do most.
+fn errors_of_laws(point: &Point, references: &[Reference]) -> BTreeMap<RoughLaw, f64> {
+    let mut out: BTreeMap<RoughLaw, f64> = BTreeMap::new();
+    for known in references {
+        let enlarged = error_of_subset(references, &known.set, true).max(0.0);
+        let own = known.error - enlarged;
+        for (_, law) in new_rough_laws(&point.model, &known.set) {
+            let largest = out.entry(law).or_insert(0.0);
+            *largest = largest.max(own);
+        }
+    }
+    out
+}
