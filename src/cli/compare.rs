@@ -2,17 +2,18 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use admire_results::{Comparison, Tolerance, compare};
+use admire_results::{Comparison, DifferenceFloor, Tolerance, compare_above};
 
 use super::Outcome;
 use super::format::Format;
-use super::results_file::{open, refused};
+use super::results_file::{open, open_silently, refused};
 use super::shell::{Exit, Shell};
 use super::tolerance::tolerance;
 
 /// Compare two results files, column by column and step by step.
 ///
-/// Two values count as equal if they differ by at most `abs + rel * max(|a|, |b|)`. The exit code is 1 if two values differ by more, or if
+/// Two values count as equal if they differ by at most `abs + rel * max(|a|, |b|)`, or by no more than the floor of their unit. The floor is
+/// 1e-12 of the largest value in that unit in both files; for a torque, also of the largest force times the largest length. The exit code is 1 if two values differ by more, or if
 /// a column or a step is in only one of the files.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire compare before.res after.res")]
@@ -27,6 +28,9 @@ pub(super) struct Arguments {
     /// Relative tolerance.
     #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     rel: f64,
+    /// Share of the largest value of a unit up to which a difference is round-off; 0 compares exactly and reads each file once.
+    #[arg(long, value_name = "SHARE", default_value_t = DifferenceFloor::USUAL_SHARE, value_parser = tolerance, allow_negative_numbers = true)]
+    floor: f64,
     /// Show all columns, not only those that differ.
     #[arg(long)]
     all: bool,
@@ -34,13 +38,22 @@ pub(super) struct Arguments {
 
 /// Compares the files and prints the differences.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let mut floor = DifferenceFloor::new(arguments.floor);
+    if arguments.floor > 0.0 {
+        for path in [&arguments.a, &arguments.b] {
+            let mut reader = open_silently(path, shell)?.value;
+            floor
+                .look(reader.as_mut())
+                .map_err(|error| refused(error, shell))?;
+        }
+    }
     let (mut a, mut b) = (open(&arguments.a, shell)?, open(&arguments.b, shell)?);
     let tolerance = Tolerance {
         absolute: arguments.abs,
         relative: arguments.rel,
     };
-    let comparison =
-        compare(a.as_mut(), b.as_mut(), tolerance).map_err(|error| refused(error, shell))?;
+    let comparison = compare_above(a.as_mut(), b.as_mut(), tolerance, &floor)
+        .map_err(|error| refused(error, shell))?;
     shell.complain(a.diagnostics());
     shell.complain(b.diagnostics());
     let text = match shell.format {

@@ -4,20 +4,25 @@ use std::path::Path;
 
 use super::shell::{Exit, Shell};
 use admire_results::{AnyResults, ResultsError, ResultsReader, Selection, open_any};
-use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::grammar::nearest;
 
 /// Opens a results file of any readable kind, and prints its diagnostics.
 pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
-    let opened = open_any(path).map_err(|error| match error {
+    let opened = open_silently(path, shell)?;
+    shell.complain(&opened.diagnostics);
+    Ok(opened.value)
+}
+
+/// Opens a results file and prints only why it cannot be opened.
+pub(super) fn open_silently(path: &Path, shell: &Shell) -> Result<Checked<AnyResults>, Exit> {
+    open_any(path).map_err(|error| match error {
         ResultsError::Io(error) => shell.fail(Diagnostic::error(
             Code::CannotRead,
             format!("`{}` cannot be read: {error}", path.display()),
         )),
         refusal @ ResultsError::Refused(_) => refused(refusal, shell),
-    })?;
-    shell.complain(&opened.diagnostics);
-    Ok(opened.value)
+    })
 }
 
 /// Reports why a file cannot be read further.

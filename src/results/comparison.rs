@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::{ResultsError, ResultsReader, SelectedColumn, Selection, StepKind};
+use super::{DifferenceFloor, ResultsError, ResultsReader, SelectedColumn, Selection, StepKind};
 
 /// Tolerance for comparing values: a and b count as equal if |a - b| <= absolute + relative max(|a|, |b|).
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
@@ -53,6 +53,8 @@ pub struct ColumnDifference {
     pub path: String,
     /// Unit of the column in A.
     pub units: Option<String>,
+    /// Largest difference that counts as round-off, in the unit of the column.
+    pub floor: f64,
     /// Largest absolute difference |a - b|.
     pub largest: f64,
     /// Largest relative difference |a - b| / max(|a|, |b|).
@@ -107,6 +109,19 @@ pub fn compare(
     b: &mut dyn ResultsReader,
     tolerance: Tolerance,
 ) -> Result<Comparison, ResultsError> {
+    compare_above(a, b, tolerance, &DifferenceFloor::default())
+}
+
+/// Compares the remaining output steps of two files as [`compare`] does. Differences up to the floor of their unit also count as equal.
+///
+/// # Errors
+/// Returns an error if one of the files cannot be read further.
+pub fn compare_above(
+    a: &mut dyn ResultsReader,
+    b: &mut dyn ResultsReader,
+    tolerance: Tolerance,
+    floor: &DifferenceFloor,
+) -> Result<Comparison, ResultsError> {
     let in_a = Selection::all(a.catalogue()).columns;
     let in_b = Selection::all(b.catalogue()).columns;
     let key = |column: &SelectedColumn| column.path.to_ascii_lowercase();
@@ -125,6 +140,7 @@ pub fn compare(
                 pairs.push((column.id - 1, other.id - 1, turn(column)));
                 columns.push(ColumnDifference {
                     path: column.path.clone(),
+                    floor: floor.of(column.units.as_deref().or(other.units.as_deref())),
                     units: column.units.clone(),
                     largest: 0.0,
                     largest_relative: 0.0,
@@ -201,7 +217,7 @@ impl ColumnDifference {
             f64::INFINITY
         };
         self.largest_relative = self.largest_relative.max(relative);
-        let allowed = tolerance.absolute + tolerance.relative * scale;
+        let allowed = (tolerance.absolute + tolerance.relative * scale).max(self.floor);
         // An infinite difference exceeds every tolerance, even if the relative tolerance times an infinite value gives an infinite bound.
         let beyond = difference.is_infinite() || difference > allowed;
         self.beyond += usize::from(beyond);

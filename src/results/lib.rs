@@ -57,6 +57,7 @@
 mod blocks;
 mod catalogue;
 mod comparison;
+mod difference_floor;
 mod entity_kind;
 mod error;
 mod formatted;
@@ -88,7 +89,8 @@ mod xrf_writer;
 pub(crate) use catalogue::Column;
 pub use catalogue::{Catalogue, Component, Entity};
 
-pub use comparison::{Comparison, Tolerance, Worst, compare};
+pub use comparison::{Comparison, Tolerance, Worst, compare, compare_above};
+pub use difference_floor::DifferenceFloor;
 pub use entity_kind::EntityKind;
 pub use error::ResultsError;
 pub use formatted::FormattedResults;
