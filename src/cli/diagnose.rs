@@ -1,24 +1,28 @@
 use admire_design::propose;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::front::car_files;
 use crate::front::fit_view::changed_lines;
 use crate::front::foreign_parts;
 use admire_diagnosis::{
-    Finding, GainCheck, Outcome as Diagnosed, Progress as Watched, Verdict, diagnose_watched,
-    held_out,
+    Finding, GainCheck, Outcome as Diagnosed, Progress as Watched, diagnose_watched, held_out,
 };
 use admire_identify::{LoadedStudy, estimate_noise};
-use admire_report::{DiagnosisReport, diagnosis_sentences, fit_in_words, sizes};
+use admire_report::{DiagnosisReport, diagnosis_sentences, diagnosis_summary, fit_in_words, sizes};
 use admire_study::settings::BackendChoice;
 use admire_study::{permission::NamedProgram, solver};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
+use super::ending::{ending, written};
 use super::format::Format;
-use super::input::study;
+use super::input::study_in_brief;
 use super::interrupt;
-use super::output_folder::{Replacing, refuse_car_files, refuse_replacing, write_folder};
+use super::opening::Opening;
+use super::output_folder::{
+    Forced, Replacing, folder_for_car, output_folder, refuse_car_files, refuse_replacing,
+    write_folder,
+};
 use super::permission::Permission;
 use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
@@ -27,22 +31,25 @@ use super::shell::{Exit, Shell};
 /// Find what a model still gets wrong after its best fit, name the cause, and extend the model by it.
 ///
 /// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`. If the study names a subsystem of Adams/Car (`[car]`), a new
-/// subsystem file, property files with learned curves and the list `changes.json` are written to the subfolder `adams_car`.
+/// subsystem file, property files with learned curves and the list `changes.json` are written to the subfolder `adams_car`. The terminal
+/// shows the result in at most 15 lines; `-v` shows everything.
 #[derive(clap::Args, Debug)]
 #[command(
-    after_help = "Examples:\n  admire diagnose corpus/kc-experiment --out target/kc\n  admire diagnose my-axle --out answer --format json | jq .findings"
+    after_help = "Examples:\n  admire diagnose corpus/kc-experiment --out target/kc\n  admire diagnose my-axle --open\n  admire diagnose my-axle --out answer --format json | jq .findings"
 )]
 pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
-    /// Folder for the output files.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder for the output files; `out-diagnose` in the folder of the study if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Effort to measure what the causes gain in load cases that were not used.
     #[arg(long, value_enum, default_value_t = CheckChoice::HeldOut)]
     check_gain: CheckChoice,
     #[command(flatten)]
-    replacing: Replacing,
+    opening: Opening,
+    #[command(flatten)]
+    forced: Forced,
     #[command(flatten)]
     permission: Permission,
 }
@@ -68,9 +75,11 @@ const OUTPUTS: [&str; 4] = [
 
 /// Diagnoses the study, writes the outputs and prints the result.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
-    refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
-    let mut loaded = study(&arguments.study, shell)?;
-    refuse_car_files(&loaded, &arguments.out, arguments.replacing, shell)?;
+    let out = output_folder(arguments.out.as_deref(), &arguments.study, "diagnose");
+    let replacing = arguments.forced.replacing();
+    refuse_replacing(&out, &OUTPUTS, replacing, shell)?;
+    let mut loaded = study_in_brief(&arguments.study, shell)?;
+    refuse_car_files(&loaded, &out, replacing, shell)?;
     let foreign = foreign_parts(&loaded);
     if !foreign.is_empty() {
         // If the readings belong to other parts, a diagnosis of the model is meaningless.
@@ -79,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let program = NamedProgram::of_study(&loaded.study);
     arguments.permission.ask(program.as_ref(), shell)?;
-    before_a_fit(&loaded, arguments.replacing.force, shell)?;
+    before_a_fit(&loaded, arguments.forced.force, shell)?;
     if let Err(error) = estimate_noise(&mut loaded, None) {
         deck_warnings(&loaded, shell);
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
@@ -118,17 +127,19 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if loaded.study.solver.backend != BackendChoice::Native && !outcome.is_stopped() {
         compare(&loaded, &mut outcome, shell);
     }
-    write(&loaded, &outcome, arguments, shell)?;
+    let for_car = write(&loaded, &outcome, &out, replacing, shell)?;
+    let report = out.join("report.html");
     if shell.format == Format::Json {
         shell.print(&outcome.diagnosis.to_json());
     } else {
-        let report = arguments.out.join("report.html");
-        shell.tell(&format!(
-            "{}report: {}\n",
-            words(&loaded, &outcome),
-            report.display()
-        ));
+        if shell.is_verbose() {
+            shell.tell(&(details(&loaded, &outcome) + "\n"));
+        }
+        let study = arguments.study.display().to_string();
+        let summary = diagnosis_summary(&loaded, &outcome, &study);
+        shell.print(&ending(&summary, &written(&report, for_car.as_deref())));
     }
+    arguments.opening.open(&report, shell);
     Ok(if outcome.is_stopped() {
         Exit::Interrupted
     } else {
@@ -146,16 +157,18 @@ fn compare(loaded: &LoadedStudy, outcome: &mut Diagnosed<'_>, shell: &mut Shell)
         shell.complain(&[Diagnostic::warning(Code::NoFit, remark)]);
     }
     for remark in backend.remarks() {
-        shell.say(&format!("{remark}\n"));
+        shell.detail(&format!("{remark}\n"));
     }
 }
 
+/// Writes the output files. Returns the folder of the files for Adams/Car, if there are any.
 fn write(
     loaded: &LoadedStudy,
     outcome: &Diagnosed<'_>,
-    arguments: &Arguments,
+    out: &Path,
+    replacing: Replacing,
     shell: &mut Shell,
-) -> Result<(), Exit> {
+) -> Result<Option<PathBuf>, Exit> {
     let (deck, commands) = (outcome.extended_deck(), outcome.extended_commands());
     let diff = changed_lines(loaded.dataset.bytes(), &deck);
     let report = DiagnosisReport {
@@ -176,30 +189,17 @@ fn write(
     let mut files: Vec<(PathBuf, Vec<u8>)> =
         OUTPUTS.map(PathBuf::from).into_iter().zip(texts).collect();
     files.extend(car.files);
-    write_folder(&arguments.out, &files, arguments.replacing, shell)?;
+    write_folder(out, &files, replacing, shell)?;
     for sentence in car.sentences {
-        shell.say(&format!("{sentence}\n"));
+        shell.detail(&format!("{sentence}\n"));
     }
-    Ok(())
+    Ok(folder_for_car(out, &files))
 }
 
-/// Formats the result as text.
-fn words(loaded: &LoadedStudy, outcome: &Diagnosed<'_>) -> String {
-    let diagnosis = &outcome.diagnosis;
-    let verdict = match diagnosis.verdict {
-        Verdict::Consistent => {
-            "consistent: the model explains the data to their noise and tolerances"
-        }
-        Verdict::Discrepancy => "discrepancy",
-        Verdict::Unexplained => "unexplained: structure remains that no known cause explains",
-    };
-    let stopped = if outcome.is_stopped() {
-        "interrupted, so far "
-    } else {
-        ""
-    };
-    let mut text = format!("{stopped}{verdict}\n{}\n", fit_in_words(outcome));
-    for finding in &diagnosis.findings {
+/// Formats the whole result as text.
+fn details(loaded: &LoadedStudy, outcome: &Diagnosed<'_>) -> String {
+    let mut text = format!("{}\n", fit_in_words(outcome));
+    for finding in &outcome.diagnosis.findings {
         text += &line(finding, loaded);
     }
     for sentence in diagnosis_sentences(outcome) {

@@ -7,7 +7,9 @@ use crate::front::car_files;
 use crate::front::fit_view::{changed_lines, positions};
 use admire_diagnosis::study_fit::{identify_with, not_repeatable, nothing_to_identify};
 use admire_identify::{Fit, LoadedStudy, Repeated};
-use admire_report::{IdentificationReport, Positions, VERSION, lead, number, status};
+use admire_report::{
+    IdentificationReport, Positions, VERSION, identification_summary, number, status,
+};
 use admire_study::settings::Method;
 use admire_study::{permission::NamedProgram, solver};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -19,20 +21,26 @@ use admire_sweep::uncertainty::{
 };
 
 use super::Outcome;
+use super::ending::{ending, written};
 use super::format::Format;
-use super::input::study;
+use super::input::study_in_brief;
 use super::interrupt;
-use super::output_folder::{Replacing, refuse_car_files, refuse_replacing, write_folder};
+use super::opening::Opening;
+use super::output_folder::{
+    Forced, Replacing, folder_for_car, output_folder, refuse_car_files, refuse_replacing,
+    write_folder,
+};
 use super::permission::Permission;
 use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress as Bar};
 use super::shell::{Exit, Shell};
-use super::width::{hanging, table_text};
+use super::width::table_text;
 
 /// Identify the stiffnesses of a study from its measurements.
 ///
 /// Writes `identified.adm`, `identification.json` and `report.html`. If the study names a subsystem of Adams/Car (`[car]`), a new subsystem file
-/// with the scale factors and the list `changes.json` are written to the subfolder `adams_car`.
+/// with the scale factors and the list `changes.json` are written to the subfolder `adams_car`. The terminal shows the result in at most 15
+/// lines; `-v` shows everything.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire identify corpus/pseudo-mcpherson --out target/first\n  admire identify my-axle --out answer --method direct\n  admire identify my-axle --out answer --bootstrap 1000 --posterior 1000"
@@ -40,9 +48,9 @@ use super::width::{hanging, table_text};
 pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
-    /// Folder for the output files.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder for the output files; `out-identify` in the folder of the study if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Method of identification, instead of the study's own.
     #[arg(long, value_enum)]
     method: Option<MethodChoice>,
@@ -65,7 +73,9 @@ pub(super) struct Arguments {
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     #[command(flatten)]
-    replacing: Replacing,
+    opening: Opening,
+    #[command(flatten)]
+    forced: Forced,
     #[command(flatten)]
     permission: Permission,
 }
@@ -120,9 +130,11 @@ impl From<MethodChoice> for Method {
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut outputs = OUTPUTS.to_vec();
     outputs.extend(tables(arguments));
-    refuse_replacing(&arguments.out, &outputs, arguments.replacing, shell)?;
-    let mut loaded = study(&arguments.study, shell)?;
-    refuse_car_files(&loaded, &arguments.out, arguments.replacing, shell)?;
+    let out = output_folder(arguments.out.as_deref(), &arguments.study, "identify");
+    let replacing = arguments.forced.replacing();
+    refuse_replacing(&out, &outputs, replacing, shell)?;
+    let mut loaded = study_in_brief(&arguments.study, shell)?;
+    refuse_car_files(&loaded, &out, replacing, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
@@ -135,10 +147,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     {
         return Err(shell.fail(refused));
     }
-    before_a_fit(&loaded, arguments.replacing.force, shell)?;
+    before_a_fit(&loaded, arguments.forced.force, shell)?;
     let program = NamedProgram::of_study(&loaded.study);
     arguments.permission.ask(program.as_ref(), shell)?;
-    let keep = arguments.keep.then(|| arguments.out.join("runs"));
+    let keep = arguments.keep.then(|| out.join("runs"));
     let told = |note: &Diagnostic| shell.complain(std::slice::from_ref(note));
     let mut backend = solver::backend(&loaded.study, keep, &told);
     interrupt::listen();
@@ -150,7 +162,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         |(fit, _)| positions(&loaded, fit, backend.as_mut()),
     );
     for remark in backend.remarks() {
-        shell.say(&format!("{remark}\n"));
+        shell.detail(&format!("{remark}\n"));
     }
     let (mut fit, marginal) = outcome.map_err(|error| {
         deck_warnings(&loaded, shell);
@@ -171,32 +183,25 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             (&loaded, marginal.as_ref()),
             &mut fit,
             &repeats,
-            &arguments.out,
+            &out,
             shell,
         )?;
     }
-    write(&loaded, &fit, (&positions, more), arguments, shell)?;
-    let _ = std::fs::remove_dir_all(arguments.out.join(UNFINISHED));
+    let of_fit = (&loaded, &fit, positions.as_slice());
+    let for_car = write(of_fit, more, (&out, replacing), shell)?;
+    let _ = std::fs::remove_dir_all(out.join(UNFINISHED));
+    let report = out.join("report.html");
     if shell.format == Format::Json {
         shell.print(&fit.to_json());
     } else {
-        let report = arguments.out.join("report.html");
-        let repeated = fit.bootstrap.is_some() || fit.posterior.is_some();
-        // The user requested the repetitions, so their remarks are printed.
-        let said = if repeated {
-            fit.remarks.join("\n") + "\n"
-        } else {
-            String::new()
-        };
-        shell.print(&format!(
-            "{}\n{}{}\n{}report: {}\n",
-            table(&loaded, &fit),
-            repeats_table(&fit),
-            hanging("", &lead(&fit)),
-            said,
-            report.display()
-        ));
+        if shell.is_verbose() {
+            shell.print(&details(&loaded, &fit));
+        }
+        let study = arguments.study.display().to_string();
+        let summary = identification_summary(&loaded, &fit, &study);
+        shell.print(&ending(&summary, &written(&report, for_car.as_deref())));
     }
+    arguments.opening.open(&report, shell);
     Ok(if fit.interrupted {
         Exit::Interrupted
     } else if fit.converged {
@@ -206,13 +211,19 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
+/// Formats the whole result as text.
+fn details(loaded: &LoadedStudy, fit: &Fit) -> String {
+    let remarks: String = fit.remarks.iter().map(|one| format!("{one}\n")).collect();
+    format!("{}\n{}{remarks}\n", table(loaded, fit), repeats_table(fit))
+}
+
+/// Writes the output files and the tables `more`. Returns the folder of the files for Adams/Car, if there are any.
 fn write(
-    loaded: &LoadedStudy,
-    fit: &Fit,
-    (positions, more): (&[Positions], Vec<(PathBuf, Vec<u8>)>),
-    arguments: &Arguments,
+    (loaded, fit, positions): (&LoadedStudy, &Fit, &[Positions]),
+    more: Vec<(PathBuf, Vec<u8>)>,
+    (out, replacing): (&Path, Replacing),
     shell: &mut Shell,
-) -> Result<(), Exit> {
+) -> Result<Option<PathBuf>, Exit> {
     let deck = loaded
         .identified_deck(&fit.values())
         .map_err(|diagnostic| shell.fail(diagnostic))?;
@@ -232,11 +243,11 @@ fn write(
         OUTPUTS.map(PathBuf::from).into_iter().zip(texts).collect();
     files.extend(more);
     files.extend(car.files);
-    write_folder(&arguments.out, &files, arguments.replacing, shell)?;
+    write_folder(out, &files, replacing, shell)?;
     for sentence in car.sentences {
-        shell.say(&format!("{sentence}\n"));
+        shell.detail(&format!("{sentence}\n"));
     }
-    Ok(())
+    Ok(folder_for_car(out, &files))
 }
 
 /// Subfolder for the journals and tables of repetitions that are in progress.

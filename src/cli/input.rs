@@ -7,6 +7,7 @@ use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
 
+use super::format::Format;
 use super::shell::{Exit, Shell};
 
 /// Dataset with its model and its compiled equations.
@@ -64,6 +65,31 @@ pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exi
         let shown = folder.display();
         shell.say(&format!(
             "`admire check {shown}` says what is missing, in order\n"
+        ));
+    }
+    checked.value.ok_or(Exit::Findings)
+}
+
+/// Reads a study folder as [`study`] does. Text for a reader has the number of notes in place of the notes, unless every stage is printed.
+pub(super) fn study_in_brief(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exit> {
+    if shell.is_verbose() || shell.format != Format::Text {
+        return study(folder, shell);
+    }
+    let mut checked = read_study(folder, shell);
+    if checked.value.is_none() {
+        return study(folder, shell);
+    }
+    let all = checked.diagnostics.len();
+    checked
+        .diagnostics
+        .retain(|found| found.severity > Severity::Note);
+    shell.complain(&checked.diagnostics);
+    let notes = all - checked.diagnostics.len();
+    if notes > 0 {
+        let end = if notes == 1 { "" } else { "s" };
+        shell.say(&format!(
+            "{notes} note{end} on the study: see `admire check {}`\n",
+            folder.display()
         ));
     }
     checked.value.ok_or(Exit::Findings)

@@ -17,7 +17,10 @@ use admire_syntax::files::Files;
 
 use super::Outcome;
 use super::format::Format;
-use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::opening::Opening;
+use super::output_folder::{
+    Replacing, folder_beside, output_folder, refuse_replacing, write_folder,
+};
 use super::progress::Progress;
 use super::results_kc::Axes;
 use super::shell::{Exit, Shell};
@@ -38,9 +41,9 @@ pub(super) struct Arguments {
     /// Configuration of the wheels, the tyre and the tests.
     #[arg(long, value_name = "FILE", default_value = "kc.toml")]
     config: PathBuf,
-    /// Folder for the output files.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder for the output files; `out-kc` beside the dataset if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Axes in which the results are given.
     #[arg(long, value_enum, default_value_t = Axes::AdamsCar)]
     convention: Axes,
@@ -55,6 +58,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "CSV")]
     measured: Option<PathBuf>,
     #[command(flatten)]
+    opening: Opening,
+    #[command(flatten)]
     replacing: Replacing,
 }
 
@@ -68,7 +73,12 @@ struct Deck {
 /// Runs the tests, writes the outputs and prints the summary.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let names = ["curves.csv", "gradients.csv", "kc.json", "report.html"];
-    refuse_replacing(&arguments.out, &names, arguments.replacing, shell)?;
+    let out = output_folder(
+        arguments.out.as_deref(),
+        &folder_beside(&arguments.deck),
+        "kc",
+    );
+    refuse_replacing(&out, &names, arguments.replacing, shell)?;
     let deck = read(&arguments.deck, shell)?;
     let units = deck.model.units;
     let source = shell.read(&arguments.config)?;
@@ -165,16 +175,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?
         .into_bytes(),
     ));
-    write_folder(&arguments.out, &files, arguments.replacing, shell)?;
+    write_folder(&out, &files, arguments.replacing, shell)?;
     if shell.format == Format::Json {
         shell.print(&text);
     } else {
         shell.print(&summary(&found, &units, convention));
-        shell.say(&format!(
-            "report: {}\n",
-            arguments.out.join("report.html").display()
-        ));
+        shell.say(&format!("report: {}\n", out.join("report.html").display()));
     }
+    arguments.opening.open(&out.join("report.html"), shell);
     Ok(Exit::Fine)
 }
 

@@ -153,9 +153,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// Asks a question and returns the typed line in lower case. The line is empty at the end of input.
+/// Asks a question on a line of its own and returns the reply, typed on the next line, in lower case. The reply is empty at the end of
+/// input.
 pub(super) fn answer(question: &str, shell: &Shell) -> String {
-    shell.say(question);
+    shell.say(&format!("{}\n", question.trim_end()));
     let _ = std::io::stderr().flush();
     let mut line = String::new();
     // The end of input counts as an empty answer.
@@ -166,7 +167,7 @@ pub(super) fn answer(question: &str, shell: &Shell) -> String {
 fn ask_kinds(shell: &Shell) -> BTreeSet<Kind> {
     loop {
         let line = answer(
-            "what was measured: marks, wheel, curves, readings? [marks] ",
+            "what was measured: marks, wheel, curves, readings? [marks]",
             shell,
         );
         let words: Vec<&str> = line
@@ -196,7 +197,7 @@ fn ask_bushings(all: &[String], shell: &Shell) -> Vec<String> {
     }
     loop {
         let line = answer(
-            &format!("bushings to identify, of {}? [all] ", all.join(", ")),
+            &format!("bushings to identify, of {}? [all]", all.join(", ")),
             shell,
         );
         let wanted: Vec<&str> = line

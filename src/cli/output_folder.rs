@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::front::car_files::possible_names;
+use crate::front::car_files::{FOLDER, possible_names};
 use admire_identify::LoadedStudy;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -19,9 +19,34 @@ const MANIFEST: &str = "admire-outputs.json";
 /// Option that allows replacing files that no earlier run wrote.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(super) struct Replacing {
-    /// Replace files in the output folder even if no earlier run wrote them, or if they were changed since. Also fit an implausible study.
+    /// Replace output files even if no earlier run wrote them, or if they were changed since.
     #[arg(long)]
     pub(super) force: bool,
+}
+
+/// The same option for a command that fits a study.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(super) struct Forced {
+    /// Replace output files even if no earlier run wrote them, or if they were changed since. Also fit an implausible study.
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+impl Forced {
+    /// Returns the part of the option that concerns files.
+    pub(super) fn replacing(self) -> Replacing {
+        Replacing { force: self.force }
+    }
+}
+
+/// Returns the folder of a file; the working directory for a bare name.
+pub(super) fn folder_beside(file: &Path) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).to_path_buf()
+}
+
+/// Returns the output folder of a command: the named folder, or else `out-COMMAND` in the folder `beside`.
+pub(super) fn output_folder(named: Option<&Path>, beside: &Path, command: &str) -> PathBuf {
+    named.map_or_else(|| beside.join(format!("out-{command}")), Path::to_path_buf)
 }
 
 /// Contents of `admire-outputs.json`: each output file with the SHA-256 of its bytes when it was written.
@@ -106,6 +131,12 @@ pub(super) fn refuse_car_files(
     let names = possible_names(loaded);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     refuse_replacing(folder, &names, replacing, shell)
+}
+
+/// Returns the folder of the files for Adams/Car among the files of a result; `None` if there are none.
+pub(super) fn folder_for_car(folder: &Path, files: &[(PathBuf, Vec<u8>)]) -> Option<PathBuf> {
+    let inside = |(name, _): &(PathBuf, Vec<u8>)| name.starts_with(FOLDER);
+    files.iter().any(inside).then(|| folder.join(FOLDER))
 }
 
 /// Writes files into a folder, each atomically, and lists them in the folder's manifest. Files of the user are replaced only with

@@ -12,7 +12,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use super::Outcome;
 use super::format::Format;
 use super::input::study;
-use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::output_folder::{Forced, refuse_replacing, write_folder};
 use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
     /// Folder for `plan.json` and `suggested.csv`; nothing is written if absent.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Purpose of the measurement; all three if absent, which takes as long as a diagnosis.
     #[arg(long = "for", value_enum, value_name = "WHAT")]
@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
     count: u16,
     #[command(flatten)]
-    replacing: Replacing,
+    forced: Forced,
 }
 
 /// Choice of the aim on the command line.
@@ -67,7 +67,7 @@ const SHOWN: usize = 4;
 /// Ranks the candidate measurements, writes the outputs and prints the result.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(out) = &arguments.out {
-        refuse_replacing(out, &OUTPUTS, arguments.replacing, shell)?;
+        refuse_replacing(out, &OUTPUTS, arguments.forced.replacing(), shell)?;
     }
     let mut loaded = study(&arguments.study, shell)?;
     let aim = match arguments.aim {
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&foreign);
         return Err(Exit::Findings);
     }
-    before_a_fit(&loaded, arguments.replacing.force, shell)?;
+    before_a_fit(&loaded, arguments.forced.force, shell)?;
     let no_fit = |error: &dyn std::fmt::Display| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
@@ -117,7 +117,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             .into_iter()
             .zip(texts.map(String::into_bytes))
             .collect();
-        write_folder(out, &files, arguments.replacing, shell)?;
+        write_folder(out, &files, arguments.forced.replacing(), shell)?;
     }
     if shell.format == Format::Json {
         shell.print(&found.to_json());
@@ -308,7 +308,7 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
         let toe = fall(before.sd.toe_deg, after.toe_deg);
         let camber = fall(before.sd.camber_deg, after.camber_deg);
         gains.push(format!(
-            "lowers the sd of predicted toe by {toe:.0} percent and of camber by {camber:.0} percent"
+            "lowers the sd of predicted toe by {toe:.0} % and of camber by {camber:.0} %"
         ));
     }
     if let (Some(undecided), Some(causes)) = (&found.causes, best.causes) {

@@ -1,5 +1,7 @@
 //! Plausibility table, shown before every fit. An implausible study is not fitted.
 
+use std::path::Path;
+
 use comfy_table::{ContentArrangement, Table, presets};
 
 use admire_identify::LoadedStudy;
@@ -10,11 +12,17 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use super::shell::{Exit, Shell};
 use super::width::table_text;
 
-/// Prints the plausibility table. An implausible study ends the command unless `force` is set.
+/// Checks the plausibility of a study. A verbose command prints the whole table; otherwise one line names the doubtful properties. An
+/// implausible study ends the command with the whole table unless `force` is set.
 pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> Result<(), Exit> {
     let found = Plausibility::of(loaded);
-    shell.say(&text(&found));
-    let Some(message) = found.refusal() else {
+    let refusal = found.refusal();
+    if shell.is_verbose() || refusal.is_some() {
+        shell.say(&text(&found));
+    } else if let Some(line) = doubts(&found, &loaded.study.folder) {
+        shell.say(&line);
+    }
+    let Some(message) = refusal else {
         return Ok(());
     };
     if force {
@@ -25,6 +33,21 @@ pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> 
     Err(shell.fail(
         Diagnostic::error(Code::ImplausibleStudy, message).help("`--force` fits all the same"),
     ))
+}
+
+/// Names the doubtful properties of a study in one line; `None` if there are none.
+fn doubts(found: &Plausibility, study: &Path) -> Option<String> {
+    let doubtful = found.checks.iter();
+    let doubtful = doubtful.filter(|check| check.verdict == Verdict::Doubtful);
+    let mut names: Vec<&str> = doubtful.map(|check| check.what).collect();
+    names.dedup();
+    (!names.is_empty()).then(|| {
+        let names = names.join(", ");
+        format!(
+            "doubtful: {names}; see `admire check {}`\n",
+            study.display()
+        )
+    })
 }
 
 /// Prints the lint warnings of a study's deck after its fit has failed, because they may name the reason.

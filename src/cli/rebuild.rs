@@ -4,7 +4,7 @@ use admire_rebuild::rebuild as rebuild_deck;
 use admire_syntax::diagnostic::Severity;
 
 use super::Outcome;
-use super::output_folder::{Replacing, write_folder};
+use super::output_folder::{Replacing, folder_beside, output_folder, write_folder};
 use super::shell::{Exit, Shell};
 
 /// Make a deck and a study out of results files that hold poses and forces.
@@ -18,9 +18,9 @@ pub(super) struct Arguments {
     /// Results files (.res) of one mechanism.
     #[arg(required = true)]
     results: Vec<PathBuf>,
-    /// Folder to write.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder to write; `out-rebuild` beside the first file if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Results of other tests: the deck is not made from them, and the report says how well it predicts them.
     #[arg(long, value_name = "FILE")]
     test: Vec<PathBuf>,
@@ -38,6 +38,11 @@ const EXAMPLES: &str = "Examples:
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let paths: Vec<&Path> = arguments.results.iter().map(PathBuf::as_path).collect();
     let tests: Vec<&Path> = arguments.test.iter().map(PathBuf::as_path).collect();
+    let out = output_folder(
+        arguments.out.as_deref(),
+        &folder_beside(paths[0]),
+        "rebuild",
+    );
     let answer = rebuild_deck(&paths, &tests);
     shell.complain(&answer.diagnostics);
     let Some(rebuilt) = answer.value else {
@@ -48,7 +53,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .iter()
         .map(|(name, text)| (PathBuf::from(name), text.clone().into_bytes()))
         .collect();
-    write_folder(&arguments.out, &files, arguments.replacing, shell)?;
+    write_folder(&out, &files, arguments.replacing, shell)?;
     let length = rebuilt.record.units.length.word;
     let mut text = String::new();
     for run in &rebuilt.record.runs {
@@ -66,7 +71,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             ),
         };
     }
-    let folder = arguments.out.display();
+    let folder = out.display();
     text += &format!("{folder}: deck, study and rebuild.md\n");
     shell.print(&text);
     let solved = rebuilt.repeat.largest(0..rebuilt.record.states()).is_some();

@@ -8,6 +8,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::format::Format;
+use super::opening::Opening;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
@@ -30,8 +31,10 @@ pub(super) struct Arguments {
     #[arg(default_value = "corpus")]
     corpus: PathBuf,
     /// Also write `report.html` with the curves into this folder.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    opening: Opening,
     #[command(flatten)]
     replacing: Replacing,
 }
@@ -80,6 +83,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let files = [(PathBuf::from(OUTPUT), html.into_bytes())];
         write_folder(out, &files, arguments.replacing, shell)?;
         shell.say(&format!("report: {}\n", out.join(OUTPUT).display()));
+        arguments.opening.open(&out.join(OUTPUT), shell);
     }
     Ok(Exit::Fine)
 }

@@ -6,7 +6,7 @@ use admire_rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig_watched
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
-use super::output_folder::{Replacing, write_folder};
+use super::output_folder::{Replacing, output_folder, write_folder};
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
 
@@ -20,9 +20,9 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// Folder of the study; its own readings need not exist.
     study: PathBuf,
-    /// Folder to write.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder to write; `out-rig` in the folder of the study if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Seed of the measurement noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -111,7 +111,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&diagnostics);
         Exit::Findings
     })?;
-    write_folder(&arguments.out, &run.files, arguments.replacing, shell)?;
+    let out = output_folder(arguments.out.as_deref(), &arguments.study, "rig");
+    write_folder(&out, &run.files, arguments.replacing, shell)?;
     if let Some(truth) = &arguments.truth {
         shell.write(truth, run.truth.as_bytes())?;
     }

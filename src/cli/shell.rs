@@ -164,6 +164,13 @@ impl Shell {
         }
     }
 
+    /// Prints a remark on standard error that only a verbose command tells.
+    pub(super) fn detail(&self, text: &str) {
+        if self.is_verbose() {
+            self.say(text);
+        }
+    }
+
     /// Returns true if progress is shown: standard error is a terminal and the command is not quiet.
     pub(super) fn shows_progress(&self) -> bool {
         self.format == Format::Text

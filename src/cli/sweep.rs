@@ -13,6 +13,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::interrupt;
+use super::output_folder::{folder_beside, output_folder};
 use super::permission::Permission;
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
@@ -30,9 +31,9 @@ pub(super) struct Arguments {
     /// Plan of the sweep: what varies, what is run, what is kept; `admire guide sweep` has every key.
     #[arg(value_name = "SWEEP.toml")]
     plan: PathBuf,
-    /// Folder of the sweep: a new folder, or the folder of an earlier run of this sweep.
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    /// Folder of the sweep: a new folder, or the folder of an earlier run of this sweep; `out-sweep` beside the plan if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Run one of several shards, here or on another computer with access to DIR; `admire merge DIR` joins them.
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     shard: Option<Shard>,
@@ -96,12 +97,17 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let manifest = Manifest::of(&plan, arguments.shards.unwrap_or(shard.of), VERSION);
-    SweepFolder::look(&arguments.out, manifest.clone()).map_err(|wrong| shell.fail(wrong))?;
+    let out = output_folder(
+        arguments.out.as_deref(),
+        &folder_beside(&arguments.plan),
+        "sweep",
+    );
+    SweepFolder::look(&out, manifest.clone()).map_err(|wrong| shell.fail(wrong))?;
     let runner = Runner::prepare(&plan).map_err(|found| {
         shell.complain(&found);
         Exit::Findings
     })?;
-    let folder = SweepFolder::begin(&arguments.out, manifest).map_err(|wrong| shell.fail(wrong))?;
+    let folder = SweepFolder::begin(&out, manifest).map_err(|wrong| shell.fail(wrong))?;
     if arguments.slurm {
         let submitted = Submitted {
             plan: &arguments.plan,
@@ -123,7 +129,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if shard != Shard::WHOLE {
         shell.say(&format!(
             "shard {shard} is finished; `admire merge {}` joins all\n",
-            arguments.out.display()
+            out.display()
         ));
         return Ok(Exit::Fine);
     }

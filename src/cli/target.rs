@@ -5,13 +5,13 @@ use admire_syntax::text::Source;
 
 use super::shell::{Exit, Shell};
 
-/// Destination of a changed deck; standard output without options.
+/// Destination of a changed file; standard output without options.
 #[derive(clap::Args, Debug)]
 pub(super) struct Target {
-    /// File for the new deck.
+    /// File to write; standard output if absent.
     #[arg(long, short, conflicts_with = "in_place")]
     out: Option<PathBuf>,
-    /// Replace the input deck.
+    /// Replace the input file.
     #[arg(long)]
     in_place: bool,
 }

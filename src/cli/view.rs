@@ -10,6 +10,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::text::open_to_read;
 
 use super::Outcome;
+use super::opening::Opening;
 use super::results_file::{open, refused};
 use super::shell::{Exit, Shell, exit_of};
 
@@ -31,6 +32,8 @@ pub(super) struct Arguments {
     /// Page to write. Without it, the page has the name of the deck with `.html`, and must not exist yet.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    opening: Opening,
     /// Object to highlight, such as `BUSHING/2` or `PART/4`.
     #[arg(long, value_name = "ADDRESS")]
     highlight: Vec<String>,
@@ -86,6 +89,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let html = Page::of_scene(&scene, &lead(&scene), &footer(arguments));
     shell.write(&target, html.as_bytes())?;
     shell.print(&format!("view: {}\n", target.display()));
+    arguments.opening.open(&target, shell);
     Ok(exit)
 }
 

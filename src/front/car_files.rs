@@ -18,7 +18,7 @@ use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
 /// Folder of the files below the output folder.
-const FOLDER: &str = "adams_car";
+pub(crate) const FOLDER: &str = "adams_car";
 
 /// List of the changes, inside the folder.
 const LIST: &str = "changes.json";

@@ -379,7 +379,8 @@ impl DiagnosisReport<'_> {
             ),
             x: format!(
                 "force in {}, {}",
-                trend.element, self.loaded.model.units.force.word
+                trend.element,
+                short_unit(self.loaded.model.units.force.word)
             ),
             y: match &trend.unit {
                 Some(unit) => format!("mean residual, {}, {unit}", trend.what),

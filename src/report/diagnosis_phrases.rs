@@ -7,7 +7,7 @@ use admire_syntax::text::Decimals;
 pub(super) fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
     let gain = decimals.format(gain);
     if std_error.is_finite() {
-        format!("by {gain} +- {}", decimals.format(std_error))
+        format!("by {gain} ± {}", decimals.format(std_error))
     } else {
         format!("by {gain}, in one case")
     }
@@ -52,9 +52,9 @@ pub(super) fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> Str
 /// Formats a probability as a rounded percentage, with open ends below 1 and above 99 percent.
 pub(super) fn percent(probability: f64) -> String {
     match 100.0 * probability {
-        p if p > 99.0 => "above 99 percent".to_string(),
-        p if p < 1.0 => "below 1 percent".to_string(),
-        p => format!("{p:.0} percent"),
+        p if p > 99.0 => "above 99 %".to_string(),
+        p if p < 1.0 => "below 1 %".to_string(),
+        p => format!("{p:.0} %"),
     }
 }
 
@@ -77,7 +77,7 @@ pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str)
         solver.solver, solver.rms
     );
     if let Some(case) = &solver.case {
-        text += &format!(", at most by {:.2e} in case {case}", solver.most);
+        text += &format!(", at most by {:.2e} {unit} in case {case}", solver.most);
     }
     text += if solver.is_negligible(sigma) {
         ", which is small against the noise."
@@ -88,19 +88,19 @@ pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str)
     if let Some(both) = solver.residual_rms {
         let [own, other] = both.map(told);
         text += &format!(
-            " Tolerances left out, the marks are missed by {own} by the built-in solver and by {other} by the other"
+            " Tolerances left out, the marks are missed by {own} {unit} by the built-in solver and by {other} {unit} by the other"
         );
         text += &match solver.held_out_rms {
             Some(both) => {
                 let [own, other] = both.map(told);
-                format!(", by {own} and {other} in the cases held out.")
+                format!(", by {own} {unit} and {other} {unit} in the cases held out.")
             }
             None => ".".to_string(),
         };
     }
     if let Some(rms) = solver.refitted_rms {
         text += &format!(
-            " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {}.",
+            " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {} {unit}.",
             told(rms)
         );
     }

@@ -21,6 +21,18 @@ pub fn diagnosis_sentences(outcome: &Outcome<'_>) -> Vec<String> {
     Text { outcome }.sentences()
 }
 
+/// Rms errors of a channel in the readings held out, without and with the causes.
+pub(super) struct ChannelGain {
+    /// Name of the channel.
+    pub(super) name: String,
+    /// Unit of the channel with a leading blank; empty if the channel has no unit.
+    pub(super) behind: String,
+    /// Standard deviation of the noise of one reading.
+    pub(super) sigma: f64,
+    /// Rms errors without causes and with those chosen, in the unit of the channel.
+    pub(super) rms: [f64; 2],
+}
+
 /// Writer of the sentences of one diagnosis.
 pub(super) struct Text<'a> {
     pub(super) outcome: &'a Outcome<'a>,
@@ -29,10 +41,7 @@ pub(super) struct Text<'a> {
 impl Text<'_> {
     fn sentences(&self) -> Vec<String> {
         let mut out = Vec::new();
-        let (sigma, unit) = (
-            self.outcome.subject.mark_sigma(),
-            self.outcome.subject.problem.model.units.length.word,
-        );
+        let (sigma, unit) = (self.outcome.subject.mark_sigma(), self.length());
         let solver = self.outcome.diagnosis.solver.iter();
         out.extend(solver.map(|solver| solver_sentence(solver, sigma, unit)));
         out.extend(self.worst_mark());
@@ -85,13 +94,18 @@ impl Text<'_> {
         format!("case {} ({loads})", of.label)
     }
 
+    /// Returns the length unit of the deck.
+    pub(super) fn length(&self) -> &'static str {
+        self.outcome.subject.problem.model.units.length.word
+    }
+
     /// Returns the number format for mark positions.
     pub(super) fn decimals(&self) -> Decimals {
         Decimals::of_error(self.outcome.subject.mark_sigma())
     }
 
     /// Returns the number format for errors over the held-out cases.
-    fn compared_decimals(&self) -> Decimals {
+    pub(super) fn compared_decimals(&self) -> Decimals {
         match self.outcome.subject.compared() {
             ("mark", _) => self.decimals().finer(),
             (_, unit) => Decimals::of_error(unit).finer(),
@@ -141,9 +155,9 @@ impl Text<'_> {
         let unit = self.outcome.subject.sigma;
         let sigma = self.outcome.subject.mark_sigma();
         let rms = (sum / count).sqrt() * unit;
-        let decimals = self.decimals();
+        let (decimals, length) = (self.decimals(), self.length());
         let mut text = format!(
-            "After its best fit, tolerances included, the model misses the marks by {} rms per coordinate, where their noise is {}",
+            "After its best fit, tolerances included, the model misses the marks by {} {length} rms per coordinate, where their noise is {} {length}",
             decimals.format(rms),
             decimals.format(sigma)
         );
@@ -153,7 +167,7 @@ impl Text<'_> {
             let read = measurement.cases[case].marks[reading];
             let part = &measurement.parts[read.part];
             text += &format!(
-                "; the worst is {} {} in {}, by {}",
+                "; the worst is {} {} in {}, by {} {length}",
                 part.name,
                 part.marks[read.mark].label,
                 self.case_text(case),
@@ -283,9 +297,9 @@ impl Text<'_> {
             noise.declared,
             noise.estimated,
         ) {
-            let decimals = self.decimals().finer();
+            let (decimals, length) = (self.decimals().finer(), self.length());
             out.push(format!(
-                "The study declares a noise of {} for the marks; marks of rigid parts show {}, which is used.",
+                "The study declares a noise of {} {length} for the marks; marks of rigid parts show {} {length}, which is used.",
                 decimals.format(declared),
                 decimals.format(estimated)
             ));
@@ -323,9 +337,10 @@ impl Text<'_> {
                 None => String::new(),
             };
             parts.push(format!(
-                "the rms of the marks goes from {} to {}{by}",
+                "the rms of the marks goes from {} to {} {}{by}",
                 decimals.format(a),
-                decimals.format(b)
+                decimals.format(b),
+                self.length()
             ));
         }
         if let (Some([camber, steer]), Some([camber_after, steer_after])) =
@@ -371,7 +386,7 @@ impl Text<'_> {
         let most = found.points.iter().max_by(by_force)?;
         let at = |point: &RemainderPoint| {
             format!(
-                "{:.3} +- {:.3} in case {}",
+                "{:.3} ± {:.3} in case {}",
                 point.force, point.std_error, point.case
             )
         };
@@ -382,6 +397,10 @@ impl Text<'_> {
             _ => String::new(),
         };
         let decimals = self.compared_decimals();
+        let unit = match self.outcome.subject.compared().0 {
+            "mark" => format!(" {}", self.length()),
+            _ => " sigmas".to_string(),
+        };
         let predicts = found.held_out.as_ref().map_or_else(String::new, |held_out| {
             let place = if held_out.address == found.address {
                 String::new()
@@ -389,15 +408,15 @@ impl Text<'_> {
                 format!(" (then at {})", held_out.address)
             };
             format!(
-                " Found without the cases held out{place}, it predicts them to {} ({} without it); {:.0} percent of their readings lie within \
-                 their 95 percent bands.",
+                " Found without the cases held out{place}, it predicts them to {}{unit} ({}{unit} without it); {:.0} % of their readings lie within \
+                 their 95 % bands.",
                 decimals.format(held_out.rms_after),
                 decimals.format(held_out.rms_before),
                 100.0 * held_out.within95
             )
         });
         Some(format!(
-            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it takes up {:.0} percent of it{rival}.{predicts}",
+            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it takes up {:.0} % of it{rival}.{predicts}",
             found.address,
             at(least),
             at(most),
@@ -412,11 +431,15 @@ impl Text<'_> {
         };
         let what = match found.of {
             "mark" => "the rms of the marks goes",
-            _ => "the rms in units of the noise goes",
+            _ => "the rms of the readings goes",
+        };
+        let unit = match found.of {
+            "mark" => self.length(),
+            _ => "sigmas",
         };
         let decimals = self.compared_decimals();
         let mut out = vec![format!(
-            "In {} groups of cases, each predicted from the others with the causes {}, {what} from {} to {} ({}).",
+            "In {} groups of cases, each predicted from the others with the causes {}, {what} from {} to {} {unit} ({}).",
             found.groups.len(),
             if found.searched {
                 "searched anew"
@@ -430,7 +453,7 @@ impl Text<'_> {
         if let Some(groups) = found.spread() {
             let [least, most] = groups.map(|group| {
                 format!(
-                    "from {} to {} for {}",
+                    "from {} to {} {unit} for {}",
                     decimals.format(group.rms_before),
                     decimals.format(group.rms_after),
                     labels(&group.cases)
@@ -445,6 +468,20 @@ impl Text<'_> {
 
     /// Returns, for each channel, a text with the change of its rms error in the held-out cases.
     fn channels_gained(&self) -> Vec<String> {
+        let gains = self.channel_gains().into_iter();
+        let told = |channel: ChannelGain| {
+            let decimals = Decimals::of_error(channel.sigma);
+            let [before, after] = channel.rms.map(|rms| decimals.format(rms));
+            format!(
+                "{} from {before} to {after}{} rms",
+                channel.name, channel.behind
+            )
+        };
+        gains.map(told).collect()
+    }
+
+    /// Returns the rms errors of each channel that has readings held out.
+    pub(super) fn channel_gains(&self) -> Vec<ChannelGain> {
         let Some(unseen) = &self.outcome.unseen else {
             return Vec::new();
         };
@@ -468,15 +505,11 @@ impl Text<'_> {
                     let squares = rows.clone().map(|(k, _)| blind.misfit[k].powi(2));
                     (squares.sum::<f64>() / count as f64).sqrt() * info.sigma
                 };
-                (count > 0).then(|| {
-                    let decimals = Decimals::of_error(info.sigma);
-                    format!(
-                        "{} from {} to {}{} rms",
-                        info.name,
-                        decimals.format(rms(before)),
-                        decimals.format(rms(after)),
-                        info.behind()
-                    )
+                (count > 0).then(|| ChannelGain {
+                    name: info.name.clone(),
+                    behind: info.behind(),
+                    sigma: info.sigma,
+                    rms: [rms(before), rms(after)],
                 })
             })
             .collect()
@@ -500,11 +533,7 @@ impl Text<'_> {
             .take(3)
             .map(|s| {
                 let word = if s.bias() > 0.0 { "stiff" } else { "soft" };
-                format!(
-                    "{} {:.0} percent too {word}",
-                    s.address,
-                    100.0 * s.bias().abs()
-                )
+                format!("{} {:.0} % too {word}", s.address, 100.0 * s.bias().abs())
             })
             .collect();
         (!listed.is_empty()).then(|| format!("The wrong model had {}.", listed.join(", ")))

@@ -267,7 +267,8 @@ impl IdentificationReport<'_> {
                 "Units",
                 format!(
                     "{}, {}, radians in the deck",
-                    units.force.word, units.length.word
+                    short_unit(units.force.word),
+                    units.length.word
                 ),
             ),
             ("Inputs", format!("SHA-256 {}", self.fit.inputs_sha256)),

@@ -7,6 +7,7 @@ use super::check::{Check, Verdict};
 use super::frame_place::odd_frame;
 use super::load_table::odd_loads;
 use super::mark_scatter::{repeats, rigidity};
+use super::short_unit;
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
 use admire_identify::global::{Observations, Prepared, fit_unknowns, global_problem};
@@ -224,7 +225,10 @@ impl Plausibility {
         let units = &loaded.model.units;
         let mut found = format!(
             "{}, {}, {}, {}",
-            units.force.word, units.mass.word, units.length.word, units.time.word
+            short_unit(units.force.word),
+            units.mass.word,
+            units.length.word,
+            units.time.word
         );
         let mut verdict = Verdict::Plausible;
         let mut why = String::new();
@@ -302,7 +306,7 @@ impl Plausibility {
                     "{} to {} {}/{}",
                     short(least),
                     short(most),
-                    units.force.word,
+                    short_unit(units.force.word),
                     units.length.word
                 ),
                 verdict,

@@ -31,10 +31,10 @@ impl Text<'_> {
             let stated = if libm::log(points.usual / usual).abs() < SEEN_LN {
                 String::new()
             } else {
-                format!("; the study states {:.2}", points.usual)
+                format!("; the study states {:.2} {}", points.usual, points.unit)
             };
             out.push(format!(
-                "The readings look as if hardpoints were {:.2} {} off, {word} ({usual:.1}{stated}).",
+                "The readings look as if hardpoints were {:.2} {} off, {word} ({usual:.1} mm{stated}).",
                 points.sd, points.unit
             ));
         }
@@ -62,7 +62,7 @@ impl Text<'_> {
         let loads = EffectGroup::LoadRepeatability.as_str();
         if let Some(loads) = self.outcome.diagnosis.tolerances.get(loads) {
             out.push(format!(
-                "Loads scatter from case to case, by {:.2} percent of the largest value of each. The loads that acted are not quite those of the table.",
+                "Loads scatter from case to case, by {:.2} % of the largest value of each. The loads that acted are not quite those of the table.",
                 100.0 * loads.sd
             ));
         }
@@ -109,7 +109,11 @@ impl Text<'_> {
         let of = |misplaced: &Misplaced| {
             let part = &measurement.parts[misplaced.part];
             let label = &part.marks[misplaced.mark].label;
-            let off = decimals.format(misplaced.error.norm());
+            let off = format!(
+                "{} {}",
+                decimals.format(misplaced.error.norm()),
+                self.length()
+            );
             let how = if misplaced.is_loose() {
                 let case = &measurement.cases[misplaced.cases[0]].label;
                 let (count, read) = (misplaced.cases.len(), misplaced.read);

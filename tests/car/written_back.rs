@@ -104,10 +104,11 @@ fn identified_stiffnesses_are_scale_factors_of_the_subsystem() {
     let folder = study(&format!("{CAR}{BUSHINGS}"));
     let here = folder.path();
     let before = std::fs::read(here.join("front.sub")).unwrap();
-    let words = ["identify", ".", "--method", "direct", "--out", "out"];
-    let (code, _, errors) = admire(here, &words);
+    let words = ["identify", ".", "--method", "direct", "--out", "out", "-v"];
+    let (code, out, errors) = admire(here, &words);
     assert_eq!(code, 0, "{errors}");
     assert!(errors.contains("fx_scaling_factor"), "{errors}");
+    assert!(out.contains("\nfor Adams/Car: out/adams_car\n"), "{out}");
     // The user's own file is as it was.
     assert!(std::fs::read(here.join("front.sub")).unwrap() == before);
     let new = parse(&here.join("out/adams_car/front.sub"));

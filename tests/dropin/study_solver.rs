@@ -98,7 +98,7 @@ fn one_line_changes_the_solver_and_a_recording_needs_none() {
     }
     let command = admire(
         folder,
-        &["identify", ".", "--out", "command", "--keep"],
+        &["identify", ".", "--out", "command", "--keep", "-v"],
         &path,
     );
     let said = errors(&command);

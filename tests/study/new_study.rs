@@ -205,7 +205,7 @@ fn a_study_that_cannot_be_meant_is_refused_before_the_fit() {
         .concat();
         admire(folder.path(), &arguments)
     };
-    let said = fit(&[]);
+    let said = fit(&["-v"]);
     assert!(
         said.err.contains("noise of a mark") && said.err.contains("forecast"),
         "{}",

@@ -1,0 +1,43 @@
+//! Opens a written page with the program of the system.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use super::shell::Shell;
+
+/// Option that opens the written page.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(super) struct Opening {
+    /// Open the written page with the usual program of this system.
+    #[arg(long)]
+    open: bool,
+}
+
+/// Program that opens a file with the program that the user chose for its kind.
+const OPENER: &str = if cfg!(windows) {
+    "explorer"
+} else if cfg!(target_os = "macos") {
+    "open"
+} else {
+    "xdg-open"
+};
+
+impl Opening {
+    /// Opens a page if `--open` is set. The command does not fail if the page cannot be opened; a remark names the reason.
+    pub(super) fn open(self, page: &Path, shell: &Shell) {
+        if !self.open {
+            return;
+        }
+        // An absolute path cannot be taken for an option.
+        let page = std::path::absolute(page).unwrap_or_else(|_| page.to_path_buf());
+        let started = Command::new(OPENER)
+            .arg(&page)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        if let Err(error) = started {
+            shell.say(&format!("`{OPENER}` opens no page: {error}\n"));
+        }
+    }
+}

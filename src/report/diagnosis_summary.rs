@@ -1,0 +1,154 @@
+//! Summary of a diagnosis for a terminal.
+
+use admire_diagnosis::{Finding, Outcome, Verdict};
+use admire_identify::LoadedStudy;
+
+use super::diagnosis_phrases::{fallen_by, loads_text, percent};
+use super::diagnosis_text::Text;
+use super::sizes;
+use super::summary::{Summary, fall};
+
+/// Number of channels whose gain is stated.
+const STATED_CHANNELS: usize = 2;
+
+/// Returns the summary of a diagnosis. `study` is the folder of the study as the user named it.
+pub fn diagnosis_summary(loaded: &LoadedStudy, outcome: &Outcome<'_>, study: &str) -> Summary {
+    let text = Text { outcome };
+    let findings = &outcome.diagnosis.findings;
+    let (main, minor): (Vec<&Finding>, Vec<&Finding>) = findings.iter().partition(|f| !f.minor);
+    Summary {
+        verdict: verdict(outcome),
+        items: main
+            .into_iter()
+            .chain(minor)
+            .map(|finding| item(finding, loaded))
+            .collect(),
+        held_out: text.held_out_gain(),
+        next: text.next_step(study),
+    }
+}
+
+/// Returns the verdict in one sentence.
+fn verdict(outcome: &Outcome<'_>) -> String {
+    let verdict = match outcome.diagnosis.verdict {
+        Verdict::Consistent => format!(
+            "consistent: the model explains the data to their noise and tolerances; the probability that no cause acts is {}",
+            percent(outcome.diagnosis.none_of_these)
+        ),
+        Verdict::Discrepancy => "discrepancy: the model lacks what follows".to_string(),
+        Verdict::Unexplained => {
+            "unexplained: structure remains that no known cause explains".to_string()
+        }
+    };
+    if outcome.is_stopped() {
+        format!("interrupted, so far {verdict}")
+    } else {
+        verdict
+    }
+}
+
+/// Returns a finding with its probability, its rivals and its sizes.
+fn item(finding: &Finding, loaded: &LoadedStudy) -> String {
+    let minor = if finding.minor { " (minor)" } else { "" };
+    let mut text = format!(
+        "{} {}{minor}, probability {:.2}",
+        finding.cause, finding.address, finding.probability
+    );
+    for rival in &finding.indistinguishable_from {
+        text += &format!(
+            ", or {} {} ({:.2})",
+            rival.cause, rival.address, rival.probability
+        );
+    }
+    format!("{text}: {}", sizes(finding, loaded))
+}
+
+impl Text<'_> {
+    /// Returns the gain in the readings that were held out of the fits, in their units and in standard deviations of their noise.
+    fn held_out_gain(&self) -> String {
+        let diagnosis = &self.outcome.diagnosis;
+        if diagnosis.findings.is_empty() {
+            return "no cause was found that could gain something".to_string();
+        }
+        let (Some(unseen), Some(found)) = (&self.outcome.unseen, &diagnosis.hold_out) else {
+            return "nothing was held out, so the gain is not known".to_string();
+        };
+        let mut parts = Vec::new();
+        let [before, after] = &unseen.tests;
+        let length = self.length();
+        if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
+            let by = fallen_by(self.decimals().finer(), found.gain, found.gain_std_error);
+            let told = fall("marks", [a, b], length, self.outcome.subject.mark_sigma());
+            parts.push(if found.of == "mark" {
+                format!("{told}, {by} {length}")
+            } else {
+                told
+            });
+        } else if found.of == "noise" {
+            let by = fallen_by(self.compared_decimals(), found.gain, found.gain_std_error);
+            let decimals = self.compared_decimals();
+            parts.push(format!(
+                "readings from {} to {} sigmas, {by}",
+                decimals.format(found.rms_before),
+                decimals.format(found.rms_after)
+            ));
+        }
+        let wheel = self.outcome.subject.problem.measurement.wheel.as_ref();
+        if let (Some(a), Some(b), Some(wheel)) = (before.wheel_deg_rms, after.wheel_deg_rms, wheel)
+        {
+            for (what, k) in [("camber", 0), ("steer", 1)] {
+                parts.push(fall(what, [a[k], b[k]], "deg", wheel.sigma_angle_deg));
+            }
+        }
+        let mut channels = self.channel_gains();
+        let gain = |channel: &super::diagnosis_text::ChannelGain| {
+            (channel.rms[0] - channel.rms[1]) / channel.sigma
+        };
+        channels.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+        parts.extend(
+            channels
+                .iter()
+                .take(STATED_CHANNELS)
+                .map(|c| fall(&c.name, c.rms, c.behind.trim(), c.sigma)),
+        );
+        let (count, what) = match found.cases.len() {
+            0 => (found.curves.len(), "curve"),
+            count => (count, "case"),
+        };
+        let end = if count == 1 { "" } else { "s" };
+        format!("rms in {count} {what}{end}: {}", parts.join(", "))
+    }
+
+    /// Returns what to do next.
+    fn next_step(&self, study: &str) -> String {
+        let diagnosis = &self.outcome.diagnosis;
+        if self.outcome.is_stopped() {
+            return "the same command without an interruption".to_string();
+        }
+        let mut steps = Vec::new();
+        match (diagnosis.verdict, &diagnosis.unexplained.remainder) {
+            (Verdict::Consistent, _) => {
+                steps.push("nothing in the model needs to be changed".to_string());
+            }
+            (Verdict::Discrepancy, _) => {
+                steps.push("go on with extended.adm, which has these causes".to_string());
+            }
+            (Verdict::Unexplained, Some(remainder)) => steps.push(format!(
+                "look at {}, where an extra force takes up most of what remains",
+                remainder.address
+            )),
+            (Verdict::Unexplained, None) => {}
+        }
+        match &diagnosis.next_measurement {
+            Some(next) => {
+                let loads = next.case.iter().map(|(name, load)| (name.as_str(), *load));
+                steps.push(format!("measure {}; it {}", loads_text(loads), next.why));
+            }
+            None if diagnosis.verdict == Verdict::Unexplained => {
+                steps.push(format!("`admire plan {study}` ranks what to measure"));
+            }
+            None => {}
+        }
+        steps.join("; ")
+    }
+}

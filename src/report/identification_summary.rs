@@ -1,0 +1,119 @@
+//! Summary of an identification for a terminal.
+
+use admire_identify::lack_of_fit::is_structured;
+use admire_identify::{Fit, FitVerdict, LoadedStudy, ParameterFit, Status};
+
+use super::summary::{Summary, fall};
+use super::{lead, number, short_unit};
+
+/// Largest number of undetermined numbers that are named.
+const NAMED: usize = 4;
+
+/// Returns the summary of an identification. `study` is the folder of the study as the user named it.
+pub fn identification_summary(loaded: &LoadedStudy, fit: &Fit, study: &str) -> Summary {
+    let determined = |parameter: &&ParameterFit| parameter.status != Status::Unidentifiable;
+    Summary {
+        verdict: verdict(fit),
+        items: fit.parameters.iter().filter(determined).map(item).collect(),
+        held_out: held_out(loaded, fit),
+        next: next_step(fit, study),
+    }
+}
+
+/// Returns the result in words. Remarks on repetitions follow, because they were asked for.
+fn verdict(fit: &Fit) -> String {
+    let repeated = fit.bootstrap.is_some() || fit.posterior.is_some();
+    let remarks = fit.remarks.iter().filter(|_| repeated);
+    let texts = std::iter::once(lead(fit)).chain(remarks.cloned());
+    texts.collect::<Vec<_>>().join(" ")
+}
+
+/// Returns an identified value with its standard error and unit.
+fn item(parameter: &ParameterFit) -> String {
+    let addresses = std::iter::once(&parameter.address).chain(&parameter.tied);
+    let names: Vec<&str> = addresses.map(String::as_str).collect();
+    let value = number(parameter.value, parameter.std_error);
+    let unit = short_unit(&parameter.unit);
+    let size = match parameter.std_error {
+        Some(error) => format!("{value} ± {} {unit}", number(error, Some(error))),
+        None => format!("{value} {unit}"),
+    };
+    let place = if parameter.status == Status::Bound {
+        " (at a bound)"
+    } else {
+        ""
+    };
+    let again = [
+        ("bootstrap", &parameter.bootstrap),
+        ("posterior", &parameter.posterior),
+    ];
+    let again = again.into_iter().filter_map(|(kind, found)| {
+        let [low, high] = found
+            .as_ref()?
+            .interval95
+            .map(|end| number(end, parameter.std_error));
+        Some(format!(" ({kind} {low} to {high})"))
+    });
+    format!(
+        "{} {size}{place}{}",
+        names.join(" = "),
+        again.collect::<String>()
+    )
+}
+
+/// Returns the errors in the readings that were held out, with the initial and with the identified parameters.
+fn held_out(loaded: &LoadedStudy, fit: &Fit) -> String {
+    let held = &fit.held_out;
+    let measurement = &loaded.measurement;
+    let mut parts = Vec::new();
+    if let (Some(before), Some(after)) = (held.marks_rms_before, held.marks_rms_after) {
+        let what = format!("marks of {} cases", held.cases.len());
+        let length = loaded.model.units.length.word;
+        parts.push(fall(&what, [before, after], length, measurement.sigma));
+    }
+    for curve in &held.curves {
+        let channel = measurement.channels.iter().find(|c| c.name == curve.name);
+        let Some(channel) = channel else { continue };
+        let unit = curve.unit.as_deref().unwrap_or("");
+        let rms = [curve.rms_before, curve.rms_after];
+        parts.push(fall(&curve.name, rms, unit, channel.sigma));
+    }
+    if parts.is_empty() {
+        return "nothing; `validate.hold_out` names cases that no fit sees".to_string();
+    }
+    format!("rms of {}", parts.join(", "))
+}
+
+/// Returns what to do next.
+fn next_step(fit: &Fit, study: &str) -> String {
+    if fit.interrupted {
+        return "the same command without an interruption".to_string();
+    }
+    if !fit.converged {
+        return format!("`admire check {study}` forecasts which numbers these loads can tell");
+    }
+    let misfit = |test: &admire_identify::FitTest| test.verdict == FitVerdict::Misfit;
+    let strained = fit.tolerances.values().any(|size| size.strained);
+    if fit.fit_test.as_ref().is_some_and(misfit) || strained || is_structured(&fit.structure) {
+        return format!("`admire diagnose {study}` looks for what the model lacks");
+    }
+    let told = |parameter: &ParameterFit| parameter.status == Status::Identified;
+    if fit.parameters.iter().all(told) {
+        return "go on with identified.adm, which has these numbers".to_string();
+    }
+    let lacking = fit.parameters.iter().filter(|p| !told(p));
+    let mut names: Vec<&str> = lacking
+        .map(|parameter| parameter.address.as_str())
+        .collect();
+    let more = names.len().saturating_sub(NAMED);
+    names.truncate(NAMED);
+    let and = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    format!(
+        "`admire plan {study}` ranks what to measure to determine {}{and}",
+        names.join(", ")
+    )
+}
