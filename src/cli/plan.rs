@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 use crate::front::{foreign_parts, suggested};
-use admire_design::{Aim, Combination, Plan, Ranked, plan};
+use admire_design::{Aim, Combination, Plan, Ranked, Undecided, plan};
 use admire_diagnosis::Progress as Watched;
 use admire_diagnosis::study_fit::{no_wheel, nothing_to_identify};
 use admire_identify::estimate_noise;
@@ -20,7 +20,8 @@ use super::width::{hanging, table_text};
 
 /// Recommend which test, load or mark to add to a study, ranked by what each would gain.
 ///
-/// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells. For each, it computes the effect on
+/// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells, as far as `[plan] available` of the study
+/// lists them. For each, it computes the effect on
 /// the worst-determined stiffnesses, on the predicted wheel, and on causes between which the readings do not decide. With --out it writes
 /// `plan.json`, and `suggested.csv` with load cases to append to the study's own file.
 #[derive(clap::Args, Debug)]
@@ -150,6 +151,9 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
         let [a, b] = &undecided.between;
         let [p, q] = undecided.probability;
         text += &hanging("undecided: ", &format!("{a} ({p:.2}) or {b} ({q:.2})"));
+        if !undecided.is_separated_by_loads() {
+            text += &hanging("", &without_loads(undecided));
+        }
     } else if matches!(found.aim, Aim::All | Aim::Causes) {
         text += "causes: the readings leave no two explanations undecided\n";
     }
@@ -182,6 +186,21 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
         );
     }
     text
+}
+
+/// Says that no available load separates two explanations, and what would.
+fn without_loads(undecided: &Undecided) -> String {
+    let all = undecided.would_separate.iter().map(ToString::to_string);
+    let all: Vec<String> = all.collect();
+    let would = if all.is_empty() {
+        "no mark, curve or load cell would, either".to_string()
+    } else {
+        format!("would: {}", all.join("; "))
+    };
+    format!(
+        "no load in the range separates them (chi-square {:.1} at most); {would}",
+        undecided.by_loads
+    )
 }
 
 /// Formats a combination of stiffnesses, such as `BUSHING/1.KT.3 - 0.5 BUSHING/2.K.1`. The shares are relative to the largest share.
@@ -316,8 +335,9 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
         gains.push(if causes.probability_shift < LITTLE {
             format!("does not tell {a} from {b}")
         } else {
+            let word = if causes.at_least { "at least " } else { "" };
             format!(
-                "raises the probability of the true one of {a} and {b} by {:.2}",
+                "raises the probability of the true one of {a} and {b} by {word}{:.2}",
                 causes.probability_shift
             )
         });

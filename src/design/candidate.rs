@@ -1,8 +1,9 @@
 //! Candidate measurements: load cases, repetitions, loops, marks, wheel curves and load cells.
 
+use super::load_values::{ends, plain, round, shown, usual};
 use crate::settings::{
     ASSUMED_MARK_MM, ASSUMED_WHEEL_ANGLE_DEG, ASSUMED_WHEEL_POSITION_MM, LOAD_CELL_NOISE,
-    MAX_LOAD_CASES, MAX_LOAD_CELLS, MAX_MARK_POSITIONS, MAX_REPEATED_CASES,
+    MAX_LOAD_CASES, MAX_LOAD_CELLS, MAX_MARK_POSITIONS, MAX_REPEATED_CASES, RANGE_TOLERANCE,
 };
 use serde::Serialize;
 
@@ -10,6 +11,7 @@ use admire_diagnosis::DiagnosisProblem;
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model, PartIx, PartKind};
+use admire_study::Available;
 
 /// Kind of a candidate measurement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -38,6 +40,8 @@ pub(super) struct ProposedMeasurement {
     pub what: String,
     /// New load cases, mark, wheel component or load cell that this measurement adds to the study.
     pub new: New,
+    /// True if the laboratory of the study can do it.
+    pub is_available: bool,
 }
 
 /// Load cases or instrument that a candidate measurement adds to the study.
@@ -71,6 +75,7 @@ impl ProposedMeasurement {
             kind,
             what,
             new: New::Cases(cases),
+            is_available: true,
         }
     }
 
@@ -84,17 +89,11 @@ impl ProposedMeasurement {
 }
 
 impl ProposedMeasurements {
-    /// Creates candidate load cases: each load alone, and pairs of loads. Each load deviates from its usual value in both directions, by its
-    /// largest deviation in the study times each of `factors`.
-    pub(super) fn loads(programme: &LoadProgramme, factors: &[f64]) -> Self {
+    /// Creates candidate load cases: each available load alone, and pairs of them. Each load is at an end of its range. A load whose range
+    /// is not stated deviates from its usual value in both directions, by its largest deviation in the study times each of `factors`.
+    pub(super) fn loads(programme: &LoadProgramme, available: &Available, factors: &[f64]) -> Self {
         let usual = usual(programme);
-        let far: Vec<f64> = (0..usual.len())
-            .map(|load| {
-                let values = programme.cases.iter().map(|case| case.values[load]);
-                values.fold(0.0_f64, |most, v| most.max((v - usual[load]).abs()))
-            })
-            .collect();
-        let moved: Vec<usize> = (0..usual.len()).filter(|load| far[*load] > 0.0).collect();
+        let ends = |load: usize, factor: f64| ends(programme, available, &usual, load, factor);
         let mut new = Self::default();
         let mut add = |sides: &[(usize, f64)], factor: f64| {
             if new.list.len() == MAX_LOAD_CASES {
@@ -102,12 +101,8 @@ impl ProposedMeasurements {
                 return;
             }
             let mut values = usual.clone();
-            for (load, side) in sides {
-                values[*load] += side * factor * far[*load];
-            }
-            // Loads are rounded to four digits, so that a rig can set them.
-            for (load, _) in sides {
-                values[*load] = round(programme, *load, values[*load]);
+            for (load, value) in sides {
+                values[*load] = *value;
             }
             let each = sides
                 .iter()
@@ -123,16 +118,19 @@ impl ProposedMeasurements {
             }
         };
         for factor in factors {
-            for load in &moved {
-                add(&[(*load, 1.0)], *factor);
-                add(&[(*load, -1.0)], *factor);
+            for load in 0..usual.len() {
+                for value in ends(load, *factor) {
+                    add(&[(load, value)], *factor);
+                }
             }
         }
         for factor in factors {
-            for (k, a) in moved.iter().enumerate() {
-                for b in &moved[k + 1..] {
-                    for (one, other) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-                        add(&[(*a, one), (*b, other)], *factor);
+            for a in 0..usual.len() {
+                for b in a + 1..usual.len() {
+                    for one in ends(a, *factor) {
+                        for other in ends(b, *factor) {
+                            add(&[(a, one), (b, other)], *factor);
+                        }
                     }
                 }
             }
@@ -140,11 +138,48 @@ impl ProposedMeasurements {
         new
     }
 
-    /// Adds the repetition of each case of the study. Removes candidate load cases that only repeat cases of the study.
-    pub(super) fn repeats(&mut self, programme: &LoadProgramme) {
+    /// Creates the same load cases nearer to the usual loads. `reach` says for each candidate how many times farther than in the study it
+    /// deflects the mechanism; the deviations from the usual loads are divided by it. Also returns the place of each candidate among them;
+    /// `None` for a candidate within the range of the study.
+    pub(super) fn reduced(
+        &self,
+        programme: &LoadProgramme,
+        reach: &[f64],
+    ) -> (Self, Vec<Option<usize>>) {
+        let usual = usual(programme);
+        let mut new = Self::default();
+        let mut places = Vec::new();
+        for (candidate, reach) in self.list.iter().zip(reach) {
+            let New::Cases(cases) = &candidate.new else {
+                places.push(None);
+                continue;
+            };
+            if !(*reach > 1.0 + RANGE_TOLERANCE) {
+                places.push(None);
+                continue;
+            }
+            let nearer = |values: &Vec<f64>| {
+                let each = values.iter().zip(&usual);
+                each.map(|(value, usual)| usual + (value - usual) / reach)
+                    .collect()
+            };
+            places.push(Some(new.list.len()));
+            new.list.push(ProposedMeasurement {
+                new: New::Cases(cases.iter().map(nearer).collect()),
+                ..candidate.clone()
+            });
+        }
+        (new, places)
+    }
+
+    /// Adds the repetition of each case of the study if it is available. Removes candidate load cases that only repeat cases of the study.
+    pub(super) fn repeats(&mut self, programme: &LoadProgramme, available: &Available) {
         let is_there = |values: &Vec<f64>| programme.cases.iter().any(|c| c.values == *values);
         self.list
             .retain(|candidate| !candidate.sequence().iter().all(is_there));
+        if !available.repeats {
+            return;
+        }
         let mut seen: Vec<(&[f64], Vec<&str>)> = Vec::new();
         for case in &programme.cases {
             match seen.iter_mut().find(|(values, _)| *values == case.values) {
@@ -164,18 +199,19 @@ impl ProposedMeasurements {
         }
     }
 
-    /// Adds a loop of each load: from the usual value to the largest deviation and back, first to one side, then to the other.
-    pub(super) fn loops(&mut self, programme: &LoadProgramme) {
+    /// Adds a loop of each available load: from the usual value to one end of its range and back, then to the other end and back.
+    pub(super) fn loops(&mut self, programme: &LoadProgramme, available: &Available) {
         let usual = usual(programme);
         for load in 0..usual.len() {
-            let values = programme.cases.iter().map(|case| case.values[load]);
-            let far = values.fold(0.0_f64, |most, v| most.max((v - usual[load]).abs()));
-            if far == 0.0 {
+            let ends = ends(programme, available, &usual, load, 1.0);
+            let [Some(first), last] = [ends.first(), ends.get(1)] else {
                 continue;
-            }
+            };
             let at = |side: f64| {
+                let end = if side > 0.0 { Some(first) } else { last };
+                let away = end.map_or(0.0, |end| end - usual[load]);
                 let mut values = usual.clone();
-                values[load] = round(programme, load, values[load] + side * far);
+                values[load] = round(programme, load, values[load] + side.abs() * away);
                 values
             };
             let cases: Vec<Vec<f64>> = [0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0]
@@ -193,11 +229,12 @@ impl ProposedMeasurements {
     }
 
     /// Adds new marks on all movable parts, at positions where the deck has markers.
-    pub(super) fn marks(&mut self, model: &Model) {
+    pub(super) fn marks(&mut self, model: &Model, available: &Available) {
         for (k, part) in model.parts.iter().enumerate() {
             if part.kind == PartKind::Ground {
                 continue;
             }
+            let is_available = available.marks.holds(&PartIx(k));
             let mut places: Vec<(u32, Vec3)> = Vec::new();
             for marker in model.markers.iter().filter(|m| m.part == PartIx(k)) {
                 let far = |(_, place): &(u32, Vec3)| (place - marker.qp).norm() > 1e-6;
@@ -216,6 +253,7 @@ impl ProposedMeasurements {
                     kind: Kind::Mark,
                     what: format!("mark on {name} near MARKER/{id}"),
                     new: New::Mark(PartIx(k), *place),
+                    is_available,
                 });
             }
         }
@@ -284,13 +322,14 @@ impl ProposedMeasurements {
                     kind: Kind::Curve,
                     what,
                     new: New::Wheel(component, sigma),
+                    is_available: measurement.available.wheel,
                 });
             }
         }
     }
 
     /// Adds load cells in bushings and joints, each with three force components.
-    pub(super) fn load_cells(&mut self, model: &Model) {
+    pub(super) fn load_cells(&mut self, model: &Model, available: &Available) {
         let bushings = model.bushings.iter();
         let bushings = bushings.map(|b| (["BUSHING", "BUSH"], &b.header, b.j));
         let joints = model.joints.iter();
@@ -304,10 +343,12 @@ impl ProposedMeasurements {
                 let force = format!("{function}({},0,{component},{frame})", header.id);
                 self.functions.push(force);
             }
+            let address = format!("{kind}/{}", header.id);
             self.list.push(ProposedMeasurement {
                 kind: Kind::LoadCell,
-                what: format!("load cell in {kind}/{}", header.id),
+                what: format!("load cell in {address}"),
                 new: New::Functions(first..self.functions.len()),
+                is_available: available.load_cells.holds(&address),
             });
         }
     }
@@ -327,61 +368,6 @@ pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     }
 }
 
-/// Returns the usual value of each load: its most frequent value in the study. Among equally frequent values, the value nearest to zero is
-/// used.
-fn usual(programme: &LoadProgramme) -> Vec<f64> {
-    let of = |load: usize| {
-        let values: Vec<f64> = programme.cases.iter().map(|c| c.values[load]).collect();
-        let count = |v: f64| values.iter().filter(|w| **w == v).count();
-        let better = |a: &f64, b: &f64| {
-            let by_count = count(*a).cmp(&count(*b));
-            by_count.then(b.abs().total_cmp(&a.abs()))
-        };
-        values.iter().copied().max_by(better).unwrap_or_default()
-    };
-    (0..programme.loads.len()).map(of).collect()
-}
-
-/// Rounds the value of a load to four significant digits in the unit of the study's file.
-fn round(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
-    let shown = in_the_file(programme, load, value);
-    let digits: f64 = format!("{shown:.3e}").parse().unwrap_or(shown);
-    if in_degrees(programme, load) {
-        digits.to_radians()
-    } else {
-        digits
-    }
-}
-
-fn in_degrees(programme: &LoadProgramme, load: usize) -> bool {
-    programme.loads[load].name.ends_with("_deg")
-}
-
-/// Returns the value of a load in the unit of the study's file.
-pub(super) fn in_the_file(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
-    if in_degrees(programme, load) {
-        // Ten digits are kept, because the conversion to radians and back has rounding errors.
-        let degrees = value.to_degrees();
-        format!("{degrees:.9e}").parse().unwrap_or(degrees)
-    } else {
-        value
-    }
-}
-
-fn plain(programme: &LoadProgramme, load: usize, value: f64) -> String {
-    let value = in_the_file(programme, load, value);
-    let digits: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    format!("{digits}")
-}
-
-fn shown(programme: &LoadProgramme, load: usize, value: f64) -> String {
-    format!(
-        "{} {}",
-        programme.loads[load].name,
-        plain(programme, load, value)
-    )
-}
-
 /// Returns the marker at which the loads act. It is taken from the first load that acts at a marker.
 pub(super) fn loaded_marker(subject: &DiagnosisProblem<'_>) -> Option<MarkerIx> {
     let problem = &subject.problem;
@@ -394,6 +380,7 @@ mod tests {
     use super::{Kind, ProposedMeasurements};
     use crate::settings::BEYOND_RANGE_FACTOR;
     use admire_session::backend::{Load, LoadCase, LoadProgramme};
+    use admire_study::{Available, LoadRange};
     use admire_syntax::text::Source;
     use admire_syntax::{Address, Dataset};
 
@@ -427,7 +414,8 @@ mod tests {
     #[test]
     fn loads_go_both_ways_from_where_they_usually_are() {
         let programme = programme(["vertical", "lateral"], &CASES);
-        let found = ProposedMeasurements::loads(&programme, &[1.0, BEYOND_RANGE_FACTOR]);
+        let usual = Available::default();
+        let found = ProposedMeasurements::loads(&programme, &usual, &[1.0, BEYOND_RANGE_FACTOR]);
         let values: Vec<&[f64]> = found.list.iter().map(|c| &c.sequence()[0][..]).collect();
         let alone = [
             [7500.0, 0.0],
@@ -446,11 +434,53 @@ mod tests {
         assert_eq!(what, "vertical 750, lateral -5000 (beyond)");
     }
 
+    /// A stated range is kept: no value beyond it, and none of a load that is not listed.
+    #[test]
+    fn loads_stay_in_the_range_that_is_stated() {
+        let programme = programme(["vertical", "lateral"], &CASES);
+        let values = |available: &Available| -> Vec<Vec<f64>> {
+            let found =
+                ProposedMeasurements::loads(&programme, available, &[1.0, BEYOND_RANGE_FACTOR]);
+            let each = found.list.iter();
+            each.map(|candidate| candidate.sequence()[0].clone())
+                .collect()
+        };
+        let mut available = Available {
+            other_loads: LoadRange::Fixed,
+            ..Available::default()
+        };
+        assert!(values(&available).is_empty());
+        let range = LoadRange::Between([-1000.0, 500.0]);
+        available.loads.insert("lateral".to_string(), range);
+        assert_eq!(values(&available), [[4500.0, 500.0], [4500.0, -1000.0]]);
+        available.other_loads = LoadRange::Applied;
+        available.loads.clear();
+        let applied = values(&available);
+        assert!(applied.contains(&vec![7500.0, -4000.0]), "{applied:?}");
+        let inside =
+            |v: &Vec<f64>| (1500.0..=7500.0).contains(&v[0]) && (-4000.0..=2000.0).contains(&v[1]);
+        assert!(applied.iter().all(inside), "{applied:?}");
+    }
+
+    /// Loads that deflect twice as far as the study are halved about the usual loads.
+    #[test]
+    fn loads_beyond_the_range_seen_are_reduced() {
+        let programme = programme(["vertical", "lateral"], &CASES);
+        let found = ProposedMeasurements::loads(&programme, &Available::default(), &[1.0]);
+        let mut reach = vec![1.0; found.list.len()];
+        reach[2] = 2.0;
+        let (nearer, places) = found.reduced(&programme, &reach);
+        assert_eq!(found.list[2].sequence()[0], [4500.0, 4000.0]);
+        assert_eq!(nearer.list.len(), 1);
+        assert_eq!(nearer.list[0].sequence()[0], [4500.0, 2000.0]);
+        assert_eq!((places[2], places[1]), (Some(0), None));
+    }
+
     #[test]
     fn what_is_there_is_a_repetition() {
         let programme = programme(["vertical", "lateral"], &CASES);
-        let mut found = ProposedMeasurements::loads(&programme, &[1.0]);
-        found.repeats(&programme);
+        let mut found = ProposedMeasurements::loads(&programme, &Available::default(), &[1.0]);
+        found.repeats(&programme, &Available::default());
         let of = |kind: Kind| found.list.iter().filter(move |c| c.kind == kind);
         assert!(of(Kind::Load).all(|c| !CASES.contains(&[c.sequence()[0][0], c.sequence()[0][1]])));
         let names: Vec<&str> = of(Kind::Repeat).map(|c| c.what.as_str()).collect();
@@ -463,9 +493,10 @@ mod tests {
     fn angles_are_set_in_degrees() {
         let radians = CASES.map(|[a, b]| [a, f64::to_radians(b / 100.0)]);
         let programme = programme(["vertical", "steer_deg"], &radians);
-        let found = ProposedMeasurements::loads(&programme, &[BEYOND_RANGE_FACTOR]);
+        let usual = Available::default();
+        let found = ProposedMeasurements::loads(&programme, &usual, &[BEYOND_RANGE_FACTOR]);
         assert_eq!(found.list[2].what, "steer_deg 50 (beyond)");
-        let value = super::in_the_file(&programme, 1, found.list[2].sequence()[0][1]);
+        let value = crate::load_values::in_the_file(&programme, 1, found.list[2].sequence()[0][1]);
         assert_eq!(value, 50.0);
     }
 }

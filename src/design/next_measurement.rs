@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::candidate::{ProposedMeasurements, in_the_file};
-use super::information::Information;
-use super::prospect::MeasurementPredictor;
-use super::rivals::discrimination_chi_square;
+use super::candidate::ProposedMeasurements;
+use super::load_values::in_the_file;
+use super::rivals::discriminations;
+use super::separator::separators;
 use crate::settings::SEPARATION_CHI_SQUARE;
 use admire_diagnosis::{CandidateEffect, DiagnosisProblem, FittedModel, NextMeasurement, Outcome};
 
@@ -19,8 +19,8 @@ pub fn propose(outcome: &mut Outcome<'_>) {
     outcome.diagnosis.next_measurement = proposed.next();
 }
 
-/// Returns the load case within the range applied that best distinguishes a finding from its rival. If either of them is a fault of a single
-/// case, the proposal is to repeat that case.
+/// Returns the available load case that best distinguishes a finding from its rival. If either of them is a fault of a single case, the
+/// proposal is to repeat that case. If no load distinguishes them, the proposal names an instrument that does.
 fn next_measurement(
     subject: &DiagnosisProblem<'_>,
     (best, finding): (&FittedModel, &CandidateEffect),
@@ -41,31 +41,46 @@ fn next_measurement(
                     "separates {finding} from {rival}, as it repeats case {}",
                     programme.cases[case].label
                 ),
+                instead: None,
             });
         }
     }
-    let candidates = ProposedMeasurements::loads(programme, &[1.0]);
-    let mine = MeasurementPredictor::new(subject, best, &candidates)?;
-    let theirs = MeasurementPredictor::new(subject, other, &candidates)?;
-    let information = Information::of(best);
-    let apart = |at: usize| {
-        let (mine, theirs) = (mine.readings(at)?, theirs.readings(at)?);
-        discrimination_chi_square(&information, &mine, &theirs)
-    };
-    let each = (0..candidates.list.len()).filter_map(|at| Some((apart(at)?, at)));
+    let available = &subject.problem.measurement.available;
+    let candidates = ProposedMeasurements::loads(programme, available, &[1.0]);
+    let fits = [best, other];
+    let found = discriminations(subject, fits, &candidates)?;
+    let each = found.into_iter().enumerate();
+    let each = each.filter_map(|(at, found)| Some((found?, at)));
     // The first of several equally good candidates is chosen.
-    let (separated, at) = each.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
-    let why = if separated > SEPARATION_CHI_SQUARE {
-        format!("separates {finding} from {rival} by a chi-square of about {separated:.1}")
-    } else {
-        format!(
-            "separates {finding} from {rival} best of all loads in the range applied, but by a chi-square of {separated:.1} \
-             only: marks on both sides of {} would tell",
-            rival.address
-        )
-    };
+    let best = each.reduce(|best, next| {
+        if next.0.chi_square > best.0.chi_square {
+            next
+        } else {
+            best
+        }
+    });
+    let case = best.map_or_else(BTreeMap::new, |(_, at)| {
+        case_of(&candidates.list[at].sequence()[0])
+    });
+    let separates = best.filter(|(found, _)| found.chi_square > SEPARATION_CHI_SQUARE);
+    if let Some((found, _)) = separates {
+        return Some(NextMeasurement {
+            case,
+            why: format!("separates {finding} from {rival} by {found}"),
+            instead: None,
+        });
+    }
+    let most = best.map_or(0.0, |(found, _)| found.chi_square);
+    let named = separators(subject, fits).into_iter().next();
+    let instead = named.map_or_else(
+        || format!("marks on both sides of {}", rival.address),
+        |separator| separator.to_string(),
+    );
     Some(NextMeasurement {
-        case: case_of(&candidates.list[at].sequence()[0]),
-        why,
+        case,
+        why: format!(
+            "no load in the range separates {finding} from {rival}: the chi-square is {most:.1} at most"
+        ),
+        instead: Some(instead),
     })
 }

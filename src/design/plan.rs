@@ -10,11 +10,15 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::candidate::{Kind, ProposedMeasurement, ProposedMeasurements, in_the_file};
+use super::candidate::{Kind, ProposedMeasurement, ProposedMeasurements};
 use super::information::{Information, ln_det};
+use super::load_values::in_the_file;
 use super::prospect::{MeasurementPredictor, Readings};
-use super::rivals::{CompetingModels, Separation, discrimination_chi_square};
-use crate::settings::{BEYOND_RANGE_FACTOR, MAX_WHEEL_CASES, WORST_COMBINATIONS};
+use super::rivals::{CompetingModels, Separation, discriminations};
+use super::separator::{Separator, separators};
+use crate::settings::{
+    BEYOND_RANGE_FACTOR, MAX_WHEEL_CASES, SEPARATION_CHI_SQUARE, WORST_COMBINATIONS,
+};
 use admire_diagnosis::{
     CauseLimit, Data, DetectionLimit, DiagnosisProblem, FittedModel, Progress, cause_limits,
     detection_limits, fit_without_effects, selected,
@@ -83,6 +87,17 @@ pub struct Undecided {
     pub between: [String; 2],
     /// Posterior probabilities of the two explanations.
     pub probability: [f64; 2],
+    /// Largest chi-square between the two explanations by a load case, a repetition or a loop that is available; zero if there is none.
+    pub by_loads: f64,
+    /// Instruments that would distinguish the explanations; empty if available loads do.
+    pub would_separate: Vec<Separator>,
+}
+
+impl Undecided {
+    /// Returns true if an available load case, repetition or loop distinguishes the explanations.
+    pub fn is_separated_by_loads(&self) -> bool {
+        self.by_loads > SEPARATION_CHI_SQUARE
+    }
 }
 
 /// Candidate measurement with its expected benefit.
@@ -165,25 +180,42 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let fitted = fit_without_effects(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
     progress.begin("weighing what could be measured");
     let programme = problem.programme;
-    let mut candidates = ProposedMeasurements::loads(programme, &[1.0, BEYOND_RANGE_FACTOR]);
-    candidates.repeats(programme);
-    if rivals.as_ref().is_some_and(CompetingModels::remember) {
-        candidates.loops(programme);
+    let available = &problem.measurement.available;
+    let factors = [1.0, BEYOND_RANGE_FACTOR];
+    let mut candidates = ProposedMeasurements::loads(programme, available, &factors);
+    candidates.repeats(programme, available);
+    let remembers = rivals.as_ref().is_some_and(CompetingModels::remember);
+    if remembers && available.repeats {
+        candidates.loops(programme, available);
     }
-    candidates.marks(problem.model);
+    candidates.marks(problem.model, available);
     candidates.curves(&subject);
-    candidates.load_cells(problem.model);
+    candidates.load_cells(problem.model, available);
+    candidates.list.retain(|candidate| candidate.is_available);
     let weighing = Weighing::new(&subject, &fitted, &candidates, aim).ok_or_else(no_cases)?;
-    let apart = rivals
+    let fits = rivals
         .as_ref()
-        .and_then(|rivals| Apart::new(&of_all, rivals, &candidates));
+        .map(|rivals| rivals.fits.each_ref().map(AsRef::as_ref));
+    let odds = rivals
+        .as_ref()
+        .map_or(0.5, CompetingModels::probability_of_first);
+    let apart: Vec<Option<Separation>> = fits
+        .and_then(|fits| discriminations(&of_all, fits, &candidates))
+        .unwrap_or_default()
+        .into_iter()
+        .map(|found| Some(Separation::of(found?, odds)))
+        .collect();
+    let of_loads = candidates.list.iter().zip(&apart);
+    let of_loads = of_loads.filter(|(candidate, _)| !candidate.sequence().is_empty());
+    let by_loads = of_loads.filter_map(|(_, found)| Some(found.as_ref()?.chi_square));
+    let by_loads = by_loads.fold(0.0, f64::max);
     let mut ranked = Vec::new();
     let mut not_possible = Vec::new();
     // Without rival explanations, a plan for causes has no criterion to rank by.
     let is_idle = aim == Aim::Causes && rivals.is_none();
     let count = if is_idle { 0 } else { candidates.list.len() };
     for (at, candidate) in candidates.list.iter().enumerate().take(count) {
-        match weighing.of(at, candidate, apart.as_ref()) {
+        match weighing.of(at, candidate, apart.get(at).copied().flatten()) {
             Some(found) => ranked.push((at, found)),
             None => not_possible.push(candidate.what.clone()),
         }
@@ -199,6 +231,10 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         }
         _ => true,
     });
+    let would_separate = match fits {
+        Some(fits) if by_loads <= SEPARATION_CHI_SQUARE => separators(&of_all, fits),
+        _ => Vec::new(),
+    };
     Ok(Plan {
         aim,
         combinations: weighing.combinations,
@@ -206,6 +242,8 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         causes: rivals.map(|rivals| Undecided {
             between: rivals.names,
             probability: rivals.probability,
+            by_loads,
+            would_separate,
         }),
         detection_limits: of_points,
         cause_limits: of_causes,
@@ -214,37 +252,6 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         left_out: candidates.left_out,
         candidates: ranked.into_iter().map(|(_, found)| found).collect(),
     })
-}
-
-/// Two rival models, prepared for their comparison in each candidate measurement.
-struct Apart<'a, 'b> {
-    prospects: [MeasurementPredictor<'a, 'b>; 2],
-    information: Information,
-    odds: f64,
-}
-
-impl<'a, 'b> Apart<'a, 'b> {
-    fn new(
-        subject: &'a DiagnosisProblem<'b>,
-        rivals: &'a CompetingModels,
-        candidates: &'a ProposedMeasurements,
-    ) -> Option<Self> {
-        let [first, second] = rivals
-            .fits
-            .each_ref()
-            .map(|fit| MeasurementPredictor::new(subject, fit, candidates));
-        Some(Self {
-            prospects: [first?, second?],
-            information: Information::of(&rivals.fits[0]),
-            odds: rivals.probability_of_first(),
-        })
-    }
-
-    fn of(&self, at: usize) -> Option<Separation> {
-        let [first, second] = self.prospects.each_ref().map(|p| p.readings(at));
-        let chi_square = discrimination_chi_square(&self.information, &first?, &second?)?;
-        Some(Separation::of(chi_square.max(0.0), self.odds))
-    }
 }
 
 /// Evaluation of the candidates, starting from the present uncertainty of the study.
@@ -334,7 +341,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
         &self,
         at: usize,
         candidate: &ProposedMeasurement,
-        apart: Option<&Apart<'_, '_>>,
+        causes: Option<Separation>,
     ) -> Option<Ranked> {
         let readings: Readings = self.prospect.readings(at)?;
         let said = self.said(&self.information.with(&readings))?;
@@ -363,7 +370,6 @@ impl<'a, 'b> Weighing<'a, 'b> {
                 + gained(before.camber_deg, after.camber_deg)
                 + gained(before.position, after.position);
         }
-        let causes = apart.and_then(|apart| apart.of(at));
         if let Some(causes) = causes {
             score += causes.nats;
         }

@@ -6,12 +6,14 @@ use super::candidate::{
     New, ProposedMeasurement, ProposedMeasurements, sigma_of_a_cell, sigma_of_a_mark,
 };
 use super::forecast::{Forecast, ForecastRequest, nearest};
+use super::load_values::usual;
 use super::wheel_place::WheelPlace;
+use crate::settings::LEAST_RANGE_SIGMAS;
 use admire_diagnosis::{DiagnosisProblem, FittedModel, at_point, by_frame, centroid, motions};
 use admire_identify::global::{CaseChange, CasePrediction, NuisanceLayout, Observations, Row};
 use admire_identify::tolerance::{EffectGroup, MarkBlock, Whitening};
 use admire_solver::mechanics::Vec3;
-use admire_solver::model::PartIx;
+use admire_solver::model::{PartIx, PartKind};
 use admire_study::wheel::WheelReading;
 use admire_study::{Case, MarkReading, Measurement};
 use admire_syntax::text::Span;
@@ -148,6 +150,36 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
             }
             New::Functions(range) => self.of_functions(range.clone()),
         }
+    }
+
+    /// Returns how many times farther than any case of the study a candidate's load cases deflect the mechanism. Deflections are those of the
+    /// deck's markers on moving parts, along each axis, from where they are in the case nearest to the usual loads. Returns one for an
+    /// instrument, and `None` if a load case has no equilibrium.
+    pub(super) fn reach(&self, at: usize) -> Option<f64> {
+        let Some(sequence) = self.sequence[at] else {
+            return Some(1.0);
+        };
+        let further = self.forecast.there[sequence].as_ref()?;
+        let programme = self.subject.problem.programme;
+        let rest = self.case(nearest(programme, &usual(programme))?)?;
+        let least = LEAST_RANGE_SIGMAS * sigma_of_a_mark(self.subject);
+        let model = self.subject.problem.model;
+        let mut reach = 0.0_f64;
+        for marker in &model.markers {
+            let part = marker.part.0;
+            if model.parts[part].kind == PartKind::Ground {
+                continue;
+            }
+            let place = |case: &CasePrediction| case.poses[part].point(&marker.qp);
+            let from_rest = |case: &CasePrediction| (place(case) - place(rest)).abs();
+            let seen = self.seen.iter().filter_map(|case| self.case(*case));
+            let seen = seen.fold(Vec3::repeat(least), |most, case| most.sup(&from_rest(case)));
+            let most = further
+                .iter()
+                .fold(Vec3::zeros(), |most, case| most.sup(&from_rest(case)));
+            reach = reach.max(most.component_div(&seen).max());
+        }
+        Some(reach)
     }
 
     /// Returns the readings of a load cell. Force components that are zero in all cases are left out.

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use nalgebra::{Cholesky, DMatrix};
 use serde::Serialize;
 
+use super::candidate::ProposedMeasurements;
 use super::information::Information;
-use super::prospect::Readings;
+use super::prospect::{MeasurementPredictor, Readings};
 use crate::settings::RIVAL_MIN_PROBABILITY;
-use admire_diagnosis::{CandidateEffect, FittedModel, ModelSet, Selected};
+use admire_diagnosis::{CandidateEffect, DiagnosisProblem, FittedModel, ModelSet, Selected};
 
 /// Leading model and its most probable rival.
 #[derive(Clone, Debug)]
@@ -26,6 +27,8 @@ pub(super) struct CompetingModels {
 pub struct Separation {
     /// Expected chi-square between the predictions of the two rivals.
     pub chi_square: f64,
+    /// True if the chi-square is a lower bound, because the loads deflect the mechanism farther than the study does.
+    pub at_least: bool,
     /// Expected increase of the true model's probability.
     pub probability_shift: f64,
     /// Expected information about which of the two models is true, in nats.
@@ -71,6 +74,86 @@ impl CompetingModels {
     }
 }
 
+/// Chi-square between the predictions of two rival models in a candidate measurement.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Discrimination {
+    /// Chi-square. For loads that deflect the mechanism farther than the study, it is that of nearer loads, within the range of the study.
+    pub chi_square: f64,
+    /// True if the chi-square is a lower bound: the loads go beyond the range in which the models have been seen.
+    pub is_at_least: bool,
+}
+
+impl std::fmt::Display for Discrimination {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let word = if self.is_at_least {
+            "above"
+        } else {
+            "of about"
+        };
+        write!(f, "a chi-square {word} {:.1}", self.chi_square)
+    }
+}
+
+/// Two models, prepared for their comparison in each candidate measurement.
+struct Pair<'a, 'b> {
+    predictors: [MeasurementPredictor<'a, 'b>; 2],
+    information: Information,
+}
+
+impl<'a, 'b> Pair<'a, 'b> {
+    fn new(
+        subject: &'a DiagnosisProblem<'b>,
+        fits: [&'a FittedModel; 2],
+        candidates: &'a ProposedMeasurements,
+    ) -> Option<Self> {
+        let [first, second] = fits.map(|fit| MeasurementPredictor::new(subject, fit, candidates));
+        Some(Self {
+            predictors: [first?, second?],
+            information: Information::of(fits[0]),
+        })
+    }
+
+    fn chi_square(&self, at: usize) -> Option<f64> {
+        let [first, second] = self.predictors.each_ref().map(|p| p.readings(at));
+        discrimination_chi_square(&self.information, &first?, &second?)
+    }
+
+    /// Returns the larger reach of the two models; one if a model has no equilibrium.
+    fn reach(&self, at: usize) -> f64 {
+        let each = self.predictors.each_ref().map(|p| p.reach(at));
+        each.into_iter().flatten().fold(1.0, f64::max)
+    }
+}
+
+/// Compares the predictions of two models in each candidate measurement. An entry is `None` if the candidate cannot be measured. Beyond the
+/// deflections of the study no reading holds the models, so their difference counts only up to these deflections.
+pub(super) fn discriminations(
+    subject: &DiagnosisProblem<'_>,
+    fits: [&FittedModel; 2],
+    candidates: &ProposedMeasurements,
+) -> Option<Vec<Option<Discrimination>>> {
+    let whole = Pair::new(subject, fits, candidates)?;
+    let all = 0..candidates.list.len();
+    let reach: Vec<f64> = all.clone().map(|at| whole.reach(at)).collect();
+    let (reduced, places) = candidates.reduced(subject.problem.programme, &reach);
+    let nearer = if reduced.list.is_empty() {
+        None
+    } else {
+        Pair::new(subject, fits, &reduced)
+    };
+    let of = |at: usize| {
+        let (chi_square, is_at_least) = match places[at] {
+            None => (whole.chi_square(at)?, false),
+            Some(place) => (nearer.as_ref()?.chi_square(place)?, true),
+        };
+        Some(Discrimination {
+            chi_square: chi_square.max(0.0),
+            is_at_least,
+        })
+    };
+    Some(all.map(of).collect())
+}
+
 /// Returns the causes of a model at sites where the other model has no cause.
 fn without<'a>(fit: &'a FittedModel, other: &FittedModel) -> Vec<&'a CandidateEffect> {
     let there = |h: &&CandidateEffect| !other.effects.iter().any(|o| o.same_site(h));
@@ -79,7 +162,7 @@ fn without<'a>(fit: &'a FittedModel, other: &FittedModel) -> Vec<&'a CandidateEf
 
 /// Returns the chi-square `d' (I + J C J')^-1 d` that distinguishes two models, with the difference `d` of their predicted readings. The
 /// uncertainty of the first model's prediction is part of the covariance.
-pub(super) fn discrimination_chi_square(
+fn discrimination_chi_square(
     information: &Information,
     first: &Readings,
     second: &Readings,
@@ -94,7 +177,8 @@ impl Separation {
     /// Returns the expected benefit of a measurement that distinguishes two models by this chi-square. `odds` is the probability of the
     /// first model before the measurement. The log Bayes factor in favour of the true model is Gaussian: its mean is half the chi-square,
     /// its variance the chi-square.
-    pub fn of(chi_square: f64, odds: f64) -> Self {
+    pub(super) fn of(found: Discrimination, odds: f64) -> Self {
+        let chi_square = found.chi_square;
         let (mut right, mut entropy, mut sum) = (0.0, 0.0, 0.0);
         let prior = libm::log(odds / (1.0 - odds));
         for step in -80..=80 {
@@ -112,6 +196,7 @@ impl Separation {
         let before = odds * odds + (1.0 - odds) * (1.0 - odds);
         Self {
             chi_square,
+            at_least: found.is_at_least,
             probability_shift: (right / sum - before).max(0.0),
             nats: (of_two(odds) - entropy / sum).max(0.0),
         }
@@ -126,13 +211,21 @@ fn of_two(p: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Separation;
+    use super::{Discrimination, Separation};
+
+    fn separation(chi_square: f64, odds: f64) -> Separation {
+        let found = Discrimination {
+            chi_square,
+            is_at_least: false,
+        };
+        Separation::of(found, odds)
+    }
 
     #[test]
     fn what_tells_nothing_shifts_nothing_and_what_tells_all_decides() {
-        let none = Separation::of(0.0, 0.7);
+        let none = separation(0.0, 0.7);
         assert!(none.probability_shift < 1e-12 && none.nats < 1e-12);
-        let all = Separation::of(400.0, 0.7);
+        let all = separation(400.0, 0.7);
         // The expected probability of the true model rises from 0.7^2 + 0.3^2 to one, and all entropy is removed.
         assert!((all.probability_shift - 0.42).abs() < 1e-6);
         assert!((all.nats - (-0.7 * 0.7_f64.ln() - 0.3 * 0.3_f64.ln())).abs() < 1e-6);
@@ -143,7 +236,7 @@ mod tests {
     #[test]
     fn small_separations_are_those_of_the_series() {
         let (p, q, d2) = (0.6, 0.4, 1e-3);
-        let found = Separation::of(d2, p);
+        let found = separation(d2, p);
         assert!(
             (found.nats / (0.5 * p * q * d2) - 1.0).abs() < 0.01,
             "{found:?}"

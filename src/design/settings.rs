@@ -22,6 +22,11 @@ admire_study::constants! {
     /// Standard deviation of a load cell reading, as a fraction of the largest force that the cell measures.
     LOAD_CELL_NOISE: f64 = 0.005, "of full scale";
 
+    /// Excess over the range of deflections of the study, as a fraction, up to which a load case counts as within it.
+    RANGE_TOLERANCE: f64 = 0.01, "";
+    /// Smallest range of deflections of the study, in standard deviations of the noise of a mark: less is not seen.
+    LEAST_RANGE_SIGMAS: f64 = 10.0, "sigma";
+
     // ## Criteria: plan.rs, rivals.rs, next_measurement.rs
 
     /// Number of worst-determined combinations of stiffnesses that the plan considers.
@@ -32,4 +37,6 @@ admire_study::constants! {
     RIVAL_MIN_PROBABILITY: f64 = 0.01, "";
     /// Chi-square above which a load case is reported to distinguish two explanations.
     SEPARATION_CHI_SQUARE: f64 = 6.0, "";
+    /// Maximum number of instruments that are named where no load separates two explanations.
+    MAX_SEPARATORS: usize = 3, "";
 }

@@ -130,10 +130,13 @@ pub struct Unexplained {
 /// Proposed measurement that distinguishes rival explanations.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NextMeasurement {
-    /// Value of each load in the proposed load case, by name.
+    /// Value of each load in the load case that distinguishes best, by name. Empty if no load is available.
     pub case: BTreeMap<String, f64>,
     /// Purpose of the measurement.
     pub why: String,
+    /// Instrument that distinguishes the explanations. `None` if the load case does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instead: Option<String>,
 }
 
 /// Identified stiffness, averaged over the probable models.

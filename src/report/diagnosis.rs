@@ -3,7 +3,7 @@ use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
 use super::chart::EXTENDED;
-use super::diagnosis_phrases::channel_sentence;
+use super::diagnosis_phrases::{channel_sentence, next_text};
 use super::diagnosis_tables::{groups, hold_out, missed, probability};
 use super::diagnosis_text::diagnosis_sentences;
 use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
@@ -31,12 +31,6 @@ pub struct DiagnosisReport<'a> {
     pub outcome: &'a Outcome<'a>,
     /// Changes from the deck to the extended deck, as a diff.
     pub diff: &'a str,
-}
-
-/// Formats the loads of a case as text: `vertical = 4500, lateral = 0`.
-fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
-    let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
-    case.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Draws the extra force that explains the remaining structure, over its coordinate.
@@ -125,9 +119,8 @@ impl DiagnosisReport<'_> {
             );
             if let Some(next) = &diagnosis.next_measurement {
                 page.paragraph(&format!(
-                    "To measure next: {}. It {}.",
-                    loads(&next.case),
-                    scene.naming(&next.why)
+                    "To measure next: {}.",
+                    scene.naming(&next_text(next))
                 ));
             }
             page.heading("Gain on load cases held out");

@@ -1,6 +1,6 @@
 //! Phrases that the sentences of a diagnosis are made of.
 
-use admire_diagnosis::{CandidateEffect, ChannelMiss, SolverDifference};
+use admire_diagnosis::{CandidateEffect, ChannelMiss, NextMeasurement, SolverDifference};
 use admire_syntax::text::Decimals;
 
 /// Formats a gain with its standard error. For a single case, there is no standard error.
@@ -46,6 +46,17 @@ pub(super) fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> Str
         "no load".to_string()
     } else {
         listed.join(", ")
+    }
+}
+
+/// Returns what to measure next and why: a load case, or an instrument if no load tells.
+pub(super) fn next_text(next: &NextMeasurement) -> String {
+    match &next.instead {
+        Some(instrument) => format!("{instrument}; {}", next.why),
+        None => {
+            let loads = next.case.iter().map(|(name, load)| (name.as_str(), *load));
+            format!("{}; it {}", loads_text(loads), next.why)
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use admire_diagnosis::{Finding, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 
-use super::diagnosis_phrases::{fallen_by, loads_text, percent};
+use super::diagnosis_phrases::{fallen_by, next_text, percent};
 use super::diagnosis_text::Text;
 use super::sizes;
 use super::summary::{Summary, fall};
@@ -141,8 +141,7 @@ impl Text<'_> {
         }
         match &diagnosis.next_measurement {
             Some(next) => {
-                let loads = next.case.iter().map(|(name, load)| (name.as_str(), *load));
-                steps.push(format!("measure {}; it {}", loads_text(loads), next.why));
+                steps.push(format!("measure {}", next_text(next)));
             }
             None if diagnosis.verdict == Verdict::Unexplained => {
                 steps.push(format!("`admire plan {study}` ranks what to measure"));

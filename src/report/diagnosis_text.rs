@@ -5,7 +5,7 @@ use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
 use super::diagnosis_phrases::{
-    channel_sentence, chosen, fallen_by, labels, loads_text, percent, solver_sentence,
+    channel_sentence, chosen, fallen_by, labels, loads_text, next_text, percent, solver_sentence,
 };
 
 /// Bias of a stiffness, in standard errors, above which a sentence states it.
@@ -55,15 +55,7 @@ impl Text<'_> {
         out.extend(self.cross_validated());
         out.extend(self.biases());
         if let Some(next) = &self.outcome.diagnosis.next_measurement {
-            let loads = next
-                .case
-                .iter()
-                .map(|(name, value)| (name.as_str(), *value));
-            out.push(format!(
-                "To measure next: {}; it {}.",
-                loads_text(loads),
-                next.why
-            ));
+            out.push(format!("To measure next: {}.", next_text(next)));
         }
         let places = &self.outcome.diagnosis.unexplained.places;
         for place in places.iter().take(LISTED_TESTS) {

@@ -12,6 +12,7 @@
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
+mod available;
 mod car;
 mod car_link;
 mod check;
@@ -29,6 +30,7 @@ mod measurement;
 mod missing;
 pub mod noise;
 pub mod orientation;
+mod part_name;
 pub mod permission;
 mod priors;
 pub mod resolve;
@@ -52,6 +54,7 @@ mod tests;
 pub mod wheel;
 mod wheel_readings;
 
+pub use available::{Available, LoadRange, Places};
 pub use car::CarSettings;
 pub use car_link::CarLink;
 pub use constant::Constant;
@@ -64,9 +67,9 @@ pub use measurement::MarkedPart;
 pub use measurement::{Case, Channel, Measurement, Reference, Wheel};
 pub use missing::missing;
 pub use noise::Noise;
+pub use part_name::part;
 pub use permission::NamedProgram;
 pub use priors::CausePriors;
-pub use resolve::part;
 pub use rigidity::ForeignMarks;
 pub use rigidity::foreign_marks;
 pub use schema::schema;

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use super::available::Available;
 use super::kc_curves::Helper;
 use super::orientation::{Orientation, OrientationError, absolute_orientation};
 use super::settings::WheelSettings;
@@ -160,6 +161,8 @@ pub struct Measurement {
     pub wheel: Option<Wheel>,
     /// Channels (scalar sensors).
     pub channels: Vec<Channel>,
+    /// Measurements that the laboratory can add.
+    pub available: Available,
 }
 
 impl Measurement {

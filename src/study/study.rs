@@ -68,6 +68,8 @@ pub struct Study {
     pub priors: CausePriors,
     /// Labels of cases and names of channels held out of all fits: key `hold_out` of section `[validate]`.
     pub hold_out: Option<Vec<SpannedText>>,
+    /// Measurements that the laboratory can add: key `available` of section `[plan]`.
+    pub available: Option<Vec<SpannedText>>,
     /// Reference deck of section `[reference]`, used only for reports.
     pub reference: Option<Source>,
     /// Section `[car]`: the subsystem of Adams/Car to which results are written back. No fit reads it.
@@ -350,6 +352,10 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let hold_out = section.texts("hold_out", out);
     section.finish(out);
 
+    let mut section = root.section("plan", out);
+    let available = section.texts("available", out);
+    section.finish(out);
+
     let mut section = root.section("reference", out);
     let reference = files.optional(&mut section, "deck", out);
     section.finish(out);
@@ -383,6 +389,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         tolerances,
         priors,
         hold_out,
+        available,
         reference: reference.map(|(source, _)| source),
         car,
     })

@@ -17,7 +17,10 @@ fn is_short(name: &str, said: &Said) {
         assert!(said.out.contains(head), "{name}: {head:?}\n{text}");
     }
     let spelled = text.replace("gauss-newton", "");
-    assert!(!spelled.contains("+-") && !spelled.contains("newton"), "{text}");
+    assert!(
+        !spelled.contains("+-") && !spelled.contains("newton"),
+        "{text}"
+    );
 }
 
 /// The table of all numbers and the table of plausibility are there with `-v` alone; the ending is the same.

@@ -261,6 +261,25 @@ fn what_is_undecided_is_decided_by_what_the_plan_names() {
     let words = [
         "plan", "before", "--for", "causes", "--count", "3", "--out", "next",
     ];
+    // No load tells, and no load cell is proposed where the study lists none; it is named as what would tell.
+    let said = admire(folder.path(), &words);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        text.contains("no load in the range separates them"),
+        "{text}"
+    );
+    assert!(
+        text.contains("load cell in BUSHING/3 (chi-square"),
+        "{text}"
+    );
+    assert!(text.contains("not listed as available"), "{text}");
+    assert!(!text.contains("Next: load cell"), "{text}");
+    let before = folder.path().join("before/study.toml");
+    let toml = std::fs::read_to_string(&before).unwrap();
+    let cell =
+        "\n[plan]\navailable = [\"loads\", \"repeats\", \"marks\", \"load cell in BUSHING/3\"]\n";
+    std::fs::write(&before, toml + cell).unwrap();
     let said = admire(folder.path(), &words);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
@@ -321,6 +340,61 @@ fn what_is_undecided_is_decided_by_what_the_plan_names() {
     rig("after");
     let after = probability("after");
     assert!(after > 0.9 && after > before + 0.2, "{before} {after}");
+}
+
+/// Only what the laboratory has is proposed, and no load beyond the range that the study states.
+#[test]
+fn nothing_is_proposed_that_the_laboratory_lacks() {
+    let planned_with = |available: &str| {
+        let (folder, study) = copied("pseudo-mcpherson");
+        let toml = study.join("study.toml");
+        let text = std::fs::read_to_string(&toml).unwrap();
+        std::fs::write(
+            &toml,
+            format!("{text}\n[plan]\navailable = [{available}]\n"),
+        )
+        .unwrap();
+        let words = ["--format", "json", "plan", "study", "--for", "stiffnesses"];
+        admire(folder.path(), &words)
+    };
+    let said = planned_with("'load lateral from -500 to 250', 'marks on PART/3'");
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found: Value = serde_json::from_str(&said.out).unwrap();
+    let candidates = found["candidates"].as_array().unwrap();
+    let kinds: BTreeSet<&str> = candidates
+        .iter()
+        .filter_map(|c| c["kind"].as_str())
+        .collect();
+    assert_eq!(kinds, BTreeSet::from(["load", "mark"]));
+    let cases: Vec<&Value> = candidates
+        .iter()
+        .filter_map(|c| c["cases"].get(0))
+        .collect();
+    let lateral: Vec<f64> = cases.iter().filter_map(|c| c["lateral"].as_f64()).collect();
+    assert!(
+        lateral.contains(&-500.0) && lateral.contains(&250.0),
+        "{lateral:?}"
+    );
+    assert_eq!(cases.len(), 2, "{cases:?}");
+    let marks = candidates.iter().filter(|c| c["kind"] == "mark").count();
+    assert_eq!(marks, 1, "{candidates:?}");
+    for (entry, says) in [
+        ("'marks on WHEEEL'", "there is no part `WHEEEL`"),
+        (
+            "'load cell in BUSHING/9'",
+            "there is no bushing or joint `BUSHING/9`",
+        ),
+        (
+            "'load lateral from 3 to 2'",
+            "is nothing that `plan.available` lists",
+        ),
+        ("'load side'", "there is no column of loads `side`"),
+        ("'scales'", "is nothing that `plan.available` lists"),
+    ] {
+        let said = planned_with(entry);
+        assert_eq!(said.code, 1, "{entry}: {}", said.err);
+        assert!(said.err.contains(says), "{entry}: {}", said.err);
+    }
 }
 
 #[test]
