@@ -40,11 +40,21 @@ fn verdict(outcome: &Outcome<'_>) -> String {
             "unexplained: structure remains that no known cause explains".to_string()
         }
     };
-    if outcome.is_stopped() {
+    let mut text = if outcome.is_stopped() {
         format!("interrupted, so far {verdict}")
     } else {
         verdict
+    };
+    let sigma = outcome.subject.mark_sigma();
+    let solver = outcome.diagnosis.solver.as_ref();
+    if let Some(solver) = solver.filter(|solver| !solver.is_negligible(sigma)) {
+        let length = outcome.subject.problem.model.units.length.word;
+        text += &format!(
+            "; the solver of the study and the built-in one differ by {:.2e} {length} rms, and what is found may be their difference",
+            solver.rms
+        );
     }
+    text
 }
 
 /// Returns a finding with its probability, its rivals and its sizes.

@@ -359,13 +359,19 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
         let solver = format!("[solver]\nbackend = \"command\"\ncommand = {command}");
         let gauss = "method = \"gauss-newton\"\nbushings = [\"BUSHING/1\", \"BUSHING/2\"]";
         study(folder, &solver, gauss);
-        let run = admire(folder, &["diagnose", ".", "--out", out], &path);
+        let run = admire(folder, &["diagnose", ".", "--out", out, "-v"], &path);
         assert_eq!(run.status.code(), Some(0), "{}", errors(&run));
         let said = String::from_utf8_lossy(&run.stdout).into_owned();
         let first = said
             .lines()
             .find(|line| line.starts_with("With the fitted"));
         assert!(first.is_some(), "{said}");
+        // A difference that matters is also told at the end.
+        let words: Vec<&str> = said.split_whitespace().collect();
+        let warned = words
+            .join(" ")
+            .contains("what is found may be their difference");
+        assert_eq!(warned, out == "other", "{said}");
         serde_json::from_str(&text(&folder.join(out), "diagnosis.json")).unwrap()
     };
     let other = diagnosed("[\"./adams\", \"{acf}\"]", "other");

@@ -6,6 +6,7 @@ use admire_design::{Aim, Kind, Plan, Ranked, plan};
 use admire_diagnosis::{Progress, fit_with_random_effects};
 use admire_identify::LoadedStudy;
 use admire_rig::{RigOptions, virtual_rig};
+use admire_study::Places;
 use nalgebra::DVector;
 use serde_json::Value;
 
@@ -129,7 +130,8 @@ fn a_case_that_is_there_many_times_ranks_low() {
 fn readings_and_curves_alone_are_planned_for() {
     for (study, unread) in [("flexure-finger", true), ("kc-curves", false)] {
         let (_folder, path) = copied(study);
-        let loaded = LoadedStudy::read(&path).value.unwrap();
+        let mut loaded = LoadedStudy::read(&path).value.unwrap();
+        loaded.measurement.available.load_cells = Places::Everywhere;
         let found = planned(&loaded, Aim::Curves);
         let best = &found.candidates[0];
         let (before, after) = (found.curves.as_ref().unwrap().sd, best.curves.unwrap());
