@@ -213,7 +213,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 
 /// Formats the whole result as text.
 fn details(loaded: &LoadedStudy, fit: &Fit) -> String {
-    let remarks: String = fit.remarks.iter().map(|one| format!("{one}\n")).collect();
+    let mut remarks = fit.remarks.clone();
+    remarks.push(String::new());
+    let remarks = remarks.join("\n");
     format!("{}\n{}{remarks}\n", table(loaded, fit), repeats_table(fit))
 }
 

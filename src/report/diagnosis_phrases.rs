@@ -51,13 +51,11 @@ pub(super) fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> Str
 
 /// Returns what to measure next and why: a load case, or an instrument if no load tells.
 pub(super) fn next_text(next: &NextMeasurement) -> String {
-    match &next.instead {
-        Some(instrument) => format!("{instrument}; {}", next.why),
-        None => {
-            let loads = next.case.iter().map(|(name, load)| (name.as_str(), *load));
-            format!("{}; it {}", loads_text(loads), next.why)
-        }
+    if let Some(instrument) = &next.instead {
+        return format!("{instrument}; {}", next.why);
     }
+    let loads = next.case.iter().map(|(name, load)| (name.as_str(), *load));
+    format!("{}; it {}", loads_text(loads), next.why)
 }
 
 /// Formats a probability as a rounded percentage, with open ends below 1 and above 99 percent.
