@@ -159,7 +159,7 @@ fn tolerances_widen_both_as_the_closed_form_has_it() {
     let cases = study_with(
         folder.path(),
         &format!(
-            "[tolerances]\nload_gain = {gain}\nload_direction_deg = 0\nhardpoints = 0\nmarks_on_parts = 0\npose = 0\n"
+            "[tolerances]\nload_gain = {gain}\nload_direction_deg = 0\nhardpoints = 0\nmarks_on_parts = 0\npose = 0\nload_repeatability = 0\nalignment = 0\nmount = 0\n"
         ),
     );
     let options = ["--bootstrap", "1000", "--posterior", "1000"];
