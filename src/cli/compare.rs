@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     rel: f64,
     /// Share of the largest value of a unit up to which a difference is round-off; 0 compares exactly and reads each file once.
-    #[arg(long, value_name = "SHARE", default_value_t = DifferenceFloor::USUAL_SHARE, value_parser = tolerance, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", default_value_t = DifferenceFloor::DEFAULT_SHARE, value_parser = tolerance, allow_negative_numbers = true)]
     floor: f64,
     /// Show all columns, not only those that differ.
     #[arg(long)]

@@ -7,25 +7,28 @@ use admire_report::Summary;
 use super::width::{WIDTH, hanging};
 
 /// Largest number of lines at the end of `identify` and `diagnose`. Two more lines may name doubtful properties and notes of the study.
-const MOST_LINES: usize = 13;
-/// Largest numbers of lines for the verdict, for a finding, for the gain and for the next step.
-const VERDICT_LINES: usize = 4;
-const FINDING_LINES: usize = 2;
-const GAIN_LINES: usize = 3;
-const NEXT_LINES: usize = 4;
+const MAX_LINES: usize = 13;
+/// Largest number of lines for the verdict.
+const MAX_VERDICT_LINES: usize = 4;
+/// Largest number of lines for one finding.
+const MAX_FINDING_LINES: usize = 2;
+/// Largest number of lines for the gain on readings that were held out.
+const MAX_GAIN_LINES: usize = 3;
+/// Largest number of lines for the next step.
+const MAX_NEXT_LINES: usize = 4;
 
-/// Formats a summary in at most [`MOST_LINES`] lines, with the paths of what was written, each behind its name. What does not fit is in
+/// Formats a summary in at most [`MAX_LINES`] lines, with the paths of what was written, each behind its name. What does not fit is in
 /// the report.
 pub(super) fn ending(summary: &Summary, written: &[(&str, &Path)]) -> String {
-    let verdict = shortened("", &summary.verdict, VERDICT_LINES);
-    let gain = shortened("held out: ", &summary.held_out, GAIN_LINES);
-    let next = shortened("next: ", &summary.next, NEXT_LINES);
+    let verdict = shortened("", &summary.verdict, MAX_VERDICT_LINES);
+    let gain = shortened("held out: ", &summary.held_out, MAX_GAIN_LINES);
+    let next = shortened("next: ", &summary.next, MAX_NEXT_LINES);
     let paths = written
         .iter()
         .map(|(what, path)| format!("{what}: {}\n", path.display()));
     let rest = gain + &next + &paths.collect::<String>();
     let taken = verdict.lines().count() + rest.lines().count();
-    let found = items(&summary.items, MOST_LINES.saturating_sub(taken));
+    let found = items(&summary.items, MAX_LINES.saturating_sub(taken));
     verdict + &found + &rest
 }
 
@@ -48,7 +51,7 @@ fn items(items: &[String], room: usize) -> String {
             })
             .collect()
     } else {
-        let block = |item: &String| shortened("  ", item, FINDING_LINES);
+        let block = |item: &String| shortened("  ", item, MAX_FINDING_LINES);
         items.iter().map(block).collect()
     };
     let lines = |blocks: &[String]| blocks.concat().lines().count();
@@ -105,7 +108,7 @@ mod tests {
             let item = |k: usize| format!("{k} {}", "size ".repeat(words).trim_end());
             let items: Vec<String> = (0..count).map(item).collect();
             let text = ending(&summary(&items), &[("report", report)]);
-            assert!(text.lines().count() <= MOST_LINES, "{text}");
+            assert!(text.lines().count() <= MAX_LINES, "{text}");
             assert!(
                 text.lines().all(|line| line.chars().count() <= WIDTH),
                 "{text}"

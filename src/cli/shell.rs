@@ -164,7 +164,7 @@ impl Shell {
         }
     }
 
-    /// Prints a remark on standard error that only a verbose command tells.
+    /// Prints a remark on standard error if the command is verbose.
     pub(super) fn detail(&self, text: &str) {
         if self.is_verbose() {
             self.say(text);

@@ -103,7 +103,7 @@ pub(super) mod tests {
         LoadedStudy::read(&folder).value.expect("a shipped study")
     }
 
-    /// The same with no case held out, and its model without any cause.
+    /// Returns the problem of a study with no case held out, and its fit without effects.
     pub(in super::super) fn axle_problem<'a>(
         problem: &'a Problem<'a>,
     ) -> (DiagnosisProblem<'a>, FittedModel) {
@@ -113,7 +113,7 @@ pub(super) mod tests {
         (subject, none)
     }
 
-    /// What a fit without some cases found is where one to all of them begins: it comes to the same end on a shorter way.
+    /// Checks that a fit to all cases that starts from a fit to some of them has the same result after fewer sweeps.
     #[test]
     fn a_fit_to_all_cases_begins_where_that_without_some_ended() {
         let loaded = shipped_axle();

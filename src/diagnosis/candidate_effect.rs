@@ -427,6 +427,24 @@ pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 mod tests {
     use super::*;
 
+    /// Each reading of a channel is an effect of its own, with its own prior. Functions of a progressive law are alternatives, forms of another
+    /// cause are not.
+    #[test]
+    fn readings_are_effects_of_their_own_and_functions_are_alternatives() {
+        let at = |cause, address: &str, form, number: &str| {
+            let number = EffectParameter::linear(number, 1.0, Sensitivity::None);
+            CandidateEffect::plain(cause, address.to_string(), form, vec![number])
+        };
+        let reading = |case| at(Cause::ChannelFault, "roll", "value", case);
+        assert!(!reading("case 1").is_same_effect(&reading("case 2")));
+        assert!(reading("case 1").is_same_effect(&reading("case 1")));
+        let law = |address, form| at(Cause::ProgressiveStiffness, address, form, form);
+        assert!(law("BUSHING/1.K.1", "cubic").is_same_effect(&law("BUSHING/1.K.1", "quadratic")));
+        assert!(!law("BUSHING/1.K.1", "cubic").is_same_effect(&law("BUSHING/1.K.2", "cubic")));
+        let end = |form| at(Cause::FreePlay, "PART/6", form, "play");
+        assert!(!end("first end").is_same_effect(&end("second end")));
+    }
+
     #[test]
     fn translations_of_one_bushing_share_their_prior_in_any_order() {
         let at = |cause, address: &str| {

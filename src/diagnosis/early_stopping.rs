@@ -45,8 +45,8 @@ impl EarlyStopping {
     }
 
     /// Returns true if a fit is far below the lead even with sizes of its own.
-    pub(super) fn is_lost(&self, promised: &Solution) -> bool {
-        promised.ln_z + promised.gain < self.lead - LEAD_LOST_NATS
+    pub(super) fn is_lost(&self, predicted: &Solution) -> bool {
+        predicted.ln_z + predicted.gain < self.lead - LEAD_LOST_NATS
     }
 }
 

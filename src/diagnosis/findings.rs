@@ -27,7 +27,7 @@ pub(super) fn rival_fit(
 }
 
 /// Returns the findings of the leading set, the most important first, and the index of each finding among its effects. A cause is a finding if it,
-/// or the group of causes that cannot be told from it, is more probable than not. The flag is true if some cause acts with a probability above one
+/// or the group of causes that cannot be distinguished from it, is more probable than not. The flag is true if some cause acts with a probability above one
 /// half, but no cause that matters is a finding.
 pub(super) fn findings(
     subject: &DiagnosisProblem<'_>,

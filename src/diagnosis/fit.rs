@@ -10,9 +10,11 @@ use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::early_stopping::EarlyStopping;
 pub use super::estimate::Estimate;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
-use super::settle::{ENOUGH, Settled, Sweep};
+use super::settle::{Settled, Sweep};
 use super::unknowns::{Known, Unknowns};
-use crate::settings::{CONVERGED_NATS, MAX_FIT_ITERATIONS, WRONG_MINIMUM_RMS_SIGMA};
+use crate::settings::{
+    CONVERGED_NATS, MAX_FIT_ITERATIONS, NEGLIGIBLE_GAIN_NATS, WRONG_MINIMUM_RMS_SIGMA,
+};
 use admire_identify::global::{
     FitUnknowns, HysteresisState, NativePredictor, NuisanceLayout, Observations, Predictor,
 };
@@ -102,7 +104,7 @@ impl FittedModel {
     /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. If the fit ended early, the
     /// predicted decrease that it did not realise is subtracted.
     pub fn ln_posterior(&self) -> f64 {
-        let left = Some(self.posterior.gain).filter(|gain| *gain > ENOUGH);
+        let left = Some(self.posterior.gain).filter(|gain| *gain > NEGLIGIBLE_GAIN_NATS);
         self.posterior.ln_z - left.unwrap_or(0.0) + self.ln_prior()
     }
 

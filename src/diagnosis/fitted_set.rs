@@ -84,3 +84,28 @@ impl FittedSet {
         each.max_by(|a, b| a.ln_posterior.total_cmp(&b.ln_posterior))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base_fit::tests::{axle_problem, shipped_axle};
+
+    /// Two functions of a law that are equally probable make a set twice as probable as either. The same function counts once.
+    #[test]
+    fn functions_of_a_law_add_up() {
+        let loaded = shipped_axle();
+        let problem = loaded.problem();
+        let (_subject, fitted) = axle_problem(&problem);
+        let fitted = Arc::new(fitted);
+        let mut set = FittedSet::default();
+        for form in ["cubic", "quadratic", "cubic"] {
+            set.add(Forms::from([(0, form)]), &fitted);
+        }
+        let sum = fitted.ln_posterior() + std::f64::consts::LN_2;
+        assert!((set.ln_posterior() - sum).abs() < 1e-12);
+        assert_eq!(set.models().count(), 2);
+        assert!(set.holds(&Forms::from([(0, "cubic")])));
+        set.forget(f64::INFINITY);
+        assert!(set.model().is_none() && (set.ln_posterior() - sum).abs() < 1e-12);
+    }
+}

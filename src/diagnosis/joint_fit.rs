@@ -12,7 +12,7 @@ use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
 use super::lack_of_fit::lack_of_fit_tests;
 use super::model_set::ModelSet;
-use super::settle::ENOUGH;
+use super::settings::NEGLIGIBLE_GAIN_NATS;
 use admire_identify::global::gauss_newton::Prior;
 use admire_identify::global::{Joint, Marginal};
 use admire_identify::{Fit, FitTest, FitVerdict, LackOfFitTest, NOT_CONVERGED, Problem, Status};
@@ -106,7 +106,7 @@ impl JointFit {
     /// everything except the stiffnesses as exact.
     pub fn apply(self, fit: &mut Fit) {
         // The reported values come from this fit, so they are valid even if the stiffness-only fit did not converge.
-        if !fit.converged && !fit.interrupted && self.fitted.posterior.gain < ENOUGH {
+        if !fit.converged && !fit.interrupted && self.fitted.posterior.gain < NEGLIGIBLE_GAIN_NATS {
             fit.converged = true;
             for remark in &mut fit.remarks {
                 if remark == NOT_CONVERGED {

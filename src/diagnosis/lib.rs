@@ -5,10 +5,11 @@
 //! `causes`. [`fit_with_random_effects`] fits a model without causes. [`study_fit`] identifies the stiffnesses of a study by the method that
 //! the study names. The crate reads no files. It does not contain the laws by which the virtual rig simulates errors.
 //!
-//! Modules import in one direction only: `diagnosis_problem` (readings and their tolerances) and `candidate_effect` (data) <- `unknowns`,
-//! `aim` <- `settle` <- `fit` <- `operating_points` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws;
-//! `rig_errors`) <- `sought`, `predictive` <- `hold_out_test` <- `hold_out` <- `cross_validation`, `residual_covariance` <- `lack_of_fit`,
-//! `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `searched` <- `diagnose` <- the modules that report its outcome.
+//! Modules import in one direction only. In `a <- b`, module `b` imports module `a`. The fit: `diagnosis_problem` (readings and their tolerances)
+//! and `candidate_effect` (data) <- `unknowns`, `early_stopping` <- `settle` <- `fit` <- `operating_points` <- `causes`, `site` <- `site_law`.
+//! Its linear model and the selection: `reduction` <- `closure` <- `challengers` <- `point` <- `fitted_set` <- `set_estimate` <- `select`, with
+//! `gaussian_process` <- `remainder` (forces of unknown law) and `model_set` (the result). The checks and the report: `residual_covariance` <-
+//! `lack_of_fit` <- `base_fit` <- `selection`, `hold_out_test` <- `hold_out` <- `cross_validation` <- `findings` <- `diagnose`.
 #![warn(unreachable_pub)]
 // The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

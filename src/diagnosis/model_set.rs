@@ -102,15 +102,17 @@ pub(super) fn weighted(sets: Vec<ModelSet>) -> Vec<(ModelSet, f64)> {
     let sum: f64 = sets.iter().map(weight).sum();
     let mut out: Vec<(ModelSet, f64)> = sets
         .into_iter()
-        .map(|set| (weight(&set) / sum, set))
-        .map(|(probability, set)| (set, probability))
+        .map(|set| {
+            let probability = weight(&set) / sum;
+            (set, probability)
+        })
         .collect();
     out.sort_by(|a, b| b.1.total_cmp(&a.1));
     out
 }
 
 /// Returns the fit that is reported. It is the most probable fitted set; if some cause acts with a probability above one half, the most probable
-/// fitted set with a cause. Its effects that are less probable than not, with all that cannot be told from them, are left out if the set without
+/// fitted set with a cause. Its effects that are less probable than not, with all that cannot be distinguished from them, are left out if the set without
 /// them is fitted, too.
 pub(super) fn leading(models: &[(ModelSet, f64)], none: &Arc<FittedModel>) -> Arc<FittedModel> {
     let acts = none_of_these(models) < NAMED_PROBABILITY;

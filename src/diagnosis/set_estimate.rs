@@ -157,3 +157,33 @@ fn errors_of_laws(point: &Point, references: &[Reference]) -> BTreeMap<RoughLaw,
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reference(set: &[usize], error: f64) -> Reference {
+        Reference {
+            set: set.to_vec(),
+            parts: Vec::new(),
+            error,
+        }
+    }
+
+    /// The largest fitted subset counts, the worse of two of one size, and a proper subset is not the set itself.
+    #[test]
+    fn a_set_inherits_the_error_of_its_largest_fitted_subset() {
+        let known = [
+            reference(&[], 0.0),
+            reference(&[1], -3.0),
+            reference(&[2], -5.0),
+            reference(&[1, 4], -40.0),
+        ];
+        let of = |set: &[usize], is_proper| error_of_subset(&known, &set.to_vec(), is_proper);
+        assert_eq!(of(&[3], false), 0.0);
+        assert_eq!(of(&[1, 2], false), -5.0);
+        assert_eq!(of(&[1, 2, 4], false), -40.0);
+        assert_eq!(of(&[1, 4], false), -40.0);
+        assert_eq!(of(&[1, 4], true), -3.0);
+    }
+}

@@ -19,6 +19,8 @@ admire_study::constants! {
     STILL_STEPS: usize = 4, "";
     /// Smallest rise of the evidence in these steps.
     STILL_NATS: f64 = 0.2, "nats";
+    /// Predicted decrease of the negative log posterior below which a fit takes no further step.
+    NEGLIGIBLE_GAIN_NATS: f64 = 0.01, "nats";
     /// Predicted decrease of the negative log posterior below which a fit counts as converged.
     CONVERGED_NATS: f64 = 1.0, "nats";
     /// Ratio of rms residual to declared noise above which a stiffness-only fit may have ended in a wrong minimum. A second start is then

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::early_stopping::{EarlyStopping, is_still};
 use super::progress::Progress;
+use super::settings::NEGLIGIBLE_GAIN_NATS;
 use super::unknowns::{RowColumn, Unknowns};
 use admire_identify::global::gauss_newton::{LeastSquares, homotopy_start};
 use admire_identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
@@ -15,8 +16,6 @@ use admire_identify::tolerance::{
 
 /// The longest step of the logarithm of a stiffness, at first and later.
 const REACH: [f64; 2] = [0.8, 1.2];
-/// A step that promises less than so many nats was the last one.
-pub(super) const ENOUGH: f64 = 0.01;
 /// Sizes of tolerances that are not free are held for so many steps of a fit, unless a step promises less than so many nats.
 const HELD: usize = 5;
 const NEAR: f64 = 30.0;
@@ -395,7 +394,7 @@ impl Sweep<'_> {
             let hopeless = (is_beaten && (step_number >= HELD || reached.gain < KINKS))
                 || stopping.is_out_of_reach(&course, (HELD, steps));
             let is_over = step_number >= steps || slow == SLOW || is_still(&course);
-            if reached.gain < ENOUGH || is_over || hopeless {
+            if reached.gain < NEGLIGIBLE_GAIN_NATS || is_over || hopeless {
                 if here.is_exact || hopeless {
                     return Settled::end(here, sizes);
                 }
@@ -440,7 +439,9 @@ impl Sweep<'_> {
                 if damping == 0.0
                     && !is_part
                     && held_here.is_none()
-                    && let Some(uphill) = further.as_ref().filter(|f| value(f) > objective + ENOUGH)
+                    && let Some(uphill) = further
+                        .as_ref()
+                        .filter(|f| value(f) > objective + NEGLIGIBLE_GAIN_NATS)
                 {
                     // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
                     // Chamberlain, Powell, Lemarechal and Pedersen, Mathematical Programming Study 16 (1982) 1.
@@ -451,7 +452,7 @@ impl Sweep<'_> {
                         beyond = std::mem::replace(&mut further, returned);
                     }
                 }
-                let is_down = |point: &Point| value(point) <= objective + ENOUGH;
+                let is_down = |point: &Point| value(point) <= objective + NEGLIGIBLE_GAIN_NATS;
                 if let Some(further) = further.take_if(|further| is_down(further)) {
                     // Where the model promised much more its derivatives have changed.
                     let value = value(&further);
@@ -532,7 +533,7 @@ impl Sweep<'_> {
 
 /// True for promises in nats that differ little.
 fn is_alike(a: f64, b: f64) -> bool {
-    (a - b).abs() < ALIKE * b + ENOUGH
+    (a - b).abs() < ALIKE * b + NEGLIGIBLE_GAIN_NATS
 }
 
 /// Stiffnesses alone, the rest where it is.

@@ -49,7 +49,7 @@ pub(super) fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> Str
     }
 }
 
-/// Returns what to measure next and why: a load case, or an instrument if no load tells.
+/// Returns what to measure next and why: a load case, or an instrument if no load separates the causes.
 pub(super) fn next_text(next: &NextMeasurement) -> String {
     if let Some(instrument) = &next.instead {
         return format!("{instrument}; {}", next.why);

@@ -8,8 +8,8 @@ use super::diagnosis_text::Text;
 use super::sizes;
 use super::summary::{Summary, fall};
 
-/// Number of channels whose gain is stated.
-const STATED_CHANNELS: usize = 2;
+/// Largest number of channels whose gain is stated.
+const MAX_STATED_CHANNELS: usize = 2;
 
 /// Returns the summary of a diagnosis. `study` is the folder of the study as the user named it.
 pub fn diagnosis_summary(loaded: &LoadedStudy, outcome: &Outcome<'_>, study: &str) -> Summary {
@@ -88,11 +88,11 @@ impl Text<'_> {
         let length = self.length();
         if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
             let by = fallen_by(self.decimals().finer(), found.gain, found.gain_std_error);
-            let told = fall("marks", [a, b], length, self.outcome.subject.mark_sigma());
+            let marks = fall("marks", [a, b], length, self.outcome.subject.mark_sigma());
             parts.push(if found.of == "mark" {
-                format!("{told}, {by} {length}")
+                format!("{marks}, {by} {length}")
             } else {
-                told
+                marks
             });
         } else if found.of == "noise" {
             let by = fallen_by(self.compared_decimals(), found.gain, found.gain_std_error);
@@ -118,7 +118,7 @@ impl Text<'_> {
         parts.extend(
             channels
                 .iter()
-                .take(STATED_CHANNELS)
+                .take(MAX_STATED_CHANNELS)
                 .map(|c| fall(&c.name, c.rms, c.behind.trim(), c.sigma)),
         );
         let (count, what) = match found.cases.len() {

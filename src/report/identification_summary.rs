@@ -7,7 +7,7 @@ use super::summary::{Summary, fall};
 use super::{lead, number, short_unit};
 
 /// Largest number of undetermined numbers that are named.
-const NAMED: usize = 4;
+const MAX_NAMED_NUMBERS: usize = 4;
 
 /// Returns the summary of an identification. `study` is the folder of the study as the user named it.
 pub fn identification_summary(loaded: &LoadedStudy, fit: &Fit, study: &str) -> Summary {
@@ -20,7 +20,7 @@ pub fn identification_summary(loaded: &LoadedStudy, fit: &Fit, study: &str) -> S
     }
 }
 
-/// Returns the result in words. Remarks on repetitions follow, because they were asked for.
+/// Returns the result in words. Remarks follow if the user requested repetitions.
 fn verdict(fit: &Fit) -> String {
     let repeated = fit.bootstrap.is_some() || fit.posterior.is_some();
     let remarks = fit.remarks.iter().filter(|_| repeated);
@@ -90,23 +90,23 @@ fn next_step(fit: &Fit, study: &str) -> String {
         return "the same command without an interruption".to_string();
     }
     if !fit.converged {
-        return format!("`admire check {study}` forecasts which numbers these loads can tell");
+        return format!("`admire check {study}` forecasts which numbers these loads determine");
     }
     let misfit = |test: &admire_identify::FitTest| test.verdict == FitVerdict::Misfit;
     let strained = fit.tolerances.values().any(|size| size.strained);
     if fit.fit_test.as_ref().is_some_and(misfit) || strained || is_structured(&fit.structure) {
         return format!("`admire diagnose {study}` looks for what the model lacks");
     }
-    let told = |parameter: &ParameterFit| parameter.status == Status::Identified;
-    if fit.parameters.iter().all(told) {
+    let is_identified = |parameter: &ParameterFit| parameter.status == Status::Identified;
+    if fit.parameters.iter().all(is_identified) {
         return "go on with identified.adm, which has these numbers".to_string();
     }
-    let lacking = fit.parameters.iter().filter(|p| !told(p));
+    let lacking = fit.parameters.iter().filter(|p| !is_identified(p));
     let mut names: Vec<&str> = lacking
         .map(|parameter| parameter.address.as_str())
         .collect();
-    let more = names.len().saturating_sub(NAMED);
-    names.truncate(NAMED);
+    let more = names.len().saturating_sub(MAX_NAMED_NUMBERS);
+    names.truncate(MAX_NAMED_NUMBERS);
     let and = if more > 0 {
         format!(" and {more} more")
     } else {

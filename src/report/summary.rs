@@ -32,8 +32,8 @@ mod tests {
     use super::fall;
 
     #[test]
-    fn an_error_is_told_in_its_unit_and_in_sigmas() {
-        let told = fall("marks", [0.2701, 0.0518], "mm", 0.05);
-        assert_eq!(told, "marks from 0.27 to 0.0518 mm (5.4 to 1.04 sigmas)");
+    fn an_error_is_stated_in_its_unit_and_in_sigmas() {
+        let text = fall("marks", [0.2701, 0.0518], "mm", 0.05);
+        assert_eq!(text, "marks from 0.27 to 0.0518 mm (5.4 to 1.04 sigmas)");
     }
 }

@@ -14,10 +14,10 @@ pub struct DifferenceFloor {
 }
 
 impl DifferenceFloor {
-    /// Share of the largest value that is round-off, unless another share is asked for.
-    pub const USUAL_SHARE: f64 = 1e-12;
-    /// Smallest magnitude that the largest value of a quantity counts as, in the unit of the column.
-    const LEAST_LARGEST: f64 = 1e-12;
+    /// Default share of the largest value up to which a difference is round-off.
+    pub const DEFAULT_SHARE: f64 = 1e-12;
+    /// Lower bound of the largest value of a quantity, in the unit of the column.
+    const MIN_LARGEST: f64 = 1e-12;
 
     /// Creates a floor with this share of the largest values. The share 0 compares exactly.
     pub fn new(share: f64) -> Self {
@@ -69,7 +69,7 @@ impl DifferenceFloor {
             Some((force, length)) => of(force) * of(length),
             None => 0.0,
         };
-        self.share * of(&unit).max(product).max(Self::LEAST_LARGEST)
+        self.share * of(&unit).max(product).max(Self::MIN_LARGEST)
     }
 }
 
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn round_off_is_no_difference_and_a_small_force_is_one() {
-        let usual = DifferenceFloor::USUAL_SHARE;
+        let usual = DifferenceFloor::DEFAULT_SHARE;
         let none = Vec::<String>::new();
         let a = [4500.0, 700.0, 0.0, 1.0];
         // A torque of nothing, and one that is round-off of the force at its arm.

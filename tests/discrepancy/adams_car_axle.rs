@@ -20,7 +20,7 @@ fn the_curves_of_a_real_axle_are_found_from_linear_bushings() {
     .unwrap();
     let diagnosis = &outcome.diagnosis;
     println!("{}", diagnosis.to_json());
-    assert_ne!(diagnosis.verdict, Verdict::Consistent);
+    assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
     for address in ["BUSHING/3.K.3", "BUSHING/4.K.3"] {
         let mut findings = diagnosis.findings.iter();
         let found = findings

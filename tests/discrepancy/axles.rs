@@ -188,6 +188,47 @@ fn what_every_axle_has_is_consistent() {
     assert!(all.is_empty() || coverage > 0.88, "{coverage}");
 }
 
+/// Checks that the planted causes of a study are named, and nothing else, with the verdict that they call for. Returns false if the study is missing.
+fn names_the_planted(name: &str) -> bool {
+    let Some(folder) = copied(name) else {
+        return false;
+    };
+    let judged = judge(folder.path(), name);
+    assert!(judged.named.iter().all(|named| *named), "{name}");
+    let others = &judged.false_names;
+    assert!(others.is_empty(), "{name} {others:?}");
+    let expected = if judged.planted.is_empty() {
+        Verdict::Consistent
+    } else {
+        Verdict::Discrepancy
+    };
+    assert_eq!(judged.diagnosis.verdict, expected, "{name}");
+    true
+}
+
+#[test]
+fn two_planted_causes_are_named_and_nothing_else() {
+    let _ = names_the_planted("hardpoint-friction-2");
+}
+
+/// Checks all studies.
+#[test]
+#[ignore = "minutes: .ci/full"]
+fn the_planted_causes_of_all_axles_are_named_and_nothing_else() {
+    let Some(folder) = shared("reference/realistic-axles") else {
+        return;
+    };
+    let names = std::fs::read_dir(&folder).unwrap().filter_map(|entry| {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        Some(name.strip_suffix(".truth.json")?.to_string())
+    });
+    let names: Vec<String> = names.collect();
+    assert_eq!(names.len(), 48);
+    for name in &names {
+        assert!(names_the_planted(name), "{name}");
+    }
+}
+
 /// Checks that causes are named at their location, even among tolerances, with few false findings.
 #[test]
 #[ignore = "minutes: .ci/full"]

@@ -366,7 +366,7 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
             .lines()
             .find(|line| line.starts_with("With the fitted"));
         assert!(first.is_some(), "{said}");
-        // A difference that matters is also told at the end.
+        // The last lines also state a difference that matters.
         let words: Vec<&str> = said.split_whitespace().collect();
         let warned = words
             .join(" ")

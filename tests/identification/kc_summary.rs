@@ -459,7 +459,8 @@ fn a_reaction_is_no_channel_of_another_solver() {
 /// A curve that is held out is predicted by a search that has not seen it, and it confirms what that found.
 #[test]
 fn a_diagnosis_predicts_a_curve_that_it_has_not_seen() {
-    let hold = "\n[validate]\nhold_out = [\"camber\"]\n";
+    // Otherwise errors of the loads of a case, known from its other curves, predict its camber without the cause, too.
+    let hold = "\n[validate]\nhold_out = [\"camber\"]\n[tolerances]\nload_repeatability = 0\n";
     let friction = ["dry-friction@JOINT/3:force=120,stiffness=3000"];
     let (_folder, loaded) = measured(TABLE, hold, &friction, None);
     let problem = loaded.problem();
@@ -476,7 +477,5 @@ fn a_diagnosis_predicts_a_curve_that_it_has_not_seen() {
             .any(|cause| cause == "dry-friction JOINT/3"),
         "{found:?}"
     );
-    // Errors of the loads of a case, known from its other curves, predict the camber of that case without the cause, too.
-    assert!(found.rms_after < found.rms_before, "{found:?}");
-    assert!(found.p_value > 0.01, "{found:?}");
+    assert!(found.rms_after < 0.5 * found.rms_before, "{found:?}");
 }

@@ -3,14 +3,14 @@
 use super::run::{Said, admire, copied, corpus};
 
 /// Largest number of lines that a fit prints.
-const MOST_LINES: usize = 15;
+const MAX_LINES: usize = 15;
 /// Width of a terminal in columns.
 const WIDTH: usize = 80;
 
 /// Checks that a fit said little, and the four things that a reader needs.
 fn is_short(name: &str, said: &Said) {
     let text = format!("{}{}", said.err, said.out);
-    assert!(text.lines().count() <= MOST_LINES, "{name}:\n{text}");
+    assert!(text.lines().count() <= MAX_LINES, "{name}:\n{text}");
     let wide = said.out.lines().find(|line| line.chars().count() > WIDTH);
     assert!(wide.is_none(), "{name}: {wide:?}");
     for head in ["\nheld out: ", "\nnext: ", "\nreport: "] {
@@ -53,7 +53,7 @@ fn an_identification_of_a_shipped_study_ends_in_fifteen_lines() {
             );
         }
     }
-    // Cases that no fit saw are told in sigmas of their noise and in the unit of the deck.
+    // The gain on cases that no fit saw is stated in sigmas of their noise and in the unit of the deck.
     let (folder, _study) = copied("kc-experiment");
     let out = admire(folder.path(), &["identify", "study"]).out;
     let gain = out.split("\nheld out: ").nth(1).unwrap();

@@ -263,7 +263,7 @@ fn what_is_undecided_is_decided_by_what_the_plan_names() {
     let words = [
         "plan", "before", "--for", "causes", "--count", "3", "--out", "next",
     ];
-    // No load tells, and no load cell is proposed where the study lists none; it is named as what would tell.
+    // No load separates the causes. The study lists no load cell, so none is proposed; it is named as an instrument that would separate them.
     let said = admire(folder.path(), &words);
     assert_eq!(said.code, 0, "{}", said.err);
     let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
