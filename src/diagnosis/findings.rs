@@ -10,7 +10,7 @@ use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::{Estimate, FittedModel};
 use super::hold_out_test::{HeldOutTest, HoldOutPrediction, moved};
-use super::model_set::{ModelSet, Selected};
+use super::model_set::Selected;
 use super::remainder::is_at_element_of;
 use crate::settings::{
     MINOR_MARKS_SIGMA, MINOR_WHEEL_DEG, NAMED_PROBABILITY, RIVAL_WINDOW_TWO_NATS,
@@ -167,13 +167,12 @@ fn is_at(h: &CandidateEffect, cause: Cause, address: &str) -> bool {
 /// Returns the fit of the leading set without effect `at` and without further terms of the same law. Falls back to the fit without effects.
 pub(super) fn without(selected: &Selected, at: usize) -> Arc<FittedModel> {
     let leading = &selected.leading.effects;
-    let is_rest = |model: &ModelSet| {
+    let is_rest = |fitted: &&Arc<FittedModel>| {
         let mut rest = leading.iter().filter(|h| !h.same_site(&leading[at]));
-        model.causes.len() == rest.clone().count()
-            && rest.all(|h| model.causes.iter().any(|other| other.same_form(h)))
+        fitted.effects.len() == rest.clone().count()
+            && rest.all(|h| fitted.effects.iter().any(|other| other.same_form(h)))
     };
-    let mut models = selected.models.iter().map(|(model, _)| model);
-    let fitted = models.find_map(|model| model.fitted.as_ref().filter(|_| is_rest(model)));
+    let fitted = selected.fits.iter().find(is_rest);
     Arc::clone(fitted.unwrap_or(&selected.none))
 }
 

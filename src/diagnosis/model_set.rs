@@ -24,6 +24,8 @@ pub struct Selected {
     pub none: Arc<FittedModel>,
     /// Sets within Occam's window, with probabilities that add up to one, the most probable first.
     pub models: Vec<(ModelSet, f64)>,
+    /// Fits of probable sets and of their subsets. A subset may be improbable.
+    pub fits: Vec<Arc<FittedModel>>,
     /// Number of candidate effects.
     pub places: usize,
     /// True if the selection ended early: its budget was spent, or the user stopped it.

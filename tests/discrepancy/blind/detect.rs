@@ -56,6 +56,58 @@ impl Span {
         }
     }
 
+    /// Returns for each load case the change of all readings by one unit of a load in that case alone. `change` holds the whitened change by one
+    /// unit in all cases.
+    ///
+    /// The readings of a case depend on the loads of that case only.
+    pub fn case_by_case(&self, change: &DVector<f64>) -> Vec<DVector<f64>> {
+        let case_of = |row: &Row| match *row {
+            Row::Mark { case, .. } | Row::Wheel { case, .. } | Row::Channel { case, .. } => case,
+        };
+        let mut cases: Vec<usize> = self.rows.iter().map(case_of).collect();
+        cases.dedup();
+        let own = |case: usize| {
+            let of = |(x, row): (&f64, &Row)| if case_of(row) == case { *x } else { 0.0 };
+            let each = change.iter().zip(&self.rows).map(of);
+            DVector::from_iterator(change.len(), each)
+        };
+        cases.into_iter().map(own).collect()
+    }
+
+    /// Returns the chi-square of a shift against noise and usual errors, outside of the span. Each of `errors` is the whitened change of all
+    /// readings by one standard deviation of a usual error.
+    ///
+    /// Each error is a further unknown with a reading of zero and a standard deviation of one.
+    pub fn beside_errors(
+        &self,
+        shift: &DVector<f64>,
+        own: Option<u32>,
+        errors: &[DVector<f64>],
+    ) -> f64 {
+        let (rows, count) = (self.rows.len(), errors.len());
+        let kept: Vec<usize> = (0..self.jacobian.ncols())
+            .filter(|k| own.is_none() || self.offset_of[*k] != own)
+            .collect();
+        let mut columns = DMatrix::zeros(rows + count, kept.len() + count);
+        for (at, k) in kept.iter().enumerate() {
+            let norm = self.jacobian.column(*k).norm();
+            if norm > 0.0 {
+                let unit = self.jacobian.column(*k) / norm;
+                columns.view_mut((0, at), (rows, 1)).copy_from(&unit);
+            }
+        }
+        for (k, error) in errors.iter().enumerate() {
+            let at = kept.len() + k;
+            columns.view_mut((0, at), (rows, 1)).copy_from(error);
+            columns[(rows + k, at)] = 1.0;
+        }
+        let mut wanted = DVector::zeros(rows + count);
+        wanted.rows_mut(0, rows).copy_from(shift);
+        let found = columns.clone().svd(true, true).solve(&wanted, 1e-9);
+        let found = found.expect("both factors are computed");
+        (wanted - columns * found).norm_squared()
+    }
+
     /// Returns the number of readings.
     pub fn rows(&self) -> usize {
         self.rows.len()

@@ -181,7 +181,7 @@ pub fn plans(kind: Kind, first: u64, count: usize, multilinks: usize) -> Vec<Pla
 pub const OF_TESTS: [(Kind, usize, usize); 4] = [
     (Kind::Single, 48, 2),
     (Kind::Clean, 12, 2),
-    (Kind::Pair, 8, 0),
+    (Kind::Pair, 16, 0),
     (Kind::Outside, 6, 0),
 ];
 

@@ -10,6 +10,7 @@ pub mod draw;
 pub mod judge;
 pub mod sized;
 pub mod trial;
+pub mod usual_errors;
 
 pub use draw::Axle;
 pub use judge::{Score, Tally};

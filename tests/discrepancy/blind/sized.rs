@@ -51,34 +51,6 @@ impl Plant {
         text
     }
 
-    /// Returns the size of the planted effect in units of the usual tolerance; `None` for effects without a tolerance.
-    ///
-    /// Tolerances: hardpoints 0.2 mm, bushings displaced by 0.05 mm and rotated by 0.1 degrees, load points 0.5 mm, loads 0.3 percent, load
-    /// directions 0.1 percent, spring rates 1.5 percent, preloads 0.3 percent, rubber 3 percent.
-    pub fn tolerances(&self, spec: &str) -> Option<f64> {
-        let numbers: Vec<f64> = spec
-            .rsplit(':')
-            .next()?
-            .split(',')
-            .filter_map(|pair| pair.split('=').nth(1)?.parse().ok())
-            .collect();
-        let most = numbers.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let off = (numbers.first()? - 1.0).abs();
-        let one = match self.cause {
-            "hardpoint-error" => most / 0.2,
-            "assembly-offset" => most / 0.05,
-            "bushing-orientation" => most / 0.1,
-            "load-point-error" => most / 0.5,
-            "load-gain" => off / 0.003,
-            "load-crosstalk" => most / 0.001,
-            "element-parameter" if self.address.contains(".FORCE") => off / 0.003,
-            "element-parameter" if self.address.starts_with("SPRING") => off / 0.015,
-            "element-parameter" => off / 0.03,
-            _ => return None,
-        };
-        Some(one)
-    }
-
     /// Returns the smallest size.
     pub const fn least(&self) -> f64 {
         self.form.least

@@ -6,7 +6,7 @@ use admire_diagnosis::{Diagnosis, GainCheck, Progress, diagnose_watched, held_ou
 use admire_identify::LoadedStudy;
 use admire_rig::effect::EffectSpec;
 use admire_rig::{RigOptions, RigRun, Tolerances, virtual_rig};
-use admire_session::backend::{Backend, NativeBackend, SweepRequest};
+use admire_session::backend::{Backend, Load, NativeBackend, SweepRequest};
 use admire_solver::mechanics::{Pose, RelativeMotion, Vec3};
 use admire_solver::model::{MarkerIx, Model};
 
@@ -16,6 +16,7 @@ use super::axle::{Truth, truth};
 use super::detect::{Span, left_by_a_fit};
 use super::draw::{Kind, Plan, Ranges, plants};
 use super::sized::Plant;
+use super::usual_errors::usual_errors;
 
 /// Maximum number of attempts to draw a location.
 const ATTEMPTS: u64 = 6;
@@ -27,9 +28,9 @@ pub struct Planted {
     pub plant: Plant,
     /// Specification given to the rig.
     pub spec: String,
-    /// Sum of squares of the shift outside of the span of stiffnesses and nuisances, in units of the noise.
+    /// Chi-square of the shift against noise and usual errors, outside of the span of stiffnesses and nuisances.
     pub seen: f64,
-    /// Root mean square of this shift per reading, in units of the noise.
+    /// Root mean square of the shift outside of this span per reading, in units of the noise.
     pub rms: f64,
 }
 
@@ -284,6 +285,7 @@ fn plant(trial: &mut Trial, truth: &Truth) {
             break;
         }
     }
+    let mut errors: Option<Vec<DVector<f64>>> = None;
     for k in 0..shifts.len() {
         let others: Vec<_> = shifts
             .iter()
@@ -296,10 +298,35 @@ fn plant(trial: &mut Trial, truth: &Truth) {
             if own.is_none() && seen > 40.0 {
                 seen = seen.min(left(truth, plan, &trial.planted[k].spec).unwrap_or(seen));
             }
-            trial.planted[k].seen = seen;
             trial.planted[k].rms = (seen / span.rows() as f64).sqrt();
+            if seen > 40.0 {
+                let errors = errors.get_or_insert_with(|| {
+                    let shift_of = |spec: &str| {
+                        let with = exact(truth, plan, &[spec])?;
+                        Some(span.whitened(&(with - &without), &honest.measurement))
+                    };
+                    usual_errors(&honest.model, &loads(&honest), &span, &shift_of)
+                });
+                let mut known: Vec<DVector<f64>> = errors.clone();
+                // A second effect of any size may explain the first.
+                known.extend(others.into_iter().map(|other| other * 1e3));
+                seen = seen.min(span.beside_errors(shift, *own, &known));
+            }
+            trial.planted[k].seen = seen;
         }
     }
+}
+
+/// Returns the address of each load of a study with its value in every case.
+fn loads(study: &LoadedStudy) -> Vec<(String, Vec<f64>)> {
+    let programme = &study.programme;
+    let of = |(at, load): (usize, &Load)| {
+        let address = &load.target;
+        let id = address.id.map_or(String::new(), |id| format!("/{id}"));
+        let values = programme.cases.iter().map(|case| case.values[at]);
+        (format!("{}{id}", address.kind), values.collect())
+    };
+    programme.loads.iter().enumerate().map(of).collect()
 }
 
 /// Returns the bushing whose offset is the planted effect; all other offsets of identified bushings are nuisances.
