@@ -252,7 +252,11 @@ impl CandidateEffect {
     /// Returns the log prior odds of this effect, given the other effects of a model. A progressive law in one translation of a bushing
     /// makes a progressive law in its other translations more probable.
     pub fn ln_prior_given(&self, others: &[Self]) -> f64 {
-        let translations = |h: &Self| h.address.rsplit_once(".K.").map(|(of, _)| of.to_string());
+        let translations = |h: &Self| {
+            let of = h.address.rsplit_once(".K.");
+            let (of, _) = of.or_else(|| h.address.rsplit_once(".F"))?;
+            Some(of.to_string())
+        };
         let is_alike = |other: &Self| {
             other.cause == self.cause
                 && !other.same_site(self)

@@ -316,6 +316,7 @@ mod tests {
     use crate::candidate_effect::{CandidateEffect, Term};
     use crate::causes::{self, bushing_coupling, dry_friction};
     use crate::diagnosis_problem::{Data, DiagnosisProblem};
+    use crate::elastic_element::bushing_stiffness;
     use crate::fit::{FittedModel, fit, with_zero_guesses};
     use crate::site::Sites;
 
@@ -395,7 +396,7 @@ mod tests {
             );
         }
         for (k, bushing) in survey.model.bushings.iter().enumerate() {
-            let stiffness = survey.stiffnesses(k);
+            let stiffness = bushing_stiffness(&survey, k);
             let own = format!("BUSHING/{}.", bushing.header.id);
             let here = sites.all.iter().zip(&sites.compliance);
             for (site, compliance) in here.filter(|(site, _)| site.address.starts_with(&own)) {

@@ -6,7 +6,7 @@
 //! the study names. The crate reads no files. It does not contain the laws by which the virtual rig simulates errors.
 //!
 //! Modules import in one direction only. In `a <- b`, module `b` imports module `a`. The fit: `diagnosis_problem` (readings and their tolerances)
-//! and `candidate_effect` (data) <- `unknowns`, `early_stopping` <- `settle` <- `fit` <- `operating_points` <- `causes`, `site` <- `site_law`.
+//! and `candidate_effect` (data) <- `unknowns`, `early_stopping` <- `settle` <- `fit` <- `operating_points` <- `elastic_element` <- `causes`, `site` <- `site_law`.
 //! Its linear model and the selection: `reduction` <- `closure` <- `challengers` <- `point` <- `fitted_set` <- `set_estimate` <- `select`, with
 //! `gaussian_process` <- `remainder` (forces of unknown law) and `model_set` (the result). The checks and the report: `residual_covariance` <-
 //! `lack_of_fit` <- `base_fit` <- `selection`, `hold_out_test` <- `hold_out` <- `cross_validation` <- `findings` <- `diagnose`.
@@ -31,6 +31,7 @@ mod diagnose;
 mod diagnosis;
 mod diagnosis_problem;
 mod early_stopping;
+mod elastic_element;
 mod estimate;
 mod extended_deck;
 mod extension;

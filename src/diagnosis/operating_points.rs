@@ -201,24 +201,8 @@ impl<'a> OperatingPoints<'a> {
     pub(super) fn bushing_deflections(&self, bushing: usize) -> Vec<[f64; 6]> {
         self.element("BUSHING", self.model.bushings[bushing].header.id)
             .iter()
-            .map(|reading| {
-                let (p, a) = (reading.motion.p_ij_j, reading.motion.angles);
-                [p.x, p.y, p.z, a.x, a.y, a.z]
-            })
+            .map(Reading::deflections)
             .collect()
-    }
-
-    /// Returns the six stiffnesses of a bushing at the fit: three of K, then three of KT.
-    pub(super) fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
-        let law = &self.model.bushings[bushing];
-        let theta = &self.fitted.thetas[0];
-        let catalogue = self.fitted.deck.prepared.system.catalogue();
-        std::array::from_fn(|axis| {
-            let word = ["K", "KT"][axis / 3];
-            let address =
-                super::candidate_effect::number("BUSHING", law.header.id, word, Some(axis % 3 + 1));
-            catalogue.slot(&address).map_or(0.0, |slot| theta.get(slot))
-        })
     }
 
     /// Returns the id of a marker.

@@ -295,7 +295,7 @@ pub(super) fn left_by_laws(
     open.filter_map(left).collect()
 }
 
-/// Returns true if the site of a cause is the bushing or joint where `force` acts, or a marker of that bushing or joint.
+/// Returns true if the site of a cause is the elastic element or joint where `force` acts, or one of its markers.
 pub(super) fn is_at_element_of(
     model: &Model,
     h: &CandidateEffect,
@@ -308,8 +308,12 @@ pub(super) fn is_at_element_of(
     let own = element(&force.address);
     let named = |kind: &str, header: &Header| own == format!("{kind}/{}", header.id);
     let bushing = model.bushings.iter().find(|b| named("BUSHING", &b.header));
+    let mut fields = model.pair_forces.iter();
+    let field = fields.find(|f| named(f.def.name, &f.header));
     let joint = model.joints.iter().find(|j| named("JOINT", &j.header));
-    let ends = bushing.map(|b| (b.i, b.j)).or(joint.map(|j| (j.i, j.j)));
+    let ends = bushing.map(|b| (b.i, b.j));
+    let ends = ends.or(field.map(|f| (f.i, f.j)));
+    let ends = ends.or(joint.map(|j| (j.i, j.j)));
     let marker = |at: MarkerIx| format!("MARKER/{}", model.markers[at.0].header.id);
     let ends: Vec<String> = ends.map_or_else(Vec::new, |(i, j)| vec![marker(i), marker(j)]);
     let mut places = h.members.iter().chain([&h.address]);

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::candidate_effect::{CandidateEffect, component};
+use super::candidate_effect::CandidateEffect;
+use super::elastic_element::ElasticElement;
 use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
 use crate::priors::FORCE_LEVER_MM;
@@ -148,7 +149,7 @@ impl Reduced {
     }
 }
 
-/// Returns the components of all bushings that deflect, and the free motions of joints.
+/// Returns the components of all elastic elements that deflect, and the free motions of joints.
 pub(crate) fn sites(survey: &OperatingPoints<'_>) -> Vec<Site> {
     let mut out = Vec::new();
     let mut put = |address: String, pair, axis: usize, displacement: Vec<f64>, force: f64| {
@@ -169,21 +170,15 @@ pub(crate) fn sites(survey: &OperatingPoints<'_>) -> Vec<Site> {
         }
     };
     let mut largest = 0.0_f64;
-    for (k, bushing) in survey.model.bushings.iter().enumerate() {
-        if !bushing.header.active {
-            continue;
-        }
-        let deflections = survey.bushing_deflections(k);
-        let stiffness = survey.stiffnesses(k);
+    for element in ElasticElement::all(survey) {
         for axis in 0..6 {
-            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
+            let u: Vec<f64> = element.deflections.iter().map(|d| d[axis]).collect();
             let most = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-            let force = stiffness[axis] * most;
+            let force = element.stiffness[axis] * most;
             if axis < 3 {
                 largest = largest.max(force);
             }
-            let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
-            put(address, (bushing.i, bushing.j), axis, u, force);
+            put(element.address(axis), element.pair, axis, u, force);
         }
     }
     let lever = FORCE_LEVER_MM * survey.millimetre();

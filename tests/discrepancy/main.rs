@@ -4,6 +4,7 @@ mod adams_car_axle;
 mod arm;
 mod axles;
 mod blind;
+mod car_bushing;
 mod causes;
 mod chain;
 #[path = "../common/mod.rs"]

@@ -7,6 +7,7 @@ use super::super::candidate_effect::{
     CandidateEffect, EffectParameter, Parametrisation, SIX, Sensitivity, number,
 };
 use super::super::cause::Cause;
+use super::super::elastic_element::bushing_stiffness;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
@@ -28,7 +29,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 survey.priors().bushing_offset_mm * survey.millimetre(),
             ));
         }
-        let stiffnesses = survey.stiffnesses(k);
+        let stiffnesses = bushing_stiffness(survey, k);
         let numbers = (3..6).filter(|axis| stiffnesses[*axis] > 0.0).map(|axis| {
             let [stiffness, preload] =
                 ["KT", "TORQUE"].map(|word| number("BUSHING", id, word, Some(axis - 2)));

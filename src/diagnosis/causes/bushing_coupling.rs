@@ -7,6 +7,7 @@ use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term, number,
 };
 use super::super::cause::Cause;
+use super::super::elastic_element::bushing_stiffness;
 use super::super::operating_points::OperatingPoints;
 
 /// Pairs of coupled components with their names. Components 0 to 2 are translations, components 3 to 5 rotations.
@@ -36,7 +37,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
         }
         let id = bushing.header.id;
         let deflections = survey.bushing_deflections(at);
-        let stiffness = survey.stiffnesses(at);
+        let stiffness = bushing_stiffness(survey, at);
         let field = survey.free_id("FIELD");
         for (a, b, form) in PAIRS {
             let size = (stiffness[a] * stiffness[b]).max(0.0).sqrt();

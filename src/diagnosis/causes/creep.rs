@@ -6,30 +6,28 @@ use admire_solver::mechanics::Vec6;
 
 use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, MemoryPlan, Parametrisation, Sensitivity,
-    Term, component, number,
+    Term, number,
 };
 use super::super::cause::Cause;
+use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::{OperatingPoints, statement};
 use crate::settings::START_CREEP_RATES;
 
 /// Names of the first guesses of the creep rate.
 const FORMS: [&str; 3] = ["slow", "middle", "fast"];
 
-/// Adds candidates for creep in every component of every bushing.
+/// Adds candidates for creep in every component of every elastic element.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
-    let bushings = survey.model.bushings.iter().enumerate();
-    for (k, bushing) in bushings.filter(|(_, bushing)| bushing.header.active) {
-        let deflections = survey.bushing_deflections(k);
-        let stiffness = survey.stiffnesses(k);
+    for element in ElasticElement::all(survey) {
+        let (pair, stiffness) = (element.pair, element.stiffness);
         for axis in (0..6).filter(|axis| stiffness[*axis] > 0.0) {
-            let pair = (bushing.i, bushing.j);
             let (place, flow) = (survey.free_id("VARIABLE"), survey.free_id("VARIABLE") + 1);
             let law = format!("0.0*VARVAL({place})");
             let (force, added) = survey.vector_force(pair, &[(axis, &law)]);
             let literal = |id| number("VARIABLE", id, "FUNCTION", Some(1));
             for (rate, form) in START_CREEP_RATES.into_iter().zip(FORMS) {
                 let mut flown = 0.0;
-                let forces = deflections.iter().map(|deflection| {
+                let forces = element.deflections.iter().map(|deflection| {
                     let force = flown;
                     flown += rate * (deflection[axis] - flown);
                     Vec6::ith(axis, force)
@@ -60,7 +58,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     // The prior mean of the creep rate is added to this zero.
                     variable(flow, "0.0".to_string()),
                 ];
-                let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
+                let address = element.address(axis);
                 let plain = CandidateEffect::plain(Cause::Creep, address, form, vec![share, part]);
                 out.push(CandidateEffect {
                     one_sided: true,

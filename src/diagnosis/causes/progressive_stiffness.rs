@@ -3,9 +3,10 @@
 use admire_solver::mechanics::Vec6;
 
 use super::super::candidate_effect::{
-    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, component, number,
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
 };
 use super::super::cause::Cause;
+use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::OperatingPoints;
 
 /// Forms of the law: name, and powers of the deflection that are added to the linear term. Every added force is odd in the deflection.
@@ -15,22 +16,17 @@ const FORMS: [(&str, &[i32]); 3] = [
     ("cubic and quintic", &[3, 5]),
 ];
 
-/// Adds candidates for a progressive law in every component of every bushing.
+/// Adds candidates for a progressive law in every component of every elastic element.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
-    for (k, bushing) in survey.model.bushings.iter().enumerate() {
-        if !bushing.header.active {
-            continue;
-        }
-        let id = bushing.header.id;
-        let deflections = survey.bushing_deflections(k);
-        let stiffness = survey.stiffnesses(k);
+    for element in ElasticElement::all(survey) {
+        let (pair, stiffness) = (element.pair, element.stiffness);
         for axis in 0..6 {
-            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
+            let u: Vec<f64> = element.deflections.iter().map(|d| d[axis]).collect();
             let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
             if largest < 1e-9 || stiffness[axis] <= 0.0 {
                 continue;
             }
-            let measure = survey.deflection_function((bushing.i, bushing.j), axis);
+            let measure = survey.deflection_function(pair, axis);
             for (form, powers) in FORMS {
                 let terms: Vec<String> = powers
                     .iter()
@@ -40,8 +36,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     })
                     .collect();
                 let text = terms.concat();
-                let (gforce, changes) =
-                    survey.vector_force((bushing.i, bushing.j), &[(axis, &text)]);
+                let (gforce, changes) = survey.vector_force(pair, &[(axis, &text)]);
                 // All terms have the same number of literals: the factor, the marker ids, and the power if it is written as a literal.
                 let each = admire_syntax::Expression::parse_str(&text)
                     .map_or(0, |text| text.literals.len())
@@ -60,7 +55,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                         literal,
                     );
                     EffectParameter {
-                        column: Sensitivity::Wrench((bushing.i, bushing.j), wrench),
+                        column: Sensitivity::Wrench(pair, wrench),
                         ..EffectParameter::new(
                             ["", "", "quadratic", "cubic", "", "quintic"][power as usize],
                             survey.priors().progressive_stiffness * stiffness[axis] * largest
@@ -71,7 +66,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 });
                 out.push(CandidateEffect {
                     cause: Cause::ProgressiveStiffness,
-                    address: format!("BUSHING/{id}.{}", component(axis)),
+                    address: element.address(axis),
                     members: Vec::new(),
                     side: "",
                     form,

@@ -28,6 +28,14 @@ pub struct Reading {
     pub torque_on_j: Vec3,
 }
 
+impl Reading {
+    /// Returns the deflections of an elastic element: three translations along the axes of J, then three projected angles in radians.
+    pub fn deflections(&self) -> [f64; 6] {
+        let (p, a) = (self.motion.p_ij_j, self.motion.angles);
+        [p.x, p.y, p.z, a.x, a.y, a.z]
+    }
+}
+
 impl Configuration<'_> {
     /// Returns the wrench of a force element; all zero if the element is inactive. [`Configuration::evaluate`] must have been called.
     ///

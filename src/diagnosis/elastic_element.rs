@@ -1,0 +1,85 @@
+//! Elastic elements with six components between two markers: BUSHINGs, and FIELDs with the law of a bushing.
+
+use super::candidate_effect::{FORCES, component, number};
+use super::operating_points::OperatingPoints;
+use admire_solver::model::{MarkerIx, PairForce};
+use admire_solver::system::Reading;
+
+/// Elastic element with its state in every load case.
+pub(super) struct ElasticElement {
+    /// Keyword of the statement: `BUSHING` or `FIELD`.
+    kind: &'static str,
+    id: u32,
+    /// I and J markers.
+    pub pair: (MarkerIx, MarkerIx),
+    /// Deflections in each case: three translations along the axes of J, then three projected angles in radians.
+    pub deflections: Vec<[f64; 6]>,
+    /// Stiffness of each component at the fit. For a FIELD it is the regression slope of the force over the deflection in all cases, because its law
+    /// may be a curve.
+    pub stiffness: [f64; 6],
+}
+
+impl ElasticElement {
+    /// Returns the active elastic elements of the study's own deck.
+    pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<Self> {
+        let bushings = survey.model.bushings.iter().enumerate();
+        let bushings = bushings.filter(|(_, bushing)| bushing.header.active);
+        let bushings = bushings.map(|(k, bushing)| Self {
+            kind: "BUSHING",
+            id: bushing.header.id,
+            pair: (bushing.i, bushing.j),
+            deflections: survey.bushing_deflections(k),
+            stiffness: bushing_stiffness(survey, k),
+        });
+        let fields = survey.model.pair_forces.iter();
+        let is_field = |force: &&PairForce| force.def.name == "FIELD" && force.header.active;
+        let fields = fields.filter(is_field).map(|field| {
+            let readings = survey.element("FIELD", field.header.id);
+            Self {
+                kind: "FIELD",
+                id: field.header.id,
+                pair: (field.i, field.j),
+                deflections: readings.iter().map(Reading::deflections).collect(),
+                stiffness: std::array::from_fn(|axis| regression_stiffness(readings, axis)),
+            }
+        });
+        bushings.chain(fields).collect()
+    }
+
+    /// Returns the address of a component: `BUSHING/1.K.1` to `BUSHING/1.KT.3`, or `FIELD/1.FX` to `FIELD/1.TZ`.
+    pub(super) fn address(&self, axis: usize) -> String {
+        let (kind, id) = (self.kind, self.id);
+        match kind {
+            "BUSHING" => format!("{kind}/{id}.{}", component(axis)),
+            _ => format!("{kind}/{id}.{}", FORCES[axis]),
+        }
+    }
+}
+
+/// Returns the six stiffnesses of a bushing at the fit: three of K, then three of KT.
+pub(super) fn bushing_stiffness(survey: &OperatingPoints<'_>, bushing: usize) -> [f64; 6] {
+    let law = &survey.model.bushings[bushing];
+    let theta = &survey.fitted.thetas[0];
+    let catalogue = survey.fitted.deck.prepared.system.catalogue();
+    std::array::from_fn(|axis| {
+        let word = ["K", "KT"][axis / 3];
+        let address = number("BUSHING", law.header.id, word, Some(axis % 3 + 1));
+        catalogue.slot(&address).map_or(0.0, |slot| theta.get(slot))
+    })
+}
+
+/// Returns the regression slope of the restoring force over the deflection in one component; zero if the deflection does not change.
+fn regression_stiffness(readings: &[Reading], axis: usize) -> f64 {
+    let count = readings.len().max(1) as f64;
+    let each = readings
+        .iter()
+        .map(|reading| (reading.deflections()[axis], -reading.wrench_j[axis]));
+    let (u, f) = each
+        .clone()
+        .fold((0.0, 0.0), |(u, f), (du, df)| (u + du, f + df));
+    let (u, f) = (u / count, f / count);
+    let (uu, uf) = each.fold((0.0, 0.0), |(uu, uf), (du, df)| {
+        (uu + (du - u) * (du - u), uf + (du - u) * (df - f))
+    });
+    if uu > 0.0 { uf / uu } else { 0.0 }
+}
