@@ -65,6 +65,7 @@
 //! | `admire-rebuild` | decks and studies out of results files |
 //! | `admire-rig` | the virtual rig, planted effects |
 //! | `admire-kc` | standard tests and characteristics of an axle |
+//! | `admire-lab` | tables of K&C laboratories, mapped into curves and load cases |
 //! | `admire-identify` | regression, direct, Gauss-Newton; tolerances of axle and rig |
 //! | `admire-diagnosis` | causes, search, extension, gain |
 //! | `admire-design` | planning of further measurements |

@@ -30,6 +30,7 @@ mod graph;
 mod guide;
 mod identify;
 mod import;
+mod import_kc;
 mod input;
 mod inputs;
 mod install;
@@ -139,6 +140,7 @@ enum Command {
     Rebuild(rebuild::Arguments),
     Rig(rig::Arguments),
     Kc(kc::Arguments),
+    ImportKc(import_kc::Arguments),
     Sweep(sweep::Arguments),
     Merge(merge::Arguments),
     Reproduce(reproduce::Arguments),
@@ -207,6 +209,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Command::Rebuild(arguments) => rebuild::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Kc(arguments) => kc::run(&arguments, &mut shell),
+        Command::ImportKc(arguments) => import_kc::run(&arguments, &mut shell),
         Command::Sweep(arguments) => sweep::run(&arguments, &mut shell),
         Command::Merge(arguments) => merge::run(&arguments, &mut shell),
         Command::Rig(arguments) => rig::run(&arguments, &mut shell),

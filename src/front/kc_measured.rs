@@ -1,91 +1,84 @@
 //! Measured curves for comparison with K&C tests.
 
-use admire_kc::{Config, unit_in_deck};
+use admire_kc::{Config, Driven, TestKind, driven_unit, unit_in_deck};
+use admire_lab::Quantity;
 use admire_report::MeasuredCurve;
-use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_study::{Cell, Table, did_you_mean};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
 use admire_syntax::text::Source;
 use admire_syntax::units::Units;
 
-/// Reads a table with the columns `test`, `value` and characteristics.
+/// Reads a table with the columns `test`, `value` and characteristics, and `value_unit` if `value` is not in the units of the deck.
 ///
 /// The heading of a column may end in a unit as in `curves.csv`, such as `[deg]`. Without a unit, values are in the deck's units and
 /// radians. Cells may be empty. Commas, semicolons and tabs are accepted as separators; with the latter two, decimals may have commas.
+///
+/// # Errors
+/// Returns a diagnostic with its place if a column is missing, a unit is unknown or a cell holds no number.
 pub(crate) fn measured(
     source: &Source,
     config: &Config,
     units: &Units,
 ) -> Result<Checked<Vec<MeasuredCurve>>, Diagnostic> {
-    let path = source.name();
-    let refuse =
-        |message: String| Diagnostic::error(Code::BadNumber, format!("`{path}`: {message}"));
-    let bytes = source.bytes();
-    let head = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
-    let separator = [b';', b'\t']
-        .into_iter()
-        .find(|s| head.contains(s))
-        .unwrap_or(b',');
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(separator)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .from_reader(bytes);
-    let heads = reader
-        .headers()
-        .map_err(|error| refuse(error.to_string()))?
-        .clone();
-    let find = |name: &str| {
-        heads
-            .iter()
-            .position(|head| head.trim().eq_ignore_ascii_case(name))
+    let mut found = Vec::new();
+    let table = Table::read(source.clone(), &mut found);
+    let wanted = table.columns(["test", "value"], &mut found);
+    refuse_errors(&mut found)?;
+    let Some([test, value]) = wanted else {
+        // The missing column has been refused already.
+        return Ok(Checked::clean(Vec::new()));
     };
-    let (Some(test), Some(value)) = (find("test"), find("value")) else {
-        return Err(refuse(
-            "the columns `test` and `value` are needed".to_string(),
-        ));
+    let value_unit = table.column("value_unit");
+    let wrong = |cell: &Cell, message: String, help: String| {
+        let wrong = Diagnostic::error(Code::BadReading, message);
+        wrong.label(table.source.name(), cell.span, "").help(help)
     };
     let mut columns = Vec::new();
-    for (k, head) in heads.iter().enumerate() {
-        let (path, unit) = head
-            .split_once('[')
-            .map_or((head, ""), |(a, b)| (a, b.trim_end_matches([']', ' '])));
-        if k != test && k != value && path.contains('.') {
-            let factor = unit_in_deck(unit.trim(), units);
+    for (k, cell) in table.header_cells().iter().enumerate() {
+        let (path, unit) = match cell.text.split_once('[') {
+            Some((path, unit)) => (path, unit.trim_end_matches([']', ' ']).trim()),
+            None => (cell.text.as_str(), ""),
+        };
+        if path.contains('.') {
+            let factor = column_unit(unit, units).ok_or_else(|| {
+                let help = "angles: deg, min, rad; lengths: mm, m, in; forces: N, kN, lbf; torques: Nm; else a unit of curves.csv";
+                wrong(cell, format!("`{unit}` is not a known unit"), help.to_string())
+            })?;
             columns.push((k, path.trim().to_string(), factor));
         }
     }
     let mut curves: Vec<MeasuredCurve> = Vec::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| refuse(error.to_string()))?;
-        let number = |k: usize| -> Result<Option<f64>, Diagnostic> {
-            let text = record.get(k).unwrap_or_default().trim();
-            if text.is_empty() {
-                return Ok(None);
-            }
-            let text = if separator == b',' {
-                text.to_string()
-            } else {
-                text.replace(',', ".")
-            };
-            match text.parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(Some(value)),
-                _ => Err(refuse(format!("row {}: `{text}` is not a number", row + 2))),
-            }
-        };
-        let name = record.get(test).unwrap_or_default().trim();
-        if !config.tests.iter().any(|(kind, _)| kind.name() == name) {
+    for row in table.rows() {
+        let Some(name) = table.cell(row, test) else {
             continue;
-        }
+        };
+        let known = config
+            .tests
+            .iter()
+            .find(|(kind, _)| kind.name() == name.text);
+        let Some((kind, _)) = known else { continue };
+        let mut number = |column: usize| {
+            let number = table.number(row, column, &mut found);
+            refuse_warnings(&mut found)?;
+            Ok::<Option<f64>, Diagnostic>(number)
+        };
         let Some(at) = number(value)? else { continue };
+        let size = match value_unit.and_then(|column| table.cell(row, column)) {
+            None => 1.0,
+            Some(cell) => variable_unit(&cell.text, *kind, units).ok_or_else(|| {
+                let words = [driven_unit(kind.driven(), units)];
+                let message = format!("`{}` is no unit of the test `{}`", cell.text, kind.name());
+                wrong(cell, message, did_you_mean(&cell.text, "the test", &words))
+            })?,
+        };
         for (k, path, factor) in &columns {
             let Some(read) = number(*k)? else { continue };
-            let point = (at, read * factor);
-            match curves
-                .iter_mut()
-                .find(|c| c.test == name && c.path == *path)
-            {
+            let point = (at * size, read * factor);
+            let same = |c: &&mut MeasuredCurve| c.test == name.text && c.path == *path;
+            match curves.iter_mut().find(same) {
                 Some(curve) => curve.points.push(point),
                 None => curves.push(MeasuredCurve {
-                    test: name.to_string(),
+                    test: name.text.clone(),
                     path: path.clone(),
                     points: vec![point],
                 }),
@@ -94,11 +87,90 @@ pub(crate) fn measured(
     }
     let mut diagnostics = Vec::new();
     if curves.is_empty() {
-        let message = format!("`{path}` has no curve of a test that is run");
+        let message = format!("`{}` has no curve of a test that is run", source.name());
         diagnostics.push(Diagnostic::warning(Code::MissingColumn, message));
     }
     Ok(Checked {
         value: curves,
         diagnostics,
     })
+}
+
+/// Returns the first error as `Err`, and forgets notes about the form of the table.
+fn refuse_errors(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
+    let is_error = |d: &Diagnostic| d.severity == Severity::Error;
+    let first = found.iter().position(is_error);
+    let error = first.map(|at| found.swap_remove(at));
+    found.clear();
+    error.map_or(Ok(()), Err)
+}
+
+/// Returns the first complaint about a cell as an error: a curve without one of its points would be another curve.
+fn refuse_warnings(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
+    match found.pop() {
+        None => Ok(()),
+        Some(mut wrong) => {
+            found.clear();
+            wrong.severity = Severity::Error;
+            Err(wrong)
+        }
+    }
+}
+
+/// Returns the size of a column's unit in units of the deck and radians; `None` for an unknown word.
+fn column_unit(word: &str, units: &Units) -> Option<f64> {
+    unit_in_deck(word, units).or_else(|| {
+        let (quantity, factor) = Quantity::of_unit(word)?;
+        Some(factor * quantity.si() / in_deck(quantity, units))
+    })
+}
+
+/// Returns the size of the unit of a test's variable in units of the deck; `None` for a unit of another quantity. The steering input is as
+/// driven.
+fn variable_unit(word: &str, kind: TestKind, units: &Units) -> Option<f64> {
+    let driven = kind.driven();
+    if driven == Driven::Steering || word == driven_unit(driven, units) {
+        return Some(1.0);
+    }
+    let wanted = match driven {
+        Driven::Height(_) => Quantity::Length,
+        Driven::Mz(_) => Quantity::Torque,
+        Driven::Fx(_) | Driven::Fy(_) | Driven::Steering => Quantity::Force,
+    };
+    Some(wanted.factor(word)? * wanted.si() / in_deck(wanted, units))
+}
+
+/// Returns the size of the deck's unit of a quantity in SI units.
+fn in_deck(quantity: Quantity, units: &Units) -> f64 {
+    match quantity {
+        Quantity::Angle => 1.0,
+        Quantity::Length => units.length.si,
+        Quantity::Force => units.force.si,
+        Quantity::Torque => units.force.si * units.length.si,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_of_a_table_are_those_of_the_deck() {
+        let units = Units::default();
+        let near = |a: Option<f64>, b: f64| (a.expect("a known unit") - b).abs() < 1e-12 * b;
+        assert!(near(
+            column_unit("min", &units),
+            (1.0_f64 / 60.0).to_radians()
+        ));
+        assert!(near(column_unit("Nm", &units), 1000.0));
+        assert!(near(column_unit("deg/kN", &units), 1e-3_f64.to_radians()));
+        assert!(near(column_unit("", &units), 1.0));
+        assert_eq!(column_unit("minutes", &units), None);
+        assert!(near(variable_unit("kN", TestKind::Lateral, &units), 1000.0));
+        assert!(near(
+            variable_unit("Nm", TestKind::Aligning, &units),
+            1000.0
+        ));
+        assert_eq!(variable_unit("kN", TestKind::Bounce, &units), None);
+    }
 }

@@ -83,7 +83,7 @@ pub use sweep::run_watched;
 pub use sweep::{KcRun, given, run};
 pub use swing_arm::VerticalLoad;
 pub(crate) use swing_arm::roll_centre;
-pub use test_kind::TestKind;
+pub use test_kind::{Driven, TestKind};
 pub use test_settings::Hold;
 pub use test_settings::LoadPoint;
 pub use tyre::Tyre;

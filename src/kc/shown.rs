@@ -72,14 +72,18 @@ pub fn driven_unit(driven: Driven, units: &Units) -> String {
     }
 }
 
-/// Returns the size of a column's unit, in units of the deck and radians. `word` is a unit that [`shown`] writes, or begins with `deg`; any
-/// other word means the deck's own unit.
-pub fn unit_in_deck(word: &str, units: &Units) -> f64 {
+/// Returns the size of a column's unit, in units of the deck and radians. `word` is a unit that [`shown`] writes, one of the deck's own units,
+/// or begins with `deg`; an empty word means the deck's own unit. Returns `None` for any other word.
+pub fn unit_in_deck(word: &str, units: &Units) -> Option<f64> {
     let mut all = Unit::ALL.iter().map(|unit| shown(1.0, *unit, units));
-    match all.find(|(_, known)| known == word) {
-        Some((factor, _)) => 1.0 / factor,
-        None if word.starts_with("deg") => 1f64.to_radians(),
-        None => 1.0,
+    if let Some((factor, _)) = all.find(|(_, known)| known == word) {
+        return Some(1.0 / factor);
+    }
+    let is_own = word.is_empty() || Unit::ALL.iter().any(|unit| unit.word(units) == word);
+    match word {
+        _ if is_own => Some(1.0),
+        _ if word.starts_with("deg") => Some(1f64.to_radians()),
+        _ => None,
     }
 }
 

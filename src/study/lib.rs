@@ -84,5 +84,5 @@ pub use study::Study;
 pub use summary::Over;
 pub use summary::Summary;
 pub use summary_readings::written;
-pub use table::{Cell, Table};
+pub use table::{Cell, Table, split};
 pub use wheel::WheelReading;

@@ -38,34 +38,7 @@ impl Table {
         let source = source.in_utf8();
         let bytes = source.bytes();
         let delimiter = delimiter(bytes);
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .delimiter(delimiter)
-            .comment(Some(b'#'))
-            .from_reader(bytes);
-        let mut record = csv::ByteRecord::new();
-        let mut lines = Vec::new();
-        loop {
-            let start = reader.position().byte() as usize;
-            match reader.read_byte_record(&mut record) {
-                Ok(true) => {}
-                Ok(false) => break,
-                Err(error) => {
-                    diagnostics.push(
-                        Diagnostic::error(Code::BadReading, format!("no CSV: {error}")).label(
-                            source.name(),
-                            Span::at(start.min(bytes.len())),
-                            "",
-                        ),
-                    );
-                    break;
-                }
-            }
-            let end = reader.position().byte() as usize;
-            let start = row_start(bytes, start);
-            lines.push(cells(bytes, start..end, delimiter, &record));
-        }
+        let lines = split(&source, delimiter, Some(b'#'), diagnostics);
         let mut lines = lines.into_iter();
         let header = lines.next().unwrap_or_default();
         let mut columns = BTreeMap::new();
@@ -194,6 +167,11 @@ impl Table {
         self.header.iter().map(|cell| cell.text.clone()).collect()
     }
 
+    /// Returns the cells of the header line.
+    pub fn header_cells(&self) -> &[Cell] {
+        &self.header
+    }
+
     /// Returns the column name in the header line that is most similar to `name`, if they differ by only a few letters.
     fn slip(&self, name: &str) -> Option<&str> {
         let long = |cell: &&Cell| cell.text.len() > 2;
@@ -215,7 +193,7 @@ impl Table {
     }
 
     /// Returns the cell of a row in a column; `None` if the row is too short or the cell is empty.
-    pub(crate) fn cell<'a>(&self, row: &'a [Cell], column: usize) -> Option<&'a Cell> {
+    pub fn cell<'a>(&self, row: &'a [Cell], column: usize) -> Option<&'a Cell> {
         row.get(column).filter(|cell| !cell.text.is_empty())
     }
 
@@ -312,10 +290,50 @@ impl Table {
     }
 }
 
+/// Splits a file in UTF-8 into lines of cells. Blank lines are left out, and so are lines that begin with `comment`. A malformed line is
+/// reported and ends the table.
+pub fn split(
+    source: &Source,
+    delimiter: u8,
+    comment: Option<u8>,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<Vec<Cell>> {
+    let bytes = source.bytes();
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(delimiter)
+        .comment(comment)
+        .from_reader(bytes);
+    let mut record = csv::ByteRecord::new();
+    let mut lines = Vec::new();
+    loop {
+        let start = reader.position().byte() as usize;
+        match reader.read_byte_record(&mut record) {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(error) => {
+                diagnostics.push(
+                    Diagnostic::error(Code::BadReading, format!("no CSV: {error}")).label(
+                        source.name(),
+                        Span::at(start.min(bytes.len())),
+                        "",
+                    ),
+                );
+                break;
+            }
+        }
+        let end = reader.position().byte() as usize;
+        let start = row_start(bytes, start, comment);
+        lines.push(cells(bytes, start..end, delimiter, &record));
+    }
+    lines
+}
+
 /// Returns the separator of the cells, judged by the header line: semicolon or tab if it occurs there more often than the comma, otherwise the
 /// comma.
 fn delimiter(bytes: &[u8]) -> u8 {
-    let line = &bytes[row_start(bytes, 0).min(bytes.len())..];
+    let line = &bytes[row_start(bytes, 0, Some(b'#')).min(bytes.len())..];
     let end = memchr::memchr2(b'\n', b'\r', line).unwrap_or(line.len());
     let mut quoted = false;
     let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
@@ -343,12 +361,12 @@ fn decimal(text: &str) -> Option<f64> {
 }
 
 /// Returns the position of the next record at or after `at`, behind comment lines and blank lines.
-fn row_start(bytes: &[u8], mut at: usize) -> usize {
+fn row_start(bytes: &[u8], mut at: usize, comment: Option<u8>) -> usize {
     loop {
         let rest = &bytes[at.min(bytes.len())..];
         match rest.first() {
             Some(b'\n' | b'\r') => at += 1,
-            Some(b'#') => match memchr::memchr(b'\n', rest) {
+            Some(first) if comment == Some(*first) => match memchr::memchr(b'\n', rest) {
                 Some(end) => at += end + 1,
                 None => return bytes.len(),
             },

@@ -9,6 +9,7 @@ mod common;
 mod decks;
 mod expressions;
 mod harness;
+mod laboratories;
 mod mutation;
 mod readers;
 mod results;

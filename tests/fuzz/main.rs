@@ -13,6 +13,7 @@ mod decks;
 mod expressions;
 mod findings;
 mod harness;
+mod laboratories;
 mod mutation;
 mod readers;
 mod results;

@@ -1,11 +1,11 @@
 //! Table of the fuzzed readers by name, for the mutations of `cargo test` and for a coverage-guided fuzzer.
 
-use crate::{decks, expressions, results, studies};
+use crate::{decks, expressions, laboratories, results, studies};
 
 type Reader = fn(&[u8]);
 
 /// Readers by name. Each panics if a checked property is violated.
-const READERS: [(&str, Reader); 17] = [
+const READERS: [(&str, Reader); 19] = [
     ("dataset", decks::deck),
     ("command-file", decks::commands),
     ("property-file", decks::property),
@@ -23,6 +23,8 @@ const READERS: [(&str, Reader); 17] = [
     ("wheel", studies::wheel),
     ("table", studies::table),
     ("kc.toml", studies::settings),
+    ("lab-table", laboratories::table),
+    ("lab-mapping", laboratories::mapping),
 ];
 
 /// Returns the reader with this name.

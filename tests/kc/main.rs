@@ -9,6 +9,7 @@ mod command;
 mod common;
 mod compliance;
 mod friction;
+mod import;
 mod invariance;
 mod patch;
 mod real;

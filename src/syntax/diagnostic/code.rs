@@ -197,6 +197,9 @@ codes! {
     BadReading = "bad-reading",
     /// A CSV file uses decimal commas, or semicolons or tabs between its cells; the message says how the file was read.
     CsvDialect = "csv-dialect",
+    /// A laboratory's table and its mapping do not say what a column holds: its unit, sign or side, or the test of its rows. Nothing is guessed;
+    /// the message shows the lines of the mapping to fill in.
+    UnclearColumn = "unclear-column",
     /// A note on the source of each curve of the `[kc]` table: the column of the rig's file, its unit and its sign.
     KcCurves = "kc-curves",
     /// A note on how many hardpoints and bushings of the subsystem of section `[car]` are in the deck; a warning if no hardpoint is.

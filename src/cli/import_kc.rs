@@ -1,0 +1,255 @@
+use std::io::{BufRead, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use comfy_table::{Table, presets};
+
+use admire_kc::{Side, TestKind};
+use admire_lab::{Block, CurveTable, FileOptions, Mapping, Sheet, blocks, complaints, sheets};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::text::Source;
+
+use super::Outcome;
+use super::shell::{Exit, Shell};
+use super::width::table_text;
+
+/// Import the table of a K&C laboratory: curves for `admire kc --measured` and for a study, and load cases.
+///
+/// Reads CSV with any separator, decimal mark and encoding, and Excel workbooks. A mapping says once what each column holds: characteristic,
+/// unit, sign and side. On a terminal it is asked and written for the next file; elsewhere the proposed mapping goes to standard output,
+/// with a `?` wherever something is to be filled in. No unit and no sign is guessed. Signs, units and all keys are in `admire guide kc`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// Tables of one laboratory; those of the left and of the right wheel may be separate files.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Mapping of the columns; `import-kc.toml` beside the first file if absent. On a terminal it is written if it does not exist.
+    #[arg(long, value_name = "TOML")]
+    map: Option<PathBuf>,
+    /// Table to write; beside the first file, with the ending `-kc.csv`, if absent.
+    #[arg(long, short, value_name = "CSV")]
+    out: Option<PathBuf>,
+    /// Test of the files, if nothing in them names it: one for all files, or one for each.
+    #[arg(long, value_name = "TEST", value_delimiter = ',', value_parser = test)]
+    test: Vec<TestKind>,
+    /// Side of the files, if their columns do not name it: one for all files, or one for each.
+    #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = side)]
+    side: Vec<Side>,
+    /// Replace the table if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+const EXAMPLES: &str = "Examples:
+  admire import-kc rig.csv > import-kc.toml        # what the headings tell; fill in each `?`
+  admire import-kc rig.csv --map import-kc.toml    # writes rig-kc.csv
+  admire import-kc left.xlsx right.xlsx --side left,right --test bounce
+  admire kc front.adm --measured rig-kc.csv        # curves of the deck and of the rig in one report";
+
+fn test(word: &str) -> Result<TestKind, String> {
+    let found = TestKind::ALL.into_iter().find(|kind| kind.name() == word);
+    found.ok_or_else(|| format!("tests are {}", TestKind::ALL.map(TestKind::name).join(", ")))
+}
+
+fn side(word: &str) -> Result<Side, String> {
+    let found = Side::BOTH.into_iter().find(|side| side.word() == word);
+    found.ok_or_else(|| "sides are left, right".to_string())
+}
+
+/// Reads the files, completes the mapping, converts the rows and writes the table.
+pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    let first = &arguments.files[0];
+    for (option, count) in [
+        ("--test", arguments.test.len()),
+        ("--side", arguments.side.len()),
+    ] {
+        if count > 1 && count != arguments.files.len() {
+            let message = format!(
+                "{option} has {count} words for {} files",
+                arguments.files.len()
+            );
+            return Err(shell.usage(Diagnostic::error(Code::BadSetting, message)));
+        }
+    }
+    let out = arguments.out.clone().unwrap_or_else(|| beside(first));
+    let usual = first.with_file_name("import-kc.toml");
+    let target = arguments.map.clone().unwrap_or(usual);
+    let is_terminal = std::io::stdin().is_terminal()
+        && std::io::stdout().is_terminal()
+        && std::io::stderr().is_terminal();
+    // A mapping that is named must exist, unless its questions are asked now.
+    let is_named = arguments.map.is_some() && !is_terminal;
+    let map = (is_named || target.is_file()).then(|| target.clone());
+    let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let mut read = arguments.files.iter().chain(&map);
+    if read.any(|path| place(path) == place(&out)) {
+        let message = format!("`{}` is read: the table needs another name", out.display());
+        return Err(shell.usage(Diagnostic::error(Code::CannotWrite, message)));
+    }
+    if !arguments.force && out.symlink_metadata().is_ok() {
+        let message = format!("nothing is written: `{}` exists already", out.display());
+        let wrong = Diagnostic::error(Code::CannotWrite, message);
+        return Err(
+            shell.fail(wrong.help("name another table by --out, or replace it with --force"))
+        );
+    }
+    let (mapping, source) = match &map {
+        Some(path) => {
+            let source = shell.read(path)?;
+            let read = Mapping::read(&source);
+            shell.complain(&read.diagnostics);
+            let Some(mapping) = read.value else {
+                return Err(Exit::Findings);
+            };
+            shell.say(&format!("mapping: {}\n", path.display()));
+            (Some(mapping), Some(source))
+        }
+        None => (None, None),
+    };
+    let options = mapping
+        .as_ref()
+        .map_or_else(FileOptions::default, |map| map.file.clone());
+    let (sheets, found) = tables(arguments, &options, shell)?;
+    // A shell makes an empty file before `admire import-kc FILE > import-kc.toml` begins.
+    let mapping = mapping.filter(|mapping| !mapping.columns.is_empty());
+    let is_asked = mapping.is_none();
+    let mut mapping = mapping.unwrap_or_else(|| Mapping::proposed(&found, options));
+    let open = mapping.open(&found, &sheets);
+    if is_asked && !open.is_empty() && is_terminal {
+        let mut ask = |question: &str| reply(question, shell);
+        if !mapping.complete(&found, &sheets, &mut ask) {
+            let message = "nothing is imported: a question has no answer";
+            return Err(shell.fail(Diagnostic::error(Code::UnclearColumn, message)));
+        }
+        shell.write(&target, mapping.text(&[]).as_bytes())?;
+        shell.say(&format!(
+            "mapping, for the next file: {}\n",
+            target.display()
+        ));
+    } else if !open.is_empty() || mapping.columns.is_empty() {
+        shell.complain(&complaints(&open, &mapping, &found, &sheets));
+        if mapping.columns.is_empty() {
+            shell.complain(&[nothing_known(&found, &sheets)]);
+        }
+        if is_asked {
+            shell.print(&mapping.text(&open));
+            shell.say("the mapping above, with every ? filled in, goes into a file: --map FILE\n");
+        }
+        return Err(Exit::Findings);
+    }
+    let mut complaints = Vec::new();
+    let table = CurveTable::new(&mapping, source.as_ref(), &found, &sheets, &mut complaints);
+    shell.complain(&complaints);
+    let Some(table) = table else {
+        return Err(Exit::Findings);
+    };
+    shell.write(&out, table.text.as_bytes())?;
+    shell.print(&summary(&table, &out));
+    Ok(Exit::Fine)
+}
+
+/// Returns the path of the table beside the first file.
+fn beside(file: &Path) -> PathBuf {
+    let stem = file
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    file.with_file_name(format!("{stem}-kc.csv"))
+}
+
+/// Reads the sheets of all files and finds their blocks.
+fn tables(
+    arguments: &Arguments,
+    options: &FileOptions,
+    shell: &mut Shell,
+) -> Result<(Vec<Sheet>, Vec<Block>), Exit> {
+    let (mut all, mut found, mut out) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, path) in arguments.files.iter().enumerate() {
+        let source: Source = shell.read(path)?;
+        let read = sheets(&source, options, &mut out).map_err(|wrong| shell.fail(wrong))?;
+        let of = |count: usize| if count > 1 { number } else { 0 };
+        for sheet in read {
+            shell.sources.add(sheet.source.clone());
+            for mut block in blocks(&sheet, all.len(), options, &mut out) {
+                block.test = arguments.test.get(of(arguments.test.len())).copied();
+                block.side = arguments.side.get(of(arguments.side.len())).copied();
+                found.push(block);
+            }
+            all.push(sheet);
+        }
+    }
+    shell.complain(&out);
+    if out.iter().any(|found| found.severity == Severity::Error) {
+        return Err(Exit::Findings);
+    }
+    if found.is_empty() {
+        let message = format!("`{}` has no table of numbers", arguments.files[0].display());
+        let wrong = Diagnostic::error(Code::MissingColumn, message);
+        let help = "two rows of numbers below a line of headings are needed; `[file]` of a mapping names lines and separator";
+        return Err(shell.fail(wrong.help(help)));
+    }
+    Ok((all, found))
+}
+
+/// Returns the complaint that no heading names a known characteristic.
+fn nothing_known(found: &[Block], sheets: &[Sheet]) -> Diagnostic {
+    let names: Vec<String> = found[0]
+        .headings
+        .iter()
+        .map(|heading| heading.written.clone())
+        .collect();
+    let wrong = Diagnostic::error(
+        Code::UnclearColumn,
+        "no heading names a known characteristic",
+    );
+    let wrong = match found[0].headings.first() {
+        Some(first) => wrong.label(sheets[found[0].sheet].source.name(), first.span, ""),
+        None => wrong,
+    };
+    let line = |name: &String| {
+        format!(
+            "\"{}\" = {{ is = \"toe_angle\", side = \"left\", unit = \"deg\", positive = \"in\" }}",
+            name.replace('"', "\\\"")
+        )
+    };
+    let lines: Vec<String> = names.iter().take(1).map(line).collect();
+    wrong.help(format!(
+        "name the columns in a mapping, for example:\n[columns]\n{}",
+        lines.join("\n")
+    ))
+}
+
+/// Asks a question on a line of its own and returns the reply; `None` at the end of input.
+fn reply(question: &str, shell: &Shell) -> Option<String> {
+    shell.say(&format!("{}\n", question.trim_end()));
+    let mut line = String::new();
+    match std::io::stdin().lock().read_line(&mut line) {
+        Ok(count) if count > 0 => Some(line.trim().to_string()),
+        _ => None,
+    }
+}
+
+/// Formats how each column was read, what was left out, and what to do next.
+fn summary(table: &CurveTable, out: &Path) -> String {
+    let mut shown = Table::new();
+    shown.load_style(presets::NOTHING);
+    shown.set_header(["column", "holds", "unit", "counts positive", "side"]);
+    for row in &table.assumed {
+        shown.add_row([&row.column, &row.holds, &row.unit, &row.sign, &row.side]);
+    }
+    let mut text = table_text(&shown);
+    if !table.left_out.is_empty() {
+        text += &format!("left out: {}\n", table.left_out.join(", "));
+    }
+    let counts: Vec<String> = table
+        .counts
+        .iter()
+        .map(|(test, count)| format!("{} {count}", test.name()))
+        .collect();
+    let file = out.display();
+    text += &format!("rows: {}\n{file}\n", counts.join(", "));
+    text += &format!("next: `admire kc DECK --measured {file}`, or in study.toml:\n");
+    let name = out.file_name().unwrap_or_default().to_string_lossy();
+    text + &table.study_lines.replace("FILE\"", &format!("{name}\""))
+}

@@ -1,0 +1,63 @@
+//! What may be missing for a column of a mapping.
+
+use super::characteristic::Target;
+use super::column::Column;
+use super::quantity::Quantity;
+
+/// What is missing for a column.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Missing {
+    /// Its unit, or a unit that fits what it holds.
+    Unit,
+    /// Length over which an angle was measured as a length.
+    OverMm,
+    /// Side of the wheel.
+    Side,
+    /// Direction in which values count positive.
+    Positive,
+    /// Sign of the load in the deck.
+    LoadSign,
+}
+
+impl Missing {
+    /// Returns the words that fill in what is missing for this column.
+    pub(crate) fn wanted(self, column: &Column) -> String {
+        match self {
+            Self::Unit => match column.is {
+                Some(Target::Characteristic(of)) => of.quantity().map_or_else(
+                    || "unit of the steering input".to_string(),
+                    |quantity| format!("unit: {}", quantity.described()),
+                ),
+                _ => {
+                    let all = Quantity::ALL.map(Quantity::described);
+                    format!("unit: {}", all.join("; "))
+                }
+            },
+            Self::OverMm => {
+                "over_mm: length over which the angle was measured, in mm, such as the diameter of the rim"
+                    .to_string()
+            }
+            Self::Side => "side: left or right".to_string(),
+            Self::Positive => match column.is {
+                Some(Target::Characteristic(of)) => {
+                    let words: Vec<&str> = of.senses().iter().map(|(word, _)| *word).collect();
+                    format!("positive: {}", words.join(", "))
+                }
+                _ => String::new(),
+            },
+            Self::LoadSign => "load_sign: + if the deck counts this load as the laboratory does, else -".to_string(),
+        }
+    }
+
+    pub(crate) const fn described(self) -> &'static str {
+        match self {
+            Self::Unit => "the unit of these columns is not clear",
+            Self::OverMm => {
+                "these angles are given as lengths: over which length they were measured is not stated"
+            }
+            Self::Side => "the side of these columns is not clear",
+            Self::Positive => "in which direction these columns count positive is not stated",
+            Self::LoadSign => "the sign of these loads in the deck is not stated",
+        }
+    }
+}
