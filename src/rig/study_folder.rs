@@ -117,6 +117,10 @@ pub(super) fn files(
         let text = written(table, measured, &read.channels);
         files.push((relative(table.source.name()), text.into_bytes()));
     }
+    if let Some(car) = &study.car {
+        let subsystem = car.subsystem.file.source();
+        files.push((relative(subsystem.name()), subsystem.bytes().to_vec()));
+    }
     files.push((
         PathBuf::from("study.toml"),
         without_section(&toml, "reference").into_bytes(),

@@ -59,6 +59,18 @@ fn check_says_what_the_deck_and_the_subsystem_share() {
     );
 }
 
+/// A study that the virtual rig measured has all the files that it names.
+#[test]
+fn a_measured_study_keeps_its_subsystem() {
+    let folder = study(&format!("{CAR}{BUSHINGS}"));
+    let (code, _, errors) = admire(folder.path(), &["rig", ".", "--out", "measured"]);
+    assert_eq!(code, 0, "{errors}");
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("measured/front.sub"), read("front.sub"));
+    let (code, out, errors) = admire(folder.path(), &["check", "measured", "--format", "plain"]);
+    assert_eq!(code, 0, "{out}{errors}");
+}
+
 #[test]
 fn names_that_exist_nowhere_are_refused_at_their_place() {
     for (added, says) in [
