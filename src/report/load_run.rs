@@ -22,8 +22,6 @@ pub(super) struct LoadRun {
 
 /// Readings that tell most of an axle, in the order in which they are shown.
 const FIRST: [&[&str]; 2] = [&["toe", "steer"], &["camber"]];
-/// Ratio of gains from which on another reading replaces toe or camber.
-const FAR_MORE: f64 = 2.0;
 
 impl LoadRun {
     /// Returns the chart of the run. Its y axis says which direction is positive.
@@ -93,31 +91,29 @@ pub(super) fn figures(runs: &[LoadRun]) -> Result<Vec<Figure>, DrawingError> {
     drawn.collect()
 }
 
-/// Chooses the pair of runs that shows best what a fit changes: toe and camber over the load at which the model gains most. Where another
-/// reading gains far more, it takes the place of the one of them that gains less.
+/// Chooses the pair of runs that shows best what a fit changes: toe and camber over the load at which the model gains most on both together, or
+/// else the two runs with the largest gain.
 pub(super) fn telling(runs: &[LoadRun]) -> Vec<LoadRun> {
-    let by_gain = |a: &&LoadRun, b: &&LoadRun| a.gain().total_cmp(&b.gain());
-    let is_of = |names: &[&str], run: &LoadRun| names.contains(&run.what.as_str());
     let known: Vec<&LoadRun> = runs.iter().filter(|run| run.gain().is_finite()).collect();
-    let angles = known.iter().copied();
-    let angles = angles.filter(|run| FIRST.iter().any(|names| is_of(names, run)));
-    let most = known.iter().copied().max_by(by_gain);
-    let Some(best) = angles.max_by(by_gain) else {
-        let mut sorted = known;
-        sorted.sort_by(|a, b| by_gain(b, a));
-        return sorted.into_iter().take(2).cloned().collect();
-    };
-    let mut pair: Vec<&LoadRun> = FIRST
-        .iter()
-        .filter_map(|names| {
+    let pair = |load: &str| -> Vec<&LoadRun> {
+        let of = |names: &&[&str]| {
             let mut own = known.iter().copied();
-            own.find(|run| run.load == best.load && is_of(names, run))
-        })
-        .collect();
-    if let Some(most) = most.filter(|most| most.gain() > FAR_MORE * best.gain()) {
-        pair = vec![most, best];
-    }
-    pair.into_iter().cloned().collect()
+            own.find(|run| run.load == load && names.contains(&run.what.as_str()))
+        };
+        FIRST.iter().filter_map(of).collect()
+    };
+    let pairs = known.iter().map(|run| pair(&run.load));
+    let gain = |pair: &[&LoadRun]| pair.iter().map(|run| run.gain()).sum::<f64>();
+    let best = pairs
+        .filter(|pair| !pair.is_empty())
+        .max_by(|a, b| gain(a).total_cmp(&gain(b)));
+    let chosen = best.unwrap_or_else(|| {
+        let mut sorted = known.clone();
+        sorted.sort_by(|a, b| b.gain().total_cmp(&a.gain()));
+        sorted.truncate(2);
+        sorted
+    });
+    chosen.into_iter().cloned().collect()
 }
 
 /// Returns the positive direction of a reading of a wheel, in words.
@@ -169,13 +165,6 @@ mod tests {
         };
         assert_eq!(names(&runs), ["Toe over Fy", "Camber over Fy"]);
         assert_eq!(names(&runs[..1]), ["Travel over Fz"]);
-        // What a friction does to the travel is seen better there.
-        let stuck = [
-            run("travel", "Fz [N]", 0.9),
-            runs[1].clone(),
-            runs[3].clone(),
-        ];
-        assert_eq!(names(&stuck), ["Travel over Fz", "Camber over Fz"]);
         assert_eq!(runs[1].chart().y, "toe [deg], + toe-in");
     }
 }
