@@ -317,7 +317,7 @@ mod tests {
         let mut near = [of(1.0), of(3.0)];
         Chart::equalise(&mut near);
         assert_eq!(near[0].reach, Some([0.0, 3.0]));
-        assert!(near[0].svg().unwrap().contains("data-y=\"-0.15"));
+        assert!(near[0].svg().unwrap().contains("data-y=\"-1.5"));
         let mut far = [of(1.0), of(30.0)];
         Chart::equalise(&mut far);
         assert_eq!(far[0].reach, None);
