@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
-use admire_report::Plausibility;
+use crate::front::check_page::{Checked, CheckedStudy, check_page};
+use admire_report::{Plausibility, Scene};
 use admire_session::check;
 use admire_session::check::is_command_file;
 use admire_study::{Study, missing};
@@ -14,6 +15,8 @@ use super::Outcome;
 use super::check_settings::{AllSettings, Flags};
 use super::input::read_study;
 use super::inputs::files_of;
+use super::opening::Opening;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility;
 use super::shell::{Exit, Shell, exit_of};
 
@@ -42,8 +45,15 @@ pub(super) struct Arguments {
     /// patterns: `runs/*.adm`.
     #[arg(required = true)]
     files: Vec<PathBuf>,
+    /// Folder for the page `report.html`; no page is written if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     flags: Flags,
+    #[command(flatten)]
+    opening: Opening,
+    #[command(flatten)]
+    replacing: Replacing,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -51,10 +61,14 @@ const EXAMPLES: &str = "Examples:
   admire check models --for adams --strict
   admire check models --select undefined-id,duplicate-id --quiet
   admire check models --format sarif > admire.sarif
-  admire check models --format github";
+  admire check models --format github
+  admire check my-axle --out pages --open";
 
 /// Checks all files and prints the diagnostics.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    if let Some(out) = &arguments.out {
+        refuse_replacing(out, &["report.html"], arguments.replacing, shell)?;
+    }
     let mut found: Vec<Diagnostic> = Vec::new();
     let mut unread = false;
     let mut all = AllSettings::new(&arguments.flags);
@@ -81,14 +95,17 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         found.extend(shown);
         strict |= settings.strict && found[before..].iter().any(|d| d.severity > Severity::Note);
     }
-    let (mut tables, mut steps) = (Vec::new(), Vec::new());
+    let (mut studies, mut steps) = (Vec::new(), Vec::new());
     for folder in &arguments.files {
         if !folder.join("study.toml").is_file() {
             continue;
         }
         let read = read_study(folder, shell);
         match &read.value {
-            Some(loaded) => tables.push(Plausibility::of(loaded)),
+            Some(loaded) => studies.push(CheckedStudy {
+                table: Plausibility::of(loaded),
+                scene: Scene::of_study(loaded),
+            }),
             None => steps.extend(Study::read(folder).value.iter().flat_map(missing)),
         }
         // The diagnostics of the deck itself were printed above, or are not to be shown.
@@ -114,8 +131,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         checked += 1;
     }
     shell.findings(&found);
-    for table in &tables {
-        shell.say(&plausibility::text(table));
+    for study in &studies {
+        shell.say(&plausibility::text(&study.table));
     }
     if !steps.is_empty() {
         shell.say("still to fill in, in this order:\n");
@@ -126,7 +143,22 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if checked > 1 {
         shell.say(&counted(checked, &found));
     }
-    if tables.iter().any(|table| !table.allows_a_fit()) || !steps.is_empty() {
+    if let Some(out) = &arguments.out {
+        let page = check_page(&Checked {
+            files: &arguments.files,
+            found: &found,
+            sources: &shell.sources,
+            studies: &studies,
+            steps: &steps,
+        });
+        let files = [(PathBuf::from("report.html"), page.into_bytes())];
+        write_folder(out, &files, arguments.replacing, shell)?;
+        let report = out.join("report.html");
+        shell.say(&format!("report: {}\n", report.display()));
+        arguments.opening.open(&report, shell);
+    }
+    let allow_fits = studies.iter().all(|study| study.table.allows_a_fit());
+    if !allow_fits || !steps.is_empty() {
         return Err(Exit::Findings);
     }
     if unread || strict {

@@ -2,10 +2,13 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use crate::front::compare_page::compare_page;
 use admire_results::{Comparison, DifferenceFloor, Tolerance, compare_above};
 
 use super::Outcome;
 use super::format::Format;
+use super::opening::Opening;
+use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::results_file::{open, open_silently, refused};
 use super::shell::{Exit, Shell};
 use super::tolerance::tolerance;
@@ -16,7 +19,9 @@ use super::tolerance::tolerance;
 /// 1e-12 of the largest value in that unit in both files; for a torque, also of the largest force times the largest length. The exit code is 1 if two values differ by more, or if
 /// a column or a step is in only one of the files.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "Examples:\n  admire compare before.res after.res")]
+#[command(
+    after_help = "Examples:\n  admire compare before.res after.res\n  admire compare before.res after.res --out difference --open"
+)]
 pub(super) struct Arguments {
     /// First results file.
     a: PathBuf,
@@ -34,10 +39,20 @@ pub(super) struct Arguments {
     /// Show all columns, not only those that differ.
     #[arg(long)]
     all: bool,
+    /// Folder for the page `report.html`; no page is written if absent.
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    opening: Opening,
+    #[command(flatten)]
+    replacing: Replacing,
 }
 
 /// Compares the files and prints the differences.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    if let Some(out) = &arguments.out {
+        refuse_replacing(out, &["report.html"], arguments.replacing, shell)?;
+    }
     let mut floor = DifferenceFloor::new(arguments.floor);
     if arguments.floor > 0.0 {
         for path in [&arguments.a, &arguments.b] {
@@ -63,6 +78,18 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         _ => table(&comparison, arguments.all),
     };
     shell.tell(&text);
+    if let Some(out) = &arguments.out {
+        let page = compare_page([&arguments.a, &arguments.b], &comparison);
+        let page = page.map_err(|error| {
+            shell.say(&format!("{error}\n"));
+            Exit::Findings
+        })?;
+        let files = [(PathBuf::from("report.html"), page.into_bytes())];
+        write_folder(out, &files, arguments.replacing, shell)?;
+        let report = out.join("report.html");
+        shell.say(&format!("report: {}\n", report.display()));
+        arguments.opening.open(&report, shell);
+    }
     Ok(if comparison.agrees() {
         Exit::Fine
     } else {

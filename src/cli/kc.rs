@@ -163,8 +163,9 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         kc_page(
             &KcDeck {
                 path: &arguments.deck,
-                bytes: deck.dataset.bytes(),
-                units: &units,
+                dataset: &deck.dataset,
+                files: &deck.files,
+                model: &deck.model,
             },
             &config,
             &found,

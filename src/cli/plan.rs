@@ -2,8 +2,9 @@ use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
+use crate::front::plan_page::{LITTLE, fall, name, percent, plan_page, without_loads};
 use crate::front::{foreign_parts, suggested};
-use admire_design::{Aim, Combination, Plan, Ranked, Undecided, plan};
+use admire_design::{Aim, Combination, Plan, Ranked, plan};
 use admire_diagnosis::Progress as Watched;
 use admire_diagnosis::study_fit::{no_wheel, nothing_to_identify};
 use admire_identify::estimate_noise;
@@ -12,6 +13,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use super::Outcome;
 use super::format::Format;
 use super::input::study;
+use super::opening::Opening;
 use super::output_folder::{Forced, refuse_replacing, write_folder};
 use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
@@ -23,7 +25,7 @@ use super::width::{hanging, table_text};
 /// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells, as far as `[plan] available` of the study
 /// lists them. For each, it computes the effect on
 /// the worst-determined stiffnesses, on the predicted wheel, and on causes between which the readings do not decide. With --out it writes
-/// `plan.json`, and `suggested.csv` with load cases to append to the study's own file.
+/// `plan.json`, `report.html`, and `suggested.csv` with load cases to append to the study's own file.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire plan corpus/pseudo-mcpherson --for stiffnesses\n  admire plan my-axle --count 5 --out next\n  tail -n +2 next/suggested.csv | head -1 >> my-axle/load_cases.csv"
@@ -31,7 +33,7 @@ use super::width::{hanging, table_text};
 pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
-    /// Folder for `plan.json` and `suggested.csv`; nothing is written if absent.
+    /// Folder for `plan.json`, `suggested.csv` and `report.html`; nothing is written if absent.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Purpose of the measurement; all three if absent, which takes as long as a diagnosis.
@@ -40,6 +42,8 @@ pub(super) struct Arguments {
     /// Number of candidates shown.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
     count: u16,
+    #[command(flatten)]
+    opening: Opening,
     #[command(flatten)]
     forced: Forced,
 }
@@ -56,10 +60,8 @@ enum AimChoice {
 }
 
 /// Names of the output files.
-const OUTPUTS: [&str; 2] = ["plan.json", "suggested.csv"];
+const OUTPUTS: [&str; 3] = ["plan.json", "suggested.csv", "report.html"];
 
-/// Smallest increase of a probability that counts as a gain.
-const LITTLE: f64 = 0.005;
 /// Smallest decrease of a standard deviation, in percent, that counts as a gain.
 const NOTHING: f64 = 0.1;
 /// Largest number of impossible measurements that are named.
@@ -112,13 +114,16 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let count = usize::from(arguments.count);
     if let Some(out) = &arguments.out {
-        let texts = [found.to_json(), suggested(&loaded, &found, count)];
+        let page = plan_page(&loaded, &found, count);
+        let texts = [found.to_json(), suggested(&loaded, &found, count), page];
         let files: Vec<(PathBuf, Vec<u8>)> = OUTPUTS
             .map(PathBuf::from)
             .into_iter()
             .zip(texts.map(String::into_bytes))
             .collect();
         write_folder(out, &files, arguments.forced.replacing(), shell)?;
+        shell.say(&format!("report: {}\n", out.join("report.html").display()));
+        arguments.opening.open(&out.join("report.html"), shell);
     }
     if shell.format == Format::Json {
         shell.print(&found.to_json());
@@ -186,61 +191,6 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
         );
     }
     text
-}
-
-/// Says that no available load separates two explanations, and what would.
-fn without_loads(undecided: &Undecided) -> String {
-    let all = undecided.would_separate.iter().map(ToString::to_string);
-    let all: Vec<String> = all.collect();
-    let would = if all.is_empty() {
-        "no mark, curve or load cell would, either".to_string()
-    } else {
-        format!("would: {}", all.join("; "))
-    };
-    format!(
-        "no load in the range separates them (chi-square {:.1} at most); {would}",
-        undecided.by_loads
-    )
-}
-
-/// Formats a combination of stiffnesses, such as `BUSHING/1.KT.3 - 0.5 BUSHING/2.K.1`. The shares are relative to the largest share.
-fn name(combination: &Combination) -> String {
-    let mut shares: Vec<(&String, f64)> = combination
-        .combination
-        .iter()
-        .map(|(address, share)| (address, *share))
-        .collect();
-    shares.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-    let largest = shares.first().map_or(1.0, |(_, share)| *share);
-    let mut text = String::new();
-    for (address, share) in shares {
-        let part = share / largest;
-        let sign = match (part < 0.0, text.is_empty()) {
-            (_, true) => "",
-            (true, false) => " - ",
-            (false, false) => " + ",
-        };
-        text += sign;
-        if part.abs() < 0.995 {
-            text += &format!("{:.2} ", part.abs());
-        }
-        text += address;
-    }
-    text
-}
-
-/// Formats a percentage with one decimal. A value that rounds to zero is printed without a sign.
-fn percent(value: f64) -> String {
-    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
-}
-
-/// Returns the relative decrease of a standard deviation in percent.
-fn fall(before: f64, after: f64) -> f64 {
-    if before > 0.0 {
-        100.0 * (1.0 - after / before)
-    } else {
-        0.0
-    }
 }
 
 fn table(found: &Plan, count: usize) -> String {

@@ -203,17 +203,16 @@ fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<Stri
         columns.len() - usize::from(time.is_some()),
         rows.len()
     );
-    let mut page = Page::new(&name, &lead);
+    let mut page = Page::new("Results", &name, &lead);
     let mut figures = Vec::new();
     for (unit, all) in groups {
-        let series = all.iter().map(|&at| Series {
-            name: columns[at].path.clone(),
-            points: rows
+        let series = all.iter().map(|&at| {
+            let points = rows
                 .iter()
                 .enumerate()
                 .map(|(k, row)| (time.map_or(k as f64, |time| row[time]), row[at]))
-                .collect(),
-            mark: SeriesStyle::Line,
+                .collect();
+            Series::new(&columns[at].path, SeriesStyle::Line, points)
         });
         let series: Vec<Series> = series.collect();
         let title = match series.as_slice() {
@@ -226,8 +225,7 @@ fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<Stri
             x: x.clone(),
             y: unit,
             series,
-            log_y: false,
-            level: None,
+            ..Chart::default()
         };
         figures.push(Figure::chart(&chart, "")?);
     }

@@ -102,8 +102,9 @@ impl Deck {
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
         let deck = KcDeck {
             path: Path::new(self.name()),
-            bytes: self.bytes(),
-            units: &units,
+            dataset: self.dataset(),
+            files: &files,
+            model: &model,
         };
         let html =
             kc_page(&deck, &config, &found, &others, &curves, convention).map_err(|error| {

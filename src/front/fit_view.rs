@@ -19,12 +19,12 @@ pub(crate) fn positions(
     }
     let problem = loaded.problem();
     let wanted = [
-        ("initial", Role::Initial, problem.initial()),
-        ("identified", Role::Fitted, fit.values()),
+        (Role::Given, problem.initial()),
+        (Role::Identified, fit.values()),
     ];
-    let solved = wanted.into_iter().filter_map(|(name, role, values)| {
+    let solved = wanted.into_iter().filter_map(|(role, values)| {
         let sweep = problem.sweep(backend, &values).ok()?;
-        Some(Positions::of(name, role, &sweep))
+        Some(Positions::of(role, &sweep))
     });
     solved.collect()
 }

@@ -2,20 +2,38 @@ use std::path::Path;
 
 use serde_json::json;
 
-use admire_kc::{Config, Convention, KcRun, output};
-use admire_report::{DrawingError, KcReport, MeasuredCurve};
+use admire_kc::{Bench, Config, Convention, KcRun, output};
+use admire_report::{DrawingError, KcReport, MeasuredCurve, Scene};
 use admire_results::Timestamp;
+use admire_solver::model::Model;
 use admire_study::digest;
-use admire_syntax::units::Units;
+use admire_syntax::Dataset;
+use admire_syntax::files::Files;
 
 /// Deck of a report of K&C tests.
 pub(crate) struct KcDeck<'a> {
     /// Path of the dataset.
     pub path: &'a Path,
-    /// Bytes of the dataset.
-    pub bytes: &'a [u8],
-    /// Units of the dataset.
-    pub units: &'a Units,
+    /// The dataset.
+    pub dataset: &'a Dataset,
+    /// Files that the dataset names.
+    pub files: &'a Files,
+    /// Model of the dataset.
+    pub model: &'a Model,
+}
+
+/// Returns the three-dimensional view of the axle with its wheels. `None` if the wheels of the configuration are not in the deck.
+fn scene(deck: &KcDeck<'_>, config: &Config) -> Option<Scene> {
+    let bench = Bench::new(config, deck.dataset, deck.files, deck.model).ok()?;
+    let mut scene = Scene::of(deck.model, Some(deck.dataset));
+    // The front view looks rearward, which is X of Adams/Car.
+    scene.along = config.frame.from_deck.row(0).transpose().into();
+    let radius = config.tyre.map(|tyre| tyre.radius);
+    for wheel in &bench.wheels {
+        let metre = 1.0 / deck.model.units.length.si;
+        scene.add_wheel(wheel.part, &wheel.local, radius, metre);
+    }
+    Some(scene)
 }
 
 /// Creates the report of K&C tests, with the tests of other decks and measured curves for comparison.
@@ -27,7 +45,7 @@ pub(crate) fn kc_page(
     curves: &[MeasuredCurve],
     convention: Convention,
 ) -> Result<String, DrawingError> {
-    let units = deck.units;
+    let units = &deck.model.units;
     let name = deck
         .path
         .file_name()
@@ -123,11 +141,17 @@ pub(crate) fn kc_page(
         ("Made by", format!("admire {}", admire_report::VERSION)),
         (
             "Inputs",
-            format!("SHA-256 {}", digest([deck.bytes, config.source.bytes()])),
+            format!("SHA-256 {}", digest([deck.dataset.bytes(), config.source.bytes()])),
         ),
     ];
+    let scene = scene(deck, config);
+    let title = match deck.model.title.trim() {
+        "" => name.as_str(),
+        title => title,
+    };
     let report = KcReport {
-        deck: &name,
+        title,
+        scene: scene.as_ref(),
         run: found,
         others,
         measured: curves,

@@ -7,7 +7,11 @@ mod assignment;
 mod axle;
 #[cfg(feature = "report")]
 pub(crate) mod car_files;
+#[cfg(feature = "report")]
+pub(crate) mod check_page;
 mod commands;
+#[cfg(feature = "report")]
+pub(crate) mod compare_page;
 mod deck;
 mod deck_edits;
 mod error;
@@ -21,6 +25,8 @@ mod kc_measured;
 mod kc_page;
 pub(crate) mod permissions;
 mod persist;
+#[cfg(feature = "report")]
+pub(crate) mod plan_page;
 mod results;
 mod run;
 mod sensitivity;

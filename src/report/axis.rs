@@ -78,6 +78,11 @@ impl Axis {
         }
     }
 
+    /// Returns both ends as text, followed by 1 if the axis is logarithmic and by 0 otherwise.
+    pub(crate) fn ends(&self) -> String {
+        format!("{:e} {:e} {}", self.low, self.high, u8::from(self.log))
+    }
+
     /// Returns the position of a value as a fraction of the axis, from 0 to 1. Returns `None` if the value cannot be drawn.
     pub(crate) fn share(&self, value: f64) -> Option<f64> {
         let share = if self.log {
@@ -86,6 +91,15 @@ impl Axis {
             (value - self.low) / (self.high - self.low)
         };
         share.is_finite().then_some(share)
+    }
+}
+
+/// Returns the label of an axis: the quantity with its unit in brackets, such as `toe [deg]`. A name that states its unit stays as it is.
+pub fn axis_label(name: &str, unit: &str) -> String {
+    if unit.is_empty() || name.ends_with([']', ')']) {
+        name.to_string()
+    } else {
+        format!("{name} [{unit}]")
     }
 }
 

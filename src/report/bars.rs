@@ -19,9 +19,9 @@ pub struct Bars {
 /// Width of the chart and height of one bar with its margin, in pixels.
 const SIZE: (f64, f64) = (560.0, 26.0);
 /// Margins in pixels: left (for the names), right, top, and bottom (for the axis).
-const ROOM: [f64; 4] = [170.0, 14.0, 8.0, 46.0];
+const ROOM: [f64; 4] = [196.0, 14.0, 8.0, 46.0];
 /// Maximum number of characters shown of a bar's name.
-const LETTERS: usize = 24;
+const LETTERS: usize = 29;
 
 impl Bars {
     /// Draws the chart as an `<svg>` element. The page's style sheet defines the colours.

@@ -2,34 +2,12 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::axis::{Axis, short};
+use super::legend::Legend;
+use super::series::{Series, SeriesStyle};
 use super::{DrawingError, escape};
 
-/// Drawing style of a series.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum SeriesStyle {
-    /// A line through the points.
-    Line,
-    /// A dashed line.
-    Dashed,
-    /// Points only.
-    Points,
-    /// A line with its points.
-    LinePoints,
-}
-
-/// Series of a chart: a curve or a point cloud.
-#[derive(Clone, Debug)]
-pub struct Series {
-    /// Name of the series in the legend.
-    pub name: String,
-    /// Points as pairs of x and y. Points that are not finite are omitted.
-    pub points: Vec<(f64, f64)>,
-    /// Drawing style of the series.
-    pub mark: SeriesStyle,
-}
-
 /// Chart of several series over two axes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Chart {
     /// Title of the chart.
     pub title: String,
@@ -43,79 +21,85 @@ pub struct Chart {
     pub log_y: bool,
     /// Position of a horizontal reference line on the y axis.
     pub level: Option<f64>,
+    /// Values that the y axis covers besides those of the series, as for a scale shared with other charts.
+    pub reach: Option<[f64; 2]>,
 }
 
 /// Width and height of a chart in pixels. Two charts fit side by side on a screen, and the text stays readable on a narrow screen.
-const SIZE: (f64, f64) = (560.0, 340.0);
+const SIZE: (f64, f64) = (560.0, 330.0);
 /// Margins around the plot in pixels: left, right, top, bottom.
-const ROOM: [f64; 4] = [66.0, 14.0, 12.0, 46.0];
-const LEGEND_ROW: f64 = 18.0;
+const ROOM: [f64; 4] = [66.0, 14.0, 10.0, 46.0];
 /// Number of colours in the style sheet; further series repeat the colours with dashes.
 const COLOURS: usize = 8;
-/// Colour classes of series with a fixed role, by the name of the series. A role has the same colour in all charts, tables and views of a
-/// page.
-const ROLES: [(&str, &str); 8] = [
-    ("measured", MEASURED),
-    ("as read", MEASURED),
-    ("initial", INITIAL),
-    ("as the model was", INITIAL),
-    ("identified", "s-fitted"),
-    ("as it is extended", EXTENDED),
-    ("two standard errors above", "s1"),
-    ("two standard errors below", "s1"),
-];
-const MEASURED: &str = "s-measured";
-/// Colour class of the original model, before a fit or an extension.
-pub(super) const INITIAL: &str = "s-initial";
-/// Colour class of the extended model.
-pub(super) const EXTENDED: &str = "s-extended";
+/// Largest ratio of the ranges of two charts that still share a scale. Beyond it the flatter chart would show nothing.
+const MAX_RATIO: f64 = 8.0;
 
 impl Chart {
-    /// Draws the chart as an `<svg>` element. The page's style sheet defines the colours. The legend below the plot shows each name beside a
-    /// sample of its line.
+    /// Gives charts with equal y labels one scale, unless one of them would then be flat.
+    pub(crate) fn equalise(charts: &mut [Self]) {
+        let ranges: Vec<Option<[f64; 2]>> = charts.iter().map(Self::range).collect();
+        let scales: Vec<Option<[f64; 2]>> = charts
+            .iter()
+            .map(|chart| {
+                let same = charts.iter().zip(&ranges);
+                let same = same.filter(|(other, _)| other.y == chart.y && !other.log_y);
+                let same: Vec<[f64; 2]> = same.filter_map(|(_, range)| *range).collect();
+                let width = |[low, high]: [f64; 2]| high - low;
+                let least = same.iter().map(|r| width(*r)).fold(f64::INFINITY, f64::min);
+                let all = same
+                    .into_iter()
+                    .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+                (width(all) <= MAX_RATIO * least).then_some(all)
+            })
+            .collect();
+        for (chart, scale) in charts.iter_mut().zip(scales) {
+            chart.reach = scale;
+        }
+    }
+
+    /// Returns the least and the largest y value. `None` without values.
+    fn range(&self) -> Option<[f64; 2]> {
+        let all = self.series.iter().flat_map(|series| &series.points);
+        let all = all.map(|point| point.1).filter(|y| y.is_finite());
+        all.map(|y| [y, y])
+            .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
+    /// Draws the chart as an `<svg>` element. The page's style sheet defines the colours, and its script reads the scales from the element.
     ///
     /// # Errors
     /// None at present. The return type is shared with pictures that may fail.
     pub(crate) fn svg(&self) -> Result<String, DrawingError> {
-        self.svg_in(&[])
-    }
-
-    /// Draws the chart as an `<svg>` element in given colours. `colours` holds colour indices of the style sheet, counted from 1, for the
-    /// first series. The other series take the colour of their position in the chart.
-    ///
-    /// # Errors
-    /// The same as [`Self::svg`].
-    pub(crate) fn svg_in(&self, colours: &[usize]) -> Result<String, DrawingError> {
-        let class = |name: &str, k: usize, mark: SeriesStyle| match colours.get(k) {
-            Some(colour) => format!("s{colour}{}", dashed(mark == SeriesStyle::Dashed)),
-            None => class(name, k, mark),
-        };
         let points = || self.series.iter().flat_map(|series| series.points.iter());
         let usable =
             |(x, y): &&(f64, f64)| x.is_finite() && y.is_finite() && (!self.log_y || *y > 0.0);
         let level = self.level.filter(|level| !self.log_y || *level > 0.0);
         let x = Axis::over(points().filter(usable).map(|p| p.0), false, 6);
+        let ys = points().filter(usable).map(|p| p.1);
         let y = Axis::over(
-            points().filter(usable).map(|p| p.1).chain(level),
+            ys.chain(level).chain(self.reach.into_iter().flatten()),
             self.log_y,
             5,
         );
-        let (rows, legend) = self.legend(&class);
-        let height = SIZE.1 + rows as f64 * LEGEND_ROW;
         let [left, right, top, bottom] = ROOM;
         let (wide, tall) = (SIZE.0 - left - right, SIZE.1 - top - bottom);
         let px = |value: f64| x.share(value).map(|share| left + share * wide);
         let py = |value: f64| y.share(value).map(|share| top + (1.0 - share) * tall);
+        let (x0, x1, y0, y1) = (left, left + wide, top + tall, top);
         let mut out = format!(
-            "<svg class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\">\n",
+            "<svg class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {}\" width=\"{}\" height=\"{}\" data-plot=\"{x0} {x1} {y1} {y0}\" \
+             data-x=\"{}\" data-y=\"{}\">\n<g class=\"ticks\">",
             escape(&self.described()),
             SIZE.0,
-            SIZE.0
+            SIZE.1,
+            SIZE.0,
+            SIZE.1,
+            x.ends(),
+            y.ends()
         );
         let mut push = |text: std::fmt::Arguments<'_>| {
             out.write_fmt(text).expect("a String takes all");
         };
-        let (x0, x1, y0, y1) = (left, left + wide, top + tall, top);
         for tick in &x.ticks {
             let Some(at) = px(*tick) else { continue };
             push(format_args!(
@@ -134,11 +118,11 @@ impl Chart {
             ));
         }
         push(format_args!(
-            "<path class=\"axis\" d=\"M{x0} {y1}V{y0}H{x1}\"/>\n\
+            "</g>\n<path class=\"axis\" d=\"M{x0} {y1}V{y0}H{x1}\"/>\n\
              <text class=\"name\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n\
-             <text class=\"name\" transform=\"translate(14 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+             <text class=\"name\" transform=\"translate(14 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n<g class=\"plot\">",
             left + wide / 2.0,
-            SIZE.1 - 10.0,
+            SIZE.1 - 8.0,
             escape(&self.x),
             top + tall / 2.0,
             escape(&self.y)
@@ -155,8 +139,7 @@ impl Chart {
                 .filter(usable)
                 .filter_map(|p| Some((px(p.0)?, py(p.1)?)))
                 .collect();
-            let class = class(&series.name, k, series.mark);
-            push(format_args!("<g class=\"{class}\">"));
+            push(format_args!("<g class=\"{}\">", class(series, k)));
             if series.mark != SeriesStyle::Points && spots.len() > 1 {
                 push(format_args!(
                     "<path class=\"line\" d=\"{}\"/>",
@@ -172,7 +155,7 @@ impl Chart {
             }
             push(format_args!("</g>\n"));
         }
-        push(format_args!("{legend}</svg>"));
+        push(format_args!("</g>\n</svg>"));
         Ok(out)
     }
 
@@ -192,38 +175,12 @@ impl Chart {
         )
     }
 
-    /// Draws the legend. Returns the number of its rows, and the SVG text with each name beside a sample of its line or symbol.
-    fn legend(&self, class: &dyn Fn(&str, usize, SeriesStyle) -> String) -> (usize, String) {
-        if self.series.len() < 2 {
-            return (0, String::new());
-        }
-        let longest = self
-            .series
-            .iter()
-            .map(|s| s.name.chars().count())
-            .max()
-            .unwrap_or(0);
-        // Eight pixels per letter suffice for most sans-serif fonts of this size, even for the larger font of narrow windows.
-        let column = 44.0 + 8.0 * longest as f64;
-        let columns = (((SIZE.0 - 20.0) / column) as usize).max(1);
-        let mut out = String::new();
-        for (k, series) in self.series.iter().enumerate() {
-            let x = 20.0 + (k % columns) as f64 * column;
-            let y = SIZE.1 + (k / columns) as f64 * LEGEND_ROW + 6.0;
-            let class = class(&series.name, k, series.mark);
-            write!(out, "<g class=\"{class}\">").expect("a String takes all");
-            if series.mark != SeriesStyle::Points {
-                write!(out, "<path class=\"line\" d=\"M{x} {y}h26\"/>")
-                    .expect("a String takes all");
-            }
-            if matches!(series.mark, SeriesStyle::Points | SeriesStyle::LinePoints) {
-                out.push_str(&symbol(k, (x + 13.0, y)));
-            }
-            let (tx, ty, name) = (x + 32.0, y + 4.0, escape(&series.name));
-            writeln!(out, "<text x=\"{tx}\" y=\"{ty}\">{name}</text></g>")
-                .expect("a String takes all");
-        }
-        (self.series.len().div_ceil(columns), out)
+    /// Returns the legend of the chart: each name beside a sample of its line or symbol.
+    pub(crate) fn legend(&self) -> Legend {
+        Legend::of(self.series.iter().enumerate().map(|(k, series)| {
+            let sign = move |at| symbol(k, at);
+            (class(series, k), series.mark, sign, series.name.as_str())
+        }))
     }
 
     /// Returns the data of the chart as CSV, one line per point.
@@ -262,36 +219,35 @@ fn path(spots: &[(f64, f64)]) -> String {
     out
 }
 
-fn dashed(is: bool) -> &'static str {
-    if is { " dashed" } else { "" }
-}
-
-fn class(name: &str, k: usize, mark: SeriesStyle) -> String {
-    let own = name.split(',').next().unwrap_or_default();
-    let role = ROLES.iter().find(|(name, _)| *name == own);
-    let dash = dashed(mark == SeriesStyle::Dashed || (k >= COLOURS && role.is_none()));
-    match role {
-        Some((_, class)) => format!("{class}{dash}"),
+/// Returns the colour class of a series.
+fn class(series: &Series, k: usize) -> String {
+    let is_dashed = series.mark == SeriesStyle::Dashed || (k >= COLOURS && series.role.is_none());
+    let dash = if is_dashed { " dashed" } else { "" };
+    match series.role {
+        Some(role) => format!("{}{dash}", role.class()),
         None => format!("s{}{dash}", 1 + k % COLOURS),
     }
 }
 
 /// Draws a point of series `k`: a circle, square, triangle or diamond, so that point clouds differ in more than colour.
 fn symbol(k: usize, (x, y): (f64, f64)) -> String {
-    match k % 4 {
-        0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.2\"/>"),
-        1 => format!("<path d=\"M{:.1} {:.1}h5.6v5.6h-5.6z\"/>", x - 2.8, y - 2.8),
-        2 => format!("<path d=\"M{x:.1} {:.1}l3.6 6.2h-7.2z\"/>", y - 3.8),
-        _ => format!(
-            "<path d=\"M{x:.1} {:.1}l3.8 3.8l-3.8 3.8l-3.8 -3.8z\"/>",
-            y - 3.8
-        ),
-    }
+    let shape = match k % 4 {
+        0 => {
+            return format!(
+                "<circle class=\"dot\" transform=\"translate({x:.1} {y:.1})\" r=\"3.2\"/>"
+            );
+        }
+        1 => "M-2.8 -2.8h5.6v5.6h-5.6z",
+        2 => "M0 -3.8l3.6 6.2h-7.2z",
+        _ => "M0 -3.8l3.8 3.8l-3.8 3.8l-3.8 -3.8z",
+    };
+    format!("<path class=\"dot\" transform=\"translate({x:.1} {y:.1})\" d=\"{shape}\"/>")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Role;
 
     fn chart(log_y: bool, points: Vec<(f64, f64)>) -> Chart {
         Chart {
@@ -299,19 +255,12 @@ mod tests {
             x: "iteration".to_string(),
             y: "K / K_ref".to_string(),
             series: vec![
-                Series {
-                    name: "Kx <1>".to_string(),
-                    points,
-                    mark: SeriesStyle::LinePoints,
-                },
-                Series {
-                    name: "Ky".to_string(),
-                    points: vec![(0.0, 2.0), (1.0, 1.0)],
-                    mark: SeriesStyle::Dashed,
-                },
+                Series::new("Kx <1>", SeriesStyle::LinePoints, points),
+                Series::new("Ky", SeriesStyle::Dashed, vec![(0.0, 2.0), (1.0, 1.0)]),
             ],
             log_y,
             level: Some(1.0),
+            reach: None,
         }
     }
 
@@ -322,8 +271,7 @@ mod tests {
         assert!(svg.starts_with("<svg"));
         assert!(svg.contains("a &lt;b&gt; &amp; c") && svg.contains("Kx &lt;1&gt;"));
         assert!(!svg.contains("NaN"));
-        let dots = svg.matches("<circle").count();
-        assert_eq!(dots, 3, "two points and one in the legend");
+        assert_eq!(svg.matches("<circle").count(), 2);
         assert!(
             chart
                 .csv()
@@ -333,35 +281,46 @@ mod tests {
 
     #[test]
     fn the_legend_shows_each_line_as_it_is_drawn() {
-        let svg = chart(false, vec![(0.0, 0.5), (1.0, 0.9)]).svg().unwrap();
-        // Each series has its class twice: in the plot and in the legend.
-        assert_eq!(svg.matches("class=\"s2 dashed\"").count(), 2);
-        assert_eq!(svg.matches("class=\"s1\"").count(), 2);
+        let chart = chart(false, vec![(0.0, 0.5), (1.0, 0.9)]);
+        for text in [chart.svg().unwrap(), chart.legend().html()] {
+            assert_eq!(text.matches("class=\"s2 dashed\"").count(), 1);
+            assert_eq!(text.matches("class=\"s1\"").count(), 1);
+        }
     }
 
     #[test]
     fn a_role_has_one_colour_wherever_its_series_stands() {
-        let named = |name: &str, mark| Series {
-            name: name.to_string(),
-            points: vec![(0.0, 1.0), (1.0, 2.0)],
-            mark,
-        };
+        let points = || vec![(0.0, 1.0), (1.0, 2.0)];
         let drawn = |series: Vec<Series>| {
-            let svg = Chart {
+            let chart = Chart {
                 series,
                 ..chart(false, vec![])
-            }
-            .svg()
-            .unwrap();
-            svg.matches("class=\"s-initial").count()
+            };
+            chart.svg().unwrap().matches("class=\"s-given").count()
         };
         let (read, was) = (
-            named("as read", SeriesStyle::Points),
-            named("as the model was", SeriesStyle::Dashed),
+            Series::of(Role::Measured, points()),
+            Series::of(Role::Given, points()),
         );
-        assert_eq!(drawn(vec![read, was.clone()]), 2, "curve and legend");
-        let unseen = named("initial, cases no fit saw", SeriesStyle::Points);
-        assert_eq!(drawn(vec![was, unseen]), 4);
+        assert_eq!(drawn(vec![read.clone(), was.clone()]), 1);
+        assert_eq!(drawn(vec![was, read]), 1);
+    }
+
+    /// Toe over two loads is drawn to one scale, as long as both can be seen.
+    #[test]
+    fn charts_of_one_quantity_share_their_scale() {
+        let of = |most: f64| Chart {
+            y: "toe [deg]".to_string(),
+            series: vec![Series::of(Role::Measured, vec![(0.0, 0.0), (1.0, most)])],
+            ..Chart::default()
+        };
+        let mut near = [of(1.0), of(3.0)];
+        Chart::equalise(&mut near);
+        assert_eq!(near[0].reach, Some([0.0, 3.0]));
+        assert!(near[0].svg().unwrap().contains("data-y=\"-1.5"));
+        let mut far = [of(1.0), of(30.0)];
+        Chart::equalise(&mut far);
+        assert_eq!(far[0].reach, None);
     }
 
     #[test]
@@ -375,11 +334,6 @@ mod tests {
     fn empty_and_degenerate_data_still_draw() {
         assert!(chart(true, vec![]).svg().is_ok());
         assert!(chart(true, vec![(0.0, -1.0), (0.0, 0.0)]).svg().is_ok());
-        let empty = Chart {
-            series: vec![],
-            level: None,
-            ..chart(false, vec![])
-        };
-        assert!(empty.svg().is_ok());
+        assert!(Chart::default().svg().is_ok());
     }
 }

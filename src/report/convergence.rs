@@ -25,11 +25,7 @@ pub(super) fn convergence(
             .map(|(i, values)| (i as f64, values[k] / over))
             .collect();
         let (element, number) = named(&parameter.address);
-        let series = Series {
-            name: number,
-            points,
-            mark: SeriesStyle::LinePoints,
-        };
+        let series = Series::new(&number, SeriesStyle::LinePoints, points);
         match groups.iter_mut().find(|(name, _)| *name == element) {
             Some((_, list)) => list.push(series),
             None => groups.push((element, vec![series])),
@@ -47,6 +43,7 @@ pub(super) fn convergence(
         series,
         log_y: true,
         level: Some(1.0),
+        ..Chart::default()
     });
     charts.map(|chart| Figure::chart(&chart, "")).collect()
 }

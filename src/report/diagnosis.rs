@@ -1,17 +1,21 @@
-use admire_diagnosis::{FittedModel, Outcome, Over, Remainder, Verdict};
+use admire_diagnosis::{FittedModel, Outcome, Over, Remainder};
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
-use super::chart::EXTENDED;
-use super::diagnosis_phrases::{channel_sentence, next_text};
+use super::axis::axis_label;
+use super::diagnosis_phrases::channel_sentence;
 use super::diagnosis_tables::{groups, hold_out, missed, probability};
 use super::diagnosis_text::diagnosis_sentences;
-use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
+use super::diagnosis_view::{
+    answer, both_models, diagnosis_scene, fit_in_words, found_lines, runs,
+};
 use super::interval::IntervalScale;
 use super::limits;
+use super::load_run;
 use super::number::unbroken;
 use super::ranking::{ranking, words};
 use super::scene::Role;
+use super::study_figures::StudyFigures;
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Page, Scene, Series, SeriesStyle, Table, number,
     short_unit,
@@ -38,28 +42,24 @@ fn remainder(found: &Remainder) -> Chart {
     let over = match (&found.load, found.over) {
         (Some(load), _) => load.clone(),
         (None, Over::Order) => "position in the order of the cases".to_string(),
-        (None, _) => "deflection, units of the deck and radians".to_string(),
+        (None, _) => "deflection [units of the deck, rad]".to_string(),
     };
-    let series = |name: &str, mark: SeriesStyle, errors: f64| Series {
-        name: name.to_string(),
-        points: found
-            .points
-            .iter()
-            .map(|p| (p.coordinate, p.force + errors * p.std_error))
-            .collect(),
-        mark,
+    let series = |name: &str, mark: SeriesStyle, errors: f64| {
+        let points = found.points.iter();
+        let points = points.map(|p| (p.coordinate, p.force + errors * p.std_error));
+        Series::new(name, mark, points.collect())
     };
     Chart {
         title: format!("What remains, as a force at {}", found.address),
         x: over,
-        y: "extra force or torque, units of the deck".to_string(),
+        y: "extra force or torque [units of the deck]".to_string(),
         series: vec![
             series("extra force", SeriesStyle::LinePoints, 0.0),
             series("two standard errors above", SeriesStyle::Dashed, 2.0),
             series("two standard errors below", SeriesStyle::Dashed, -2.0),
         ],
-        log_y: false,
         level: Some(0.0),
+        ..Chart::default()
     }
 }
 
@@ -70,20 +70,16 @@ impl DiagnosisReport<'_> {
     /// [`DrawingError`] if a picture cannot be drawn.
     pub fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
-        // Larger tolerances reduce any chi-square, so chi-square is shown only if the model explains the data.
-        let lead = match diagnosis.verdict {
-            Verdict::Consistent => format!(
-                "The model explains the data to their noise and to tolerances of the size shown below, with a chi-square of {:.2} per degree \
-                 of freedom.",
-                diagnosis.baseline.chi2_per_dof
-            ),
-            Verdict::Discrepancy => "The model is wrong in what is listed below.".to_string(),
-            Verdict::Unexplained => "Structure remains that no known cause explains.".to_string(),
+        let models = both_models(self.loaded, self.outcome);
+        let scene = diagnosis_scene(self.loaded, self.outcome, &models);
+        let study = StudyFigures {
+            loaded: self.loaded,
+            positions: &models,
         };
-        let scene = diagnosis_scene(self.loaded, self.outcome);
-        let title = format!("Diagnosis of {}", self.loaded.dataset.title().trim());
-        let mut page = Page::new(&title, &headline(self.loaded, self.outcome, &scene));
-        page.facts(&[
+        let title = self.loaded.dataset.title();
+        let answer = answer(self.loaded, self.outcome, &scene);
+        let mut page = Page::new("Diagnosis", title.trim(), &answer);
+        page.origin(&[
             ("Study", self.loaded.study.folder.display().to_string()),
             ("Deck", self.loaded.study.deck_path.display().to_string()),
             ("Date", format!("{} UTC", Timestamp::now().date_time())),
@@ -96,78 +92,48 @@ impl DiagnosisReport<'_> {
                 format!("SHA-256 {}", self.loaded.study.inputs_sha256()),
             ),
         ]);
-        page.paragraph(&format!("{lead} {}", fit_in_words(self.outcome)));
-        let channels = self.outcome.channels();
-        let mut sentences = diagnosis_sentences(self.outcome);
-        if channels.len() > 1 {
-            // Several similar sentences are easier to read as a table.
-            sentences.retain(|text| channels.iter().all(|miss| channel_sentence(miss) != *text));
-            page.table(&missed(&channels));
+        let mut runs = runs(self.loaded, self.outcome);
+        if runs.is_empty() {
+            runs = study.marks();
         }
+        page.meaning();
+        page.figures(&load_run::figures(&load_run::telling(&runs))?);
+        page.scene(&scene);
+        page.found(&found_lines(self.loaded, self.outcome, &scene));
+        if !diagnosis.findings.is_empty() {
+            self.causes(&mut page, &scene);
+        }
+        page.detail("In words");
+        page.paragraph(&fit_in_words(self.outcome));
+        let sentences = diagnosis_sentences(self.outcome).into_iter();
+        // Several similar sentences are easier to read as a table.
+        let channels = self.outcome.channels();
+        let is_row = |text: &String| {
+            channels.len() > 1 && channels.iter().any(|miss| channel_sentence(miss) == *text)
+        };
+        let sentences = sentences.filter(|text| !is_row(text));
         page.list(
             &sentences
-                .iter()
-                .map(|text| scene.naming(text))
+                .map(|text| scene.naming(&text))
                 .collect::<Vec<_>>(),
         );
-        if !diagnosis.findings.is_empty() {
-            page.heading("Causes");
-            page.table(&ranking(diagnosis, self.loaded, &scene));
-            page.note(
-                "Probabilities are those of the cause at its place, among all models looked at. Causes after \"or\" do as well on these \
-                 readings, and are less probable by a factor of twenty at most.",
-            );
-            if let Some(next) = &diagnosis.next_measurement {
-                page.paragraph(&format!(
-                    "To measure next: {}.",
-                    scene.naming(&next_text(next))
-                ));
-            }
-            page.heading("Gain on load cases held out");
-            if let Some(found) = &diagnosis.hold_out {
-                page.table(&hold_out(
-                    found,
-                    self.loaded.model.units.length.word,
-                    &scene,
-                ));
-                page.note(if found.searched {
-                    "Neither the choice of causes nor the fits saw these cases: the whole search was done again without them."
-                } else {
-                    "The fits did not see these cases. The causes were chosen with them."
-                });
-            }
-            page.table(&self.gains(&scene));
-            page.note("Both models are refitted without the cases held out. The causes themselves were chosen with them.");
-            if let Some(found) = &diagnosis.cross_validation {
-                page.table(&groups(found, self.loaded.model.units.length.word, &scene));
-                page.note(if found.searched {
-                    "Each group of like loads predicted from the others, by a search of their own."
-                } else {
-                    "Each group of like loads predicted from the others, by the model that those choose among all that were fitted."
-                });
-            }
-            page.heading("Stiffnesses without and with the causes");
-            page.table(&self.stiffnesses(&scene));
-            page.note(
-                "The bar is the 95 percent interval with the cause in the model, on a logarithmic scale around its estimate; the diamond is what the \
-                 model without the cause had. Not determined: one of the two is known to no better than half of itself.",
-            );
+        if channels.len() > 1 {
+            page.detail("Errors of the channels");
+            page.table(&missed(&channels));
         }
-        page.heading("The mechanism");
-        page.scene(&scene);
-        let runs = curves(self.loaded, self.outcome)?;
-        if !runs.is_empty() {
-            page.heading("Curves of the rig");
-            page.figures(&runs);
+        if runs.len() > 2 {
+            page.detail("Curves over each load");
+            page.figures(&load_run::figures(&runs)?);
         }
-        page.heading("Noise and tolerances");
+        self.residuals(&mut page, &study)?;
+        page.detail("Noise and tolerances");
         page.table(&self.tolerances());
         page.note(
             "Standard deviations that the readings ask for, as far as they see them, beside what is usual. A cause is a member of a group \
              that stands out of its group.",
         );
         if !diagnosis.detection_limits.is_empty() {
-            page.heading("What cannot be seen");
+            page.detail("What cannot be seen");
             page.table(&limits::of_points(diagnosis, &scene));
             page.note(
                 "How far off, in mm, a point of the car has to be along each axis of ground to be named with even odds among tolerances of \
@@ -178,19 +144,71 @@ impl DiagnosisReport<'_> {
                 "How large each other cause has to be, to first order, at the places where it is seen best and worst; and at how many places it is not seen. diagnosis.json lists all places, couplings and higher terms.",
             );
         }
-        page.heading("Residuals");
-        let mut figures = vec![Figure::of_roles(
+        page.detail("Tests of structure");
+        page.table(&self.structure());
+        page.note(
+            "Chi-square of what the fit leaves along the named directions, with the covariance that the fit leaves it; the worst of many \
+             is corrected for their number.",
+        );
+        if !self.diff.is_empty() {
+            page.detail("What changes in the deck");
+            page.verbatim(self.diff);
+        }
+        Ok(page.finish(&format!("admire {}", super::VERSION)))
+    }
+
+    /// Adds the details of the causes: their rivals, their gain, and the stiffnesses with them.
+    fn causes(&self, page: &mut Page, scene: &Scene) {
+        let diagnosis = &self.outcome.diagnosis;
+        let length = self.loaded.model.units.length.word;
+        page.detail("Causes and their rivals");
+        page.table(&ranking(diagnosis, self.loaded, scene));
+        page.note(
+            "Probabilities are those of the cause at its place, among all models looked at. Causes after \"or\" do as well on these \
+             readings, and are less probable by a factor of twenty at most.",
+        );
+        page.detail("Gain on load cases held out");
+        if let Some(found) = &diagnosis.hold_out {
+            page.table(&hold_out(found, length, scene));
+            page.note(if found.searched {
+                "Neither the choice of causes nor the fits saw these cases: the whole search was done again without them."
+            } else {
+                "The fits did not see these cases. The causes were chosen with them."
+            });
+        }
+        page.table(&self.gains(scene));
+        page.note("Both models are refitted without the cases held out. The causes themselves were chosen with them.");
+        if let Some(found) = &diagnosis.cross_validation {
+            page.table(&groups(found, length, scene));
+            page.note(if found.searched {
+                "Each group of like loads predicted from the others, by a search of their own."
+            } else {
+                "Each group of like loads predicted from the others, by the model that those choose among all that were fitted."
+            });
+        }
+        page.detail("Stiffnesses without and with the causes");
+        page.table(&self.stiffnesses(scene));
+        page.note(
+            "The bar is the 95 percent interval with the cause in the model, on a logarithmic scale around its estimate; the diamond is what the \
+             model without the cause had. Not determined: one of the two is known to no better than half of itself.",
+        );
+    }
+
+    /// Adds the residuals: by case, over the force that they follow, as an extra force, and as maps.
+    fn residuals(&self, page: &mut Page, study: &StudyFigures<'_>) -> Result<(), DrawingError> {
+        page.detail("Residuals");
+        let mut figures = vec![Figure::chart(
             &self.by_case(),
-            &[Role::Initial, Role::Extended],
             "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
         )?];
+        figures.extend(study.by_case()?);
         if let Some(chart) = self.force() {
             figures.push(Figure::chart(
                 &chart,
                 "The residual that follows a force most closely, before and after.",
             )?);
         }
-        if let Some(found) = &diagnosis.unexplained.remainder {
+        if let Some(found) = &self.outcome.diagnosis.unexplained.remainder {
             figures.push(Figure::chart(
                 &remainder(found),
                 "An extra force at one place, a smooth function of one coordinate, that takes up most of what no cause explains; with twice its \
@@ -199,24 +217,18 @@ impl DiagnosisReport<'_> {
         }
         page.figures(&figures);
         if self.outcome.baseline.states.len() <= MAPPED && self.marks() > 0 {
-            for (title, map) in [("before", self.map(false)), ("after", self.map(true))] {
+            for (role, map) in [
+                (Role::Given, self.map(false)),
+                (Role::Extended, self.map(true)),
+            ] {
                 let caption = format!(
-                    "Largest coordinate of prediction minus reading {title} the extension, in sigmas: case by mark."
+                    "Largest coordinate of prediction minus reading, {}, in sigmas: case by mark.",
+                    role.name()
                 );
                 page.add(&Figure::map(&map, &caption));
             }
         }
-        page.heading("Tests of structure");
-        page.table(&self.structure());
-        page.note(
-            "Chi-square of what the fit leaves along the named directions, with the covariance that the fit leaves it; the worst of many \
-             is corrected for their number.",
-        );
-        if !self.diff.is_empty() {
-            page.heading("The extension");
-            page.verbatim(self.diff);
-        }
-        Ok(page.finish("admire diagnose"))
+        Ok(())
     }
 
     fn marks(&self) -> usize {
@@ -265,13 +277,13 @@ impl DiagnosisReport<'_> {
                 let [low, high] = sides(found.after);
                 [low, high, found.before.0 / found.after.0]
             });
-        let scale = IntervalScale::over(widest).coloured(EXTENDED);
+        let scale = IntervalScale::over(widest, Role::Extended.class());
         let picture = scale.ends();
         let mut table = Table::new(&[
             ("number", Align::Left),
             ("unit", Align::Left),
-            ("as the model was", Align::Right),
-            ("as it is extended", Align::Right),
+            (Role::Given.name(), Align::Right),
+            (Role::Extended.name(), Align::Right),
             (picture.as_str(), Align::Left),
             ("bias", Align::Right),
         ]);
@@ -311,7 +323,7 @@ impl DiagnosisReport<'_> {
             }
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);
-            let diamond = Some((before.0 / after.0, Role::Initial.colour()));
+            let diamond = Some((before.0 / after.0, Role::Given.class()));
             let picture = scale.svg(low, Some(high), diamond, &shown(after));
             table.picture(4, picture);
             if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
@@ -324,7 +336,7 @@ impl DiagnosisReport<'_> {
     /// Draws the rms residual of each case, by the original and by the extended model.
     fn by_case(&self) -> Chart {
         let rows = &self.outcome.subject.rows;
-        let series = |name: &str, fit: &FittedModel| {
+        let series = |role: Role, fit: &FittedModel| {
             let mut sums = vec![(0.0, 0.0); fit.states.len()];
             for (k, row) in rows.iter().enumerate() {
                 let sum = &mut sums[row.case()];
@@ -332,59 +344,52 @@ impl DiagnosisReport<'_> {
                 sum.1 += 1.0;
             }
             let points = sums.iter().enumerate().filter(|(_, sum)| sum.1 > 0.0);
-            Series {
-                name: name.to_string(),
-                points: points
-                    .map(|(k, sum)| ((k + 1) as f64, (sum.0 / sum.1).sqrt()))
-                    .collect(),
-                mark: if fit.states.len() > MAPPED {
-                    SeriesStyle::Points
-                } else {
-                    SeriesStyle::LinePoints
-                },
+            let points = points.map(|(k, sum)| ((k + 1) as f64, (sum.0 / sum.1).sqrt()));
+            let mut series = Series::of(role, points.collect());
+            if fit.states.len() > MAPPED {
+                series.mark = SeriesStyle::Points;
             }
+            series
         };
         Chart {
             title: "Residuals by case".to_string(),
             x: "case, in the order of application".to_string(),
-            y: "rms residual, sigmas".to_string(),
+            y: "rms residual [sigmas]".to_string(),
             series: vec![
-                series("as the model was", &self.outcome.baseline),
-                series("as it is extended", &self.outcome.extended),
+                series(Role::Given, &self.outcome.baseline),
+                series(Role::Extended, &self.outcome.extended),
             ],
-            log_y: false,
             level: Some(1.0),
+            ..Chart::default()
         }
     }
 
     /// Draws the residual that follows an element force most closely, over that force. Returns `None` if no residual follows a force.
     fn force(&self) -> Option<Chart> {
         let trend = self.outcome.trend()?;
-        let series = |name: &str, points: Vec<(f64, f64)>| Series {
-            name: name.to_string(),
-            points,
+        let series = |role: Role, points: Vec<(f64, f64)>| Series {
             mark: SeriesStyle::Points,
+            ..Series::of(role, points)
         };
         Some(Chart {
             title: format!(
                 "Residual of {} against the force in {}",
                 trend.what, trend.element
             ),
-            x: format!(
-                "force in {}, {}",
-                trend.element,
-                short_unit(self.loaded.model.units.force.word)
+            x: axis_label(
+                &format!("force in {}", trend.element),
+                &short_unit(self.loaded.model.units.force.word),
             ),
-            y: match &trend.unit {
-                Some(unit) => format!("mean residual, {}, {unit}", trend.what),
-                None => format!("mean residual, {}", trend.what),
-            },
+            y: axis_label(
+                &format!("mean residual of {}", trend.what),
+                trend.unit.as_deref().unwrap_or_default(),
+            ),
             series: vec![
-                series("as the model was", trend.before),
-                series("as it is extended", trend.after),
+                series(Role::Given, trend.before),
+                series(Role::Extended, trend.after),
             ],
-            log_y: false,
             level: Some(0.0),
+            ..Chart::default()
         })
     }
 
@@ -489,7 +494,10 @@ impl DiagnosisReport<'_> {
             }
         }
         HeatMap {
-            title: format!("Residuals {}", if after { "after" } else { "before" }),
+            title: format!(
+                "Residuals, {}",
+                if after { Role::Extended } else { Role::Given }.name()
+            ),
             rows: measurement
                 .cases
                 .iter()

@@ -5,6 +5,7 @@ use admire_identify::LoadedStudy;
 
 use super::diagnosis_phrases::{fallen_by, next_text, percent};
 use super::diagnosis_text::Text;
+use super::number::change;
 use super::sizes;
 use super::summary::{Summary, fall};
 
@@ -131,9 +132,14 @@ impl Text<'_> {
 
     /// Returns what to do next.
     fn next_step(&self, study: &str) -> String {
+        self.next_steps(study).join("; ")
+    }
+
+    /// Returns what to do next, step by step.
+    pub(super) fn next_steps(&self, study: &str) -> Vec<String> {
         let diagnosis = &self.outcome.diagnosis;
         if self.outcome.is_stopped() {
-            return "the same command without an interruption".to_string();
+            return vec!["the same command without an interruption".to_string()];
         }
         let mut steps = Vec::new();
         match (diagnosis.verdict, &diagnosis.unexplained.remainder) {
@@ -158,6 +164,54 @@ impl Text<'_> {
             }
             None => {}
         }
-        steps.join("; ")
+        steps
+    }
+
+    /// Returns what the causes gain in the readings that no fit saw, one line for each kind of reading.
+    pub(super) fn gains(&self) -> Vec<String> {
+        let diagnosis = &self.outcome.diagnosis;
+        if diagnosis.findings.is_empty() {
+            return Vec::new();
+        }
+        let (Some(unseen), Some(found)) = (&self.outcome.unseen, &diagnosis.hold_out) else {
+            return vec!["nothing was held out, so the gain is not known".to_string()];
+        };
+        let [before, after] = &unseen.tests;
+        let mut out = Vec::new();
+        if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
+            out.push(format!(
+                "error of the marks {} {}",
+                change(a, b),
+                self.length()
+            ));
+        }
+        if let (Some(a), Some(b)) = (before.wheel_deg_rms, after.wheel_deg_rms) {
+            for (what, k) in [("camber", 0), ("steer", 1)] {
+                out.push(format!("error of {what} {} deg", change(a[k], b[k])));
+            }
+        }
+        let channels = self.channel_gains().into_iter();
+        out.extend(channels.map(|channel| {
+            let [before, after] = channel.rms;
+            format!(
+                "error of {} {}{}",
+                channel.name,
+                change(before, after),
+                channel.behind
+            )
+        }));
+        if out.is_empty() {
+            let change = change(found.rms_before, found.rms_after);
+            out.push(format!("error {change} times the noise"));
+        }
+        let count = found.cases.len().max(found.curves.len());
+        let what = if found.cases.is_empty() {
+            "curve"
+        } else {
+            "load case"
+        };
+        let end = if count == 1 { "" } else { "s" };
+        out[0] += &format!(", in {count} {what}{end} that no fit saw");
+        out
     }
 }

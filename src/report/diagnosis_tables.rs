@@ -54,8 +54,8 @@ pub(super) fn missed(channels: &[ChannelMiss]) -> Table {
     let mut table = Table::new(&[
         ("channel", Align::Left),
         ("unit", Align::Left),
-        ("missed, rms: as the model was", Align::Right),
-        ("as it is extended", Align::Right),
+        ("error, rms: model as given", Align::Right),
+        ("extended", Align::Right),
         ("noise of a reading", Align::Right),
     ]);
     for miss in channels {

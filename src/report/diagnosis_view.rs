@@ -1,28 +1,31 @@
-use super::number::change;
-use super::ranking::words;
+use super::diagnosis_phrases::percent;
+use super::diagnosis_text::Text;
+use super::load_run::LoadRun;
+use super::number::{capitalised, change};
+use super::ranking::{known_sizes, words};
 use super::scene::Role;
 use super::study_figures::load_axis;
-use super::{Chart, DrawingError, Figure, Positions, Scene, Series, SeriesStyle, study_scene};
-use admire_diagnosis::{FittedModel, Outcome, Verdict};
+use super::{Positions, Scene, Series, study_scene};
+use admire_diagnosis::{Cause, Finding, FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;
 
-/// Creates the scene of the mechanism with the findings highlighted. It shows the measured positions, the original model and the extended
-/// model.
-pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Scene {
-    let before = positions(
-        "as the model was",
-        Role::Initial,
-        &loaded.model,
-        &outcome.baseline,
-    );
-    let after = positions(
-        "as it is extended",
-        Role::Extended,
-        &loaded.model,
-        &outcome.extended,
-    );
-    let mut scene = study_scene(loaded, &[before, after]);
+/// Returns the positions of the original model and of the extended model in all cases.
+pub(super) fn both_models(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> [Positions; 2] {
+    [
+        (Role::Given, &outcome.baseline),
+        (Role::Extended, &outcome.extended),
+    ]
+    .map(|(role, fitted)| positions(role, &loaded.model, fitted))
+}
+
+/// Creates the scene of the mechanism with the findings highlighted, in the measured positions and in those of the models.
+pub(super) fn diagnosis_scene(
+    loaded: &LoadedStudy,
+    outcome: &Outcome<'_>,
+    models: &[Positions],
+) -> Scene {
+    let mut scene = study_scene(loaded, models);
     for finding in &outcome.diagnosis.findings {
         let label = words(finding.cause);
         for address in std::iter::once(&finding.address).chain(&finding.members) {
@@ -33,7 +36,7 @@ pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Sc
 }
 
 /// Returns the poses of a fitted model for the parts of the study's own deck. Parts added by an extension are omitted.
-fn positions(name: &str, role: Role, model: &Model, fitted: &FittedModel) -> Positions {
+fn positions(role: Role, model: &Model, fitted: &FittedModel) -> Positions {
     let of = |part: &admire_solver::model::Part| {
         let mut others = fitted.deck.model.parts.iter();
         others.position(|other| other.header.id == part.header.id && other.kind == part.kind)
@@ -48,48 +51,25 @@ fn positions(name: &str, role: Role, model: &Model, fitted: &FittedModel) -> Pos
         Some(pose.collect::<Vec<_>>())
     });
     Positions {
-        name: name.to_string(),
         role,
         cases: cases.collect(),
     }
 }
 
-/// Draws wheel and sensor readings of a rig over each load, along the whole loop: by measurement, original model and extended model.
-pub(super) fn curves(
-    loaded: &LoadedStudy,
-    outcome: &Outcome<'_>,
-) -> Result<Vec<Figure>, DrawingError> {
-    let series = |name: &str, points: Vec<(f64, f64)>, mark| Series {
-        name: name.to_string(),
-        points,
-        mark,
+/// Returns wheel and sensor readings of a rig over each load, along the whole loop: by measurement, original model and extended model.
+pub(super) fn runs(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Vec<LoadRun> {
+    let of = |run: admire_diagnosis::WheelRun| LoadRun {
+        what: run.what,
+        unit: run.unit.unwrap_or_default(),
+        load: load_axis(loaded, &run.load),
+        series: vec![
+            Series::of(Role::Measured, run.read),
+            Series::of(Role::Given, run.before),
+            Series::of(Role::Extended, run.after),
+        ],
+        unseen: run.unseen,
     };
-    let mut out = Vec::new();
-    for run in outcome.wheel_runs() {
-        let chart = Chart {
-            title: format!("{} against {}", run.what, run.load),
-            x: load_axis(loaded, &run.load),
-            y: match &run.unit {
-                Some(unit) => format!("{}, {unit}", run.what),
-                None => run.what,
-            },
-            series: vec![
-                series("as read", run.read, SeriesStyle::Points),
-                series("as the model was", run.before, SeriesStyle::Dashed),
-                series("as it is extended", run.after, SeriesStyle::Line),
-            ],
-            log_y: false,
-            level: None,
-        };
-        let seen = if run.unseen {
-            "Neither fit has seen these readings."
-        } else {
-            "The fits have seen these readings."
-        };
-        let roles = [Role::Measured, Role::Initial, Role::Extended];
-        out.push(Figure::of_roles(&chart, &roles, seen)?);
-    }
-    Ok(out)
+    outcome.wheel_runs().into_iter().map(of).collect()
 }
 
 /// Describes in words how well the model fits, without and with causes.
@@ -110,55 +90,62 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     )
 }
 
-/// Returns the result for decision makers in a few sentences: problem, cause, site and gain.
-pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
+/// Returns the answer of a diagnosis in a few sentences: the cause and its place, its rivals, and what it gains.
+pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
     let diagnosis = &outcome.diagnosis;
-    let length = loaded.model.units.length.word;
     let stopped = if outcome.is_stopped() {
         "Interrupted; this is what was found so far. "
     } else {
         ""
     };
-    let Some(finding) = diagnosis.findings.iter().find(|finding| !finding.minor) else {
-        let answer = match diagnosis.verdict {
-            Verdict::Unexplained => {
-                "The measurement holds something that the model does not have and that no known cause explains."
-            }
-            Verdict::Consistent | Verdict::Discrepancy => {
-                "The model explains what was measured; nothing in it needs to be changed."
-            }
-        };
-        return format!("{stopped}{answer}");
+    let main: Vec<&Finding> = diagnosis.findings.iter().filter(|f| !f.minor).collect();
+    let place = |finding: &&Finding| at_place(finding.cause, &finding.address, scene);
+    let places: Vec<String> = main.iter().map(place).collect();
+    let causes = match &places[..] {
+        [] => {
+            let answer = match diagnosis.verdict {
+                Verdict::Unexplained => {
+                    "The measurement holds something that the model does not have and that no known cause explains."
+                }
+                Verdict::Consistent | Verdict::Discrepancy => {
+                    "The model explains what was measured; nothing in it needs to be changed."
+                }
+            };
+            return format!("{stopped}{answer}");
+        }
+        [one] => format!("the cause is {one}"),
+        [few @ .., last] if few.len() < 3 => {
+            format!("the causes are {} and {last}", few.join(", "))
+        }
+        [first, second, more @ ..] => format!(
+            "the causes are {first}, {second}, and {} more below",
+            more.len()
+        ),
     };
-    let rivals: Vec<String> = finding
-        .indistinguishable_from
-        .iter()
-        .map(|rival| format!("{} at {}", words(rival.cause), scene.named(&rival.address)))
-        .collect();
-    let mut text = format!(
-        "{stopped}The model does not behave like the car: the cause is {} at {}, with a probability of {:.0} %.",
-        words(finding.cause),
-        scene.named(&finding.address),
-        (100.0 * finding.probability).min(99.0)
-    );
-    if !rivals.is_empty() {
+    let mut text = format!("{stopped}The model does not behave like the car: {causes}.");
+    let unsure = main.iter().enumerate();
+    let mut unsure = unsure.filter(|(_, finding)| !finding.indistinguishable_from.is_empty());
+    if let Some((k, finding)) = unsure.next() {
+        let what = match k {
+            0 => "it".to_string(),
+            _ => format!("the {}", words(finding.cause)),
+        };
+        let rivals = finding.indistinguishable_from.iter();
+        let rivals = rivals.map(|rival| at_place(rival.cause, &rival.address, scene));
         text += &format!(
-            " These readings do not tell it from {}; the probability that one of them acts is {:.0} %.",
-            rivals.join(", or from "),
-            (100.0 * finding.group_probability).min(99.0)
+            " These readings do not tell {what} from {}.",
+            rivals.collect::<Vec<_>>().join(", or from ")
         );
     }
-    if let (Some(before), Some(after)) = (
-        finding.gain.held_out_rms_before,
-        finding.gain.held_out_rms_after,
-    ) {
+    let gain = main.first().map(|finding| &finding.gain);
+    let of_marks = gain.and_then(|g| Some([g.held_out_rms_before?, g.held_out_rms_after?]));
+    if let Some([before, after]) = of_marks {
         text += &format!(
-            " With it the error on load cases that the fit did not see {} {length}.",
-            change(before, after)
+            " With it the error on load cases that the fit did not see {} {}.",
+            change(before, after),
+            loaded.model.units.length.word
         );
-    }
-    let of_marks = finding.gain.held_out_rms_before.is_some();
-    if let Some(found) = diagnosis.hold_out.as_ref().filter(|_| !of_marks) {
+    } else if let Some(found) = &diagnosis.hold_out {
         let what = match (found.cases.is_empty(), found.searched) {
             (false, true) => "load cases that no fit saw",
             (false, false) => "load cases that the fit did not see",
@@ -169,28 +156,98 @@ pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scen
             change(found.rms_before, found.rms_after)
         );
     }
-    let others: Vec<String> = diagnosis
-        .findings
-        .iter()
-        .filter(|finding| !finding.minor)
-        .skip(1)
-        .map(|finding| {
-            format!(
-                "{} at {}",
-                words(finding.cause),
-                scene.named(&finding.address)
-            )
-        })
-        .collect();
-    match &others[..] {
-        [] => {}
-        [one] => text += &format!(" Found beside it: {one}."),
-        [one, more @ ..] => {
-            text += &format!(" Found beside it: {one}, and {} more below.", more.len());
-        }
-    }
     if diagnosis.verdict == Verdict::Unexplained {
         text += " Something remains that no known cause explains.";
     }
     text
+}
+
+/// Leaves out what a step says of chi-squares; the details have them.
+fn without_statistics(text: &str) -> String {
+    let mut out = text.to_string();
+    for (start, end) in [(" (chi-square ", ")"), (": the chi-square is ", " at most")] {
+        while let Some(from) = out.find(start) {
+            let Some(length) = out[from..].find(end) else {
+                break;
+            };
+            out.replace_range(from..from + length + end.len(), "");
+        }
+    }
+    out
+}
+
+/// Returns a cause with its place, such as `link compliance at TIE_ROD (PART/6)`.
+pub(super) fn at_place(cause: Cause, address: &str, scene: &Scene) -> String {
+    format!("{} at {}", words(cause), scene.named(address))
+}
+
+/// Returns the lines of what was found: causes, how sure they are, what they gain and what to do next.
+pub(super) fn found_lines(
+    loaded: &LoadedStudy,
+    outcome: &Outcome<'_>,
+    scene: &Scene,
+) -> Vec<(&'static str, Vec<String>)> {
+    let text = Text { outcome };
+    let findings = &outcome.diagnosis.findings;
+    let found = findings.iter().map(|finding| {
+        let minor = if finding.minor { " (minor)" } else { "" };
+        let place = capitalised(&at_place(finding.cause, &finding.address, scene));
+        match known_sizes(finding, loaded) {
+            sizes if sizes.is_empty() => format!("{place}{minor}"),
+            sizes => format!("{place}{minor}: {sizes}"),
+        }
+    });
+    let sure = findings
+        .iter()
+        .filter(|finding| !finding.minor)
+        .map(|finding| {
+            let own = percent(finding.probability);
+            if finding.indistinguishable_from.is_empty() {
+                format!("{}: {own}", scene.named(&finding.address))
+            } else {
+                let rivals = finding.indistinguishable_from.len();
+                let word = if rivals == 1 { "rival" } else { "rivals" };
+                format!(
+                    "{}: {own}; with its {word}: {}",
+                    scene.named(&finding.address),
+                    percent(finding.group_probability)
+                )
+            }
+        });
+    let study = loaded.study.folder.display().to_string();
+    let mut next = text.next_steps(&study);
+    let rivals = findings.iter().flat_map(|f| &f.indistinguishable_from);
+    let causes: Vec<Cause> = findings
+        .iter()
+        .map(|finding| finding.cause)
+        .chain(rivals.map(|rival| rival.cause))
+        .collect();
+    for step in &mut next {
+        let mut text = without_statistics(step);
+        for cause in &causes {
+            text = text.replace(&format!("{cause} "), &format!("{} at ", words(*cause)));
+        }
+        *step = capitalised(&scene.naming(&text));
+    }
+    let gains = text.gains().iter().map(|gain| capitalised(gain)).collect();
+    vec![
+        ("Found", found.collect()),
+        ("How sure", sure.collect()),
+        ("What it gains", gains),
+        ("To do next", next),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_statistics;
+
+    #[test]
+    fn a_step_is_said_without_chi_squares() {
+        let step = "measure mark on TIE_ROD near MARKER/13 (chi-square 504.4); no load in the range separates A from B: the chi-square is 0.3 at most";
+        assert_eq!(
+            without_statistics(step),
+            "measure mark on TIE_ROD near MARKER/13; no load in the range separates A from B"
+        );
+    }
 }

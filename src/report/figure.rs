@@ -1,11 +1,12 @@
-use super::scene::Role;
+use super::legend::Legend;
 use super::{Bars, Chart, DrawingError, HeatMap, escape};
 
 /// Picture on a page, with its title, caption and data.
 #[derive(Clone, Debug)]
 pub struct Figure {
     svg: String,
-    caption: String,
+    pub(super) caption: String,
+    pub(super) legend: Legend,
     name: String,
     csv: String,
 }
@@ -19,24 +20,7 @@ impl Figure {
         Ok(Self {
             svg: chart.svg()?,
             caption: caption.to_string(),
-            name: chart.title.clone(),
-            csv: chart.csv(),
-        })
-    }
-
-    /// Creates a figure from a chart, with a caption. The first series take the colours of their roles; see [`Role::colour`].
-    ///
-    /// # Errors
-    /// [`DrawingError`] if the chart cannot be drawn.
-    pub(crate) fn of_roles(
-        chart: &Chart,
-        roles: &[Role],
-        caption: &str,
-    ) -> Result<Self, DrawingError> {
-        let colours: Vec<usize> = roles.iter().map(|role| role.colour()).collect();
-        Ok(Self {
-            svg: chart.svg_in(&colours)?,
-            caption: caption.to_string(),
+            legend: chart.legend(),
             name: chart.title.clone(),
             csv: chart.csv(),
         })
@@ -47,6 +31,7 @@ impl Figure {
         Self {
             svg: bars.svg(),
             caption: caption.to_string(),
+            legend: Legend::default(),
             name: bars.title.clone(),
             csv: bars.csv(),
         }
@@ -57,18 +42,26 @@ impl Figure {
         Self {
             svg: map.svg(),
             caption: caption.to_string(),
+            legend: Legend::default(),
             name: map.title.clone(),
             csv: map.csv(),
         }
     }
 
-    /// Returns the `<figure>` element. A link contains the data, so that the page remains a single file.
-    pub(super) fn html(&self) -> String {
+    /// Returns the `<figure>` element. A link contains the data, so that the page remains a single file. Legend and caption can be left out
+    /// where they stand beside the figure.
+    pub(super) fn html(&self, with_legend: bool, with_caption: bool) -> String {
+        let legend = if with_legend {
+            self.legend.html()
+        } else {
+            String::new()
+        };
+        let caption = if with_caption { &self.caption } else { "" };
         format!(
-            "<figure><h3>{}</h3>{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
+            "<figure><h4>{}</h4>{legend}{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
             escape(&self.name),
             self.svg,
-            escape(&self.caption),
+            escape(caption),
             file_name(&self.name),
             percent(&self.csv)
         )

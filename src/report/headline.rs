@@ -1,5 +1,9 @@
-use super::number::{change, rounded};
-use admire_identify::{Fit, FitTest, FitVerdict, LoadedStudy, Status};
+use super::number::{capitalised, change, rounded};
+use admire_identify::lack_of_fit::is_structured;
+use admire_identify::{Fit, FitTest, FitVerdict, LoadedStudy, ParameterFit, Status};
+
+/// Largest number of undetermined numbers that are named.
+const MAX_NAMED_NUMBERS: usize = 4;
 
 /// Returns the result of an identification for decision makers, in one or two sentences.
 pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
@@ -27,14 +31,16 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     shares.sort_by(f64::total_cmp);
     let half = shares.get(shares.len() / 2);
     let precision = half.map_or_else(String::new, |share| {
-        format!(", half of them to {} or better", percent(*share))
+        format!(
+            ", half of them to {} % or better",
+            rounded(100.0 * share, 2)
+        )
     });
     let mut text = if count == all {
         format!("The measurement determines all {all} stiffnesses that were sought{precision}.")
     } else {
         format!(
-            "The measurement determines {count} of the {all} stiffnesses that were sought{precision}; the other {} it says too little about.",
-            all - count
+            "The measurement determines {count} of the {all} stiffnesses that were sought{precision}."
         )
     };
     let held = &fit.held_out;
@@ -58,8 +64,10 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
             change(written.marks_rms_before, written.marks_rms_after)
         );
     }
-    if let Some(strained) = strained(fit) {
-        return format!("{strained} {text}");
+    if strained(fit).is_some() {
+        return format!(
+            "Do not trust the intervals: the model lacks something, or axle and rig are far from their usual tolerances. {text}"
+        );
     }
     if fit.fit_test.as_ref().is_some_and(misfit) {
         text += " What is left is more than noise: the model lacks something, and `admire diagnose` looks for it.";
@@ -93,13 +101,117 @@ pub(super) fn strained(fit: &Fit) -> Option<String> {
     })
 }
 
-/// Formats a number with three significant digits.
-fn digits(value: f64) -> String {
-    super::number(value, Some(value.abs() * 0.1))
+/// Returns the lines of what was found beside the table of numbers: how sure they are, what they gain and what to do next.
+pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str, Vec<String>)> {
+    let length = loaded.model.units.length.word;
+    let is_identified = |parameter: &&ParameterFit| parameter.status == Status::Identified;
+    let count = fit.parameters.iter().filter(is_identified).count();
+    let found = format!(
+        "{count} of {} numbers, in the table below",
+        fit.parameters.len()
+    );
+    let strained = strained(fit);
+    let sure = match fit.fit_test.as_ref().map(|test| test.verdict) {
+        _ if !fit.converged => "not at all: the fit did not converge",
+        _ if strained.is_some() => strained.as_deref().unwrap_or_default(),
+        Some(FitVerdict::Misfit) => {
+            "the intervals cannot be trusted: what is left is more than the noise of the readings"
+        }
+        _ if is_structured(&fit.structure) => {
+            "what is left has structure, so the model lacks something"
+        }
+        Some(FitVerdict::Noise) => "what is left looks like the noise of the readings",
+        Some(FitVerdict::NoiseOverstated) => {
+            "what is left is less than the stated noise of the readings"
+        }
+        None => "there are too few readings for a test",
+    };
+    let mut gains = Vec::new();
+    if let Some(written) = &fit.written {
+        let change = change(written.marks_rms_before, written.marks_rms_after);
+        gains.push(format!(
+            "error of the marks {change} {length}, in the cases of the fit"
+        ));
+    }
+    if let Some(wheel) = &fit.wheel {
+        let camber = change(wheel.camber_deg_rms_before, wheel.camber_deg_rms_after);
+        let steer = change(wheel.steer_deg_rms_before, wheel.steer_deg_rms_after);
+        gains.push(format!(
+            "error of camber {camber} deg, of steer {steer} deg"
+        ));
+    }
+    let held = &fit.held_out;
+    if let (Some(before), Some(after)) = (held.marks_rms_before, held.marks_rms_after) {
+        gains.push(format!(
+            "error of the marks {} {length}, in {} cases that the fit did not see",
+            change(before, after),
+            held.cases.len()
+        ));
+    }
+    gains.extend(held.curves.iter().map(|curve| {
+        format!(
+            "error of {} {} {}, a curve that the fit did not see",
+            curve.name,
+            change(curve.rms_before, curve.rms_after),
+            curve.unit.as_deref().unwrap_or_default()
+        )
+    }));
+    if held.cases.is_empty() && held.curves.is_empty() {
+        gains.push(
+            "nothing was held out; `validate.hold_out` names cases that no fit sees".to_string(),
+        );
+    }
+    let mut remarks = fit.remarks.clone();
+    if fit.interrupted {
+        let affected = fit.affected.join(", ");
+        remarks.insert(
+            0,
+            format!("Interrupted before the end. Affected: {affected}."),
+        );
+    }
+    let study = loaded.study.folder.display().to_string();
+    let upper = |texts: Vec<String>| texts.iter().map(|text| capitalised(text)).collect();
+    vec![
+        ("Found", vec![found]),
+        ("How sure", upper(vec![sure.to_string()])),
+        ("What it gains", upper(gains)),
+        ("To do next", upper(vec![next_step(fit, &study)])),
+        ("Remarks", remarks),
+    ]
 }
 
-fn percent(share: f64) -> String {
-    format!("{} %", digits(100.0 * share))
+/// Returns what to do next.
+pub(super) fn next_step(fit: &Fit, study: &str) -> String {
+    if fit.interrupted {
+        return "the same command without an interruption".to_string();
+    }
+    if !fit.converged {
+        return format!("`admire check {study}` forecasts which numbers these loads determine");
+    }
+    let misfit = |test: &admire_identify::FitTest| test.verdict == FitVerdict::Misfit;
+    let strained = fit.tolerances.values().any(|size| size.strained);
+    if fit.fit_test.as_ref().is_some_and(misfit) || strained || is_structured(&fit.structure) {
+        return format!("`admire diagnose {study}` looks for what the model lacks");
+    }
+    let is_identified = |parameter: &ParameterFit| parameter.status == Status::Identified;
+    if fit.parameters.iter().all(is_identified) {
+        return "go on with identified.adm, which has these numbers".to_string();
+    }
+    let lacking = fit.parameters.iter().filter(|p| !is_identified(p));
+    let mut names: Vec<&str> = lacking
+        .map(|parameter| parameter.address.as_str())
+        .collect();
+    let more = names.len().saturating_sub(MAX_NAMED_NUMBERS);
+    names.truncate(MAX_NAMED_NUMBERS);
+    let and = if more > 0 {
+        format!(" and {more} more")
+    } else {
+        String::new()
+    };
+    format!(
+        "`admire plan {study}` ranks what to measure to determine {}{and}",
+        names.join(", ")
+    )
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! Page that reports an identification.
 
 use super::convergence::convergence;
-use super::headline::strained;
+use super::headline::{found_lines, strained};
 use super::interval::IntervalScale;
+use super::load_run;
 use super::number::{number, rounded, unbroken};
 use super::repeats::repeats;
+use super::scene::Role;
 use super::short_unit;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
@@ -13,8 +15,8 @@ use admire_identify::{Fit, FitVerdict, LoadedStudy, ParameterFit, Status};
 use admire_results::Timestamp;
 use admire_syntax::text::Decimals;
 
-/// Colour index of reference values; no model has this colour.
-const REFERENCE: usize = 4;
+/// Colour class of reference values; no model has this colour.
+const REFERENCE: &str = "s6";
 
 /// Report of an identification as an HTML page.
 #[derive(Clone, Debug)]
@@ -41,90 +43,88 @@ impl IdentificationReport<'_> {
             positions: self.positions,
         };
         let answer = headline::identification(self.loaded, self.fit);
-        let mut page = Page::new(title.trim(), &answer);
-        page.facts(&self.origin());
-        page.paragraph(&lead(self.fit));
-        if self.fit.interrupted {
-            let affected = self.fit.affected.join(", ");
-            page.list(&[format!("Interrupted before the end. Affected: {affected}.")]);
+        let mut page = Page::new("Identification", title.trim(), &answer);
+        page.origin(&self.origin());
+        let mut runs = figures.runs();
+        let is_wheel = !runs.is_empty();
+        if !is_wheel {
+            runs = figures.marks();
         }
-        if !self.fit.remarks.is_empty() {
-            page.list(&self.fit.remarks);
-        }
-        page.heading("Stiffnesses");
+        page.meaning();
+        page.figures(&load_run::figures(&load_run::telling(&runs))?);
+        page.scene(&study_scene(self.loaded, self.positions));
+        page.found(&found_lines(self.loaded, self.fit));
         page.table(&self.parameters());
+        page.note("The bar is the 95 percent interval on a logarithmic scale around the number; a diamond is the reference.");
+        page.detail("The fit in words");
+        page.paragraph(&lead(self.fit));
         page.note(
             "K in force per length, KT in torque per radian, as in the deck. Intervals hold the true value in 95 of 100 repetitions of \
-             the measurement if the model is right; whether it is, says the diagnosis. What is not told is unidentifiable: the readings say \
-             too little about it.",
+             the measurement if the model is right; whether it is, says the diagnosis. What is not determined is unidentifiable: the readings \
+             say too little about it.",
         );
         self.tolerances(&mut page);
         repeats(&mut page, self.fit, &|parameter| self.named(parameter));
-        page.heading("The mechanism");
-        page.scene(&study_scene(self.loaded, self.positions));
-        let of_cases = figures.by_case()?;
-        let mut wheel = figures.wheel()?;
-        wheel.extend(figures.curves()?);
-        if of_cases.is_some() || !wheel.is_empty() {
-            page.heading("Before and after");
-            page.figures(&of_cases.into_iter().chain(wheel).collect::<Vec<_>>());
+        page.detail("Errors before and after");
+        self.quality(&mut page);
+        page.figures(&figures.by_case()?.into_iter().collect::<Vec<_>>());
+        if runs.len() > 2 && is_wheel {
+            page.detail("Curves over each load");
+            page.figures(&load_run::figures(&runs)?);
         }
         self.laws(&mut page, &figures)?;
         if !self.fit.unidentifiable_directions.is_empty() {
-            page.heading("What the data do not tell apart");
-            let mut table = Table::new(&[
-                ("what can change together", Align::Wrap),
-                ("by a factor of", Align::Right),
-                ("standard deviation of ln K", Align::Right),
-            ]);
-            for direction in &self.fit.unidentifiable_directions {
-                let mut terms: Vec<_> = direction.combination.iter().collect();
-                terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-                let text: Vec<String> = terms
-                    .iter()
-                    .map(|(name, weight)| {
-                        let way = if **weight > 0.0 { "up" } else { "down" };
-                        format!("{} {way} ({weight:+.2})", self.address_named(name))
-                    })
-                    .collect();
-                table.row([
-                    text.join(", "),
-                    number(
-                        libm::exp(direction.sd_log),
-                        Some(libm::exp(direction.sd_log) * 0.1),
-                    ),
-                    format!("{:.2}", direction.sd_log),
-                ]);
-            }
-            page.table(&table);
+            page.detail("What the data do not tell apart");
+            page.table(&self.directions());
         }
         if !self.fit.assembly_offsets.is_empty() {
-            page.heading("Assembly offsets");
+            page.detail("Assembly offsets");
             page.table(&self.offsets());
             page.note("Three lengths, three angles in radians, in the axes of each bushing's J marker; with their standard errors.");
         }
-        self.quality(&mut page);
         self.tests(&mut page);
-        let maps = figures.maps();
-        if !maps.is_empty() {
-            page.heading("Residuals by case and mark");
-            for map in maps {
-                page.add(&map);
-            }
+        page.detail("Residuals by case and mark");
+        for map in figures.maps() {
+            page.add(&map);
         }
+        page.detail("Convergence");
         let convergence = convergence(self.loaded, self.fit, |address| {
             self.element_and_number(address)
         })?;
         if !convergence.is_empty() {
-            page.heading("Convergence");
             page.note("Every number over its reference where there is one, else over its final value, iteration by iteration.");
             page.figures(&convergence);
         }
-        page.heading("What changes in the deck");
+        page.detail("What changes in the deck");
         page.verbatim(self.diff);
         Ok(page.finish(&format!("admire {}", super::VERSION)))
     }
 
+    /// Tabulates the combinations of numbers that the readings do not determine.
+    fn directions(&self) -> Table {
+        let mut table = Table::new(&[
+            ("what can change together", Align::Wrap),
+            ("by a factor of", Align::Right),
+            ("standard deviation of ln K", Align::Right),
+        ]);
+        for direction in &self.fit.unidentifiable_directions {
+            let mut terms: Vec<_> = direction.combination.iter().collect();
+            terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+            let text = terms.iter().map(|(name, weight)| {
+                let way = if **weight > 0.0 { "up" } else { "down" };
+                format!("{} {way} ({weight:+.2})", self.address_named(name))
+            });
+            let factor = libm::exp(direction.sd_log);
+            table.row([
+                text.collect::<Vec<_>>().join(", "),
+                number(factor, Some(factor * 0.1)),
+                format!("{:.2}", direction.sd_log),
+            ]);
+        }
+        table
+    }
+
+    /// Tabulates the numbers with their intervals. A number that the readings do not determine has no value, only the bounds of its interval.
     fn parameters(&self) -> Table {
         let reference = self.loaded.reference_values();
         let known = reference.iter().any(Option::is_some);
@@ -132,73 +132,53 @@ impl IdentificationReport<'_> {
             let sides = parameter.interval95.into_iter().flatten();
             sides.map(move |side| side / parameter.value)
         });
-        let scale = IntervalScale::over(ratios);
+        let scale = IntervalScale::over(ratios, Role::Identified.class());
         let picture = scale.ends();
         let mut columns = vec![
             ("number", Align::Left),
             ("unit", Align::Left),
-            ("initial", Align::Right),
-            ("identified", Align::Right),
+            (Role::Given.name(), Align::Right),
+            (Role::Identified.name(), Align::Right),
             ("95 % interval", Align::Right),
             (picture.as_str(), Align::Left),
         ];
         if known {
             columns.extend([("reference", Align::Right), ("ratio", Align::Right)]);
         }
-        let shares = self
-            .fit
-            .parameters
-            .iter()
-            .any(|p| p.tolerance_share.is_some());
-        if shares {
-            columns.push(("due to tolerances", Align::Right));
-        }
-        columns.push(("status", Align::Left));
         let mut table = Table::new(&columns);
         for (parameter, reference) in self.fit.parameters.iter().zip(reference) {
+            let is_known = parameter.status != Status::Unidentifiable;
+            let value = number(parameter.value, parameter.std_error);
             let mut cells = vec![
                 self.named(parameter),
                 unbroken(&short_unit(&parameter.unit)),
                 number(parameter.initial, None),
-                number(parameter.value, parameter.std_error),
+                match parameter.status {
+                    Status::Identified => value,
+                    // The word used in the JSON file is too wide for a column.
+                    Status::Unidentifiable => unbroken("not determined"),
+                    Status::Bound => unbroken(&format!("{value}, at a bound")),
+                },
                 interval(parameter),
                 String::new(),
             ];
             if known {
                 cells.push(reference.map_or_else(String::new, |value| number(value, None)));
-                cells.push(reference.map_or_else(String::new, |value| {
+                let ratio = reference.filter(|_| is_known);
+                cells.push(ratio.map_or_else(String::new, |value| {
                     format!("{:.3}", parameter.value / value)
                 }));
             }
-            if shares {
-                let share = parameter.tolerance_share;
-                cells.push(
-                    share.map_or_else(String::new, |share| format!("{:.0} %", 100.0 * share)),
-                );
-            }
-            cells.push(match parameter.status {
-                // The word used in the JSON file is too wide for a column.
-                Status::Unidentifiable => unbroken("not determined"),
-                other => unbroken(status(other)),
-            });
-            let last = cells.len() - 1;
             table.row(cells);
             let ratio = |value: Option<f64>| value.map(|value| value / parameter.value);
             let [low, high] = parameter.interval95;
-            if low.is_some() || high.is_some() {
+            if is_known && (low.is_some() || high.is_some()) {
+                let reference = ratio(reference).map(|at| (at, REFERENCE));
                 let text = interval(parameter);
-                table.picture(
-                    5,
-                    scale.svg(
-                        ratio(low),
-                        ratio(high),
-                        ratio(reference).map(|at| (at, REFERENCE)),
-                        &text,
-                    ),
-                );
+                table.picture(5, scale.svg(ratio(low), ratio(high), reference, &text));
             }
             if parameter.status != Status::Identified {
-                table.mark(last, "bad");
+                table.mark(3, "soft");
             }
         }
         table
@@ -287,7 +267,7 @@ impl IdentificationReport<'_> {
                 continue;
             }
             if !begun {
-                page.heading("Force against deflection");
+                page.detail("Force against deflection");
                 page.note(
                     "Lines are the laws before and after; each point is a load case: the deflection that the marks show, and the force that the \
                      fitted model has in that case. Points off the line are noise, or what the law lacks.",
@@ -329,7 +309,6 @@ impl IdentificationReport<'_> {
     }
 
     fn quality(&self, page: &mut Page) {
-        page.heading("How well the measurement is explained");
         let show = |value: Option<f64>| {
             value.map_or_else(String::new, |v| Decimals::of_error(v).finer().format(v))
         };
@@ -365,9 +344,9 @@ impl IdentificationReport<'_> {
         let compared = rows.iter().any(|(_, before, _)| before.is_some());
         let mut columns = vec![("", Align::Left)];
         if compared {
-            columns.push(("before", Align::Right));
+            columns.push((Role::Given.name(), Align::Right));
         }
-        columns.push(("after", Align::Right));
+        columns.push((Role::Identified.name(), Align::Right));
         let mut table = Table::new(&columns);
         for (name, before, after) in rows {
             let values = [show(before), show(after)];
@@ -383,7 +362,7 @@ impl IdentificationReport<'_> {
         if self.fit.tolerances.is_empty() {
             return;
         }
-        page.heading("Tolerances the intervals allow for");
+        page.detail("Tolerances the intervals allow for");
         let mut table = Table::new(&[
             ("group", Align::Left),
             ("standard deviation", Align::Right),
@@ -396,9 +375,25 @@ impl IdentificationReport<'_> {
         }
         page.table(&table);
         page.note(
-            "Estimated from the readings around what is usual, or stated in [tolerances] of study.toml. The share in the table of stiffnesses \
-             is that of the variance.",
+            "Estimated from the readings around what is usual, or stated in [tolerances] of study.toml.",
         );
+        let mut table = Table::new(&[
+            ("number", Align::Left),
+            ("share of the variance due to tolerances", Align::Right),
+        ]);
+        for parameter in &self.fit.parameters {
+            if let Some(share) = parameter.tolerance_share {
+                table.row([self.named(parameter), format!("{:.0} %", 100.0 * share)]);
+            }
+        }
+        if self
+            .fit
+            .parameters
+            .iter()
+            .any(|p| p.tolerance_share.is_some())
+        {
+            page.table(&table);
+        }
     }
 
     /// Adds a table of the residuals, and the tests of whether they look like noise.
@@ -406,7 +401,7 @@ impl IdentificationReport<'_> {
         let Some(test) = &self.fit.fit_test else {
             return;
         };
-        page.heading("Whether what is left is noise");
+        page.detail("Whether what is left is noise");
         let mut table = Table::new(&[
             ("readings", Align::Left),
             ("number", Align::Right),

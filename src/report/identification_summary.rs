@@ -1,13 +1,10 @@
 //! Summary of an identification for a terminal.
 
-use admire_identify::lack_of_fit::is_structured;
-use admire_identify::{Fit, FitVerdict, LoadedStudy, ParameterFit, Status};
+use admire_identify::{Fit, LoadedStudy, ParameterFit, Status};
 
+use super::headline::next_step;
 use super::summary::{Summary, fall};
 use super::{lead, number, short_unit};
-
-/// Largest number of undetermined numbers that are named.
-const MAX_NAMED_NUMBERS: usize = 4;
 
 /// Returns the summary of an identification. `study` is the folder of the study as the user named it.
 pub fn identification_summary(loaded: &LoadedStudy, fit: &Fit, study: &str) -> Summary {
@@ -82,38 +79,4 @@ fn held_out(loaded: &LoadedStudy, fit: &Fit) -> String {
         return "nothing; `validate.hold_out` names cases that no fit sees".to_string();
     }
     format!("rms of {}", parts.join(", "))
-}
-
-/// Returns what to do next.
-fn next_step(fit: &Fit, study: &str) -> String {
-    if fit.interrupted {
-        return "the same command without an interruption".to_string();
-    }
-    if !fit.converged {
-        return format!("`admire check {study}` forecasts which numbers these loads determine");
-    }
-    let misfit = |test: &admire_identify::FitTest| test.verdict == FitVerdict::Misfit;
-    let strained = fit.tolerances.values().any(|size| size.strained);
-    if fit.fit_test.as_ref().is_some_and(misfit) || strained || is_structured(&fit.structure) {
-        return format!("`admire diagnose {study}` looks for what the model lacks");
-    }
-    let is_identified = |parameter: &ParameterFit| parameter.status == Status::Identified;
-    if fit.parameters.iter().all(is_identified) {
-        return "go on with identified.adm, which has these numbers".to_string();
-    }
-    let lacking = fit.parameters.iter().filter(|p| !is_identified(p));
-    let mut names: Vec<&str> = lacking
-        .map(|parameter| parameter.address.as_str())
-        .collect();
-    let more = names.len().saturating_sub(MAX_NAMED_NUMBERS);
-    names.truncate(MAX_NAMED_NUMBERS);
-    let and = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
-    format!(
-        "`admire plan {study}` ranks what to measure to determine {}{and}",
-        names.join(", ")
-    )
 }

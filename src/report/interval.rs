@@ -15,7 +15,9 @@ pub(super) struct IntervalScale {
 impl IntervalScale {
     /// Creates a scale from the ends of 95 percent intervals, divided by their estimates. The scale covers at most a factor of ten; wider
     /// intervals end in arrows.
-    pub(crate) fn over(ratios: impl Iterator<Item = f64>) -> Self {
+    ///
+    /// `colour` is the colour class of the intervals.
+    pub(crate) fn over(ratios: impl Iterator<Item = f64>, colour: &'static str) -> Self {
         let widest = ratios
             .filter(|ratio| *ratio > 0.0 && ratio.is_finite())
             .map(|ratio| ratio.max(1.0 / ratio))
@@ -23,13 +25,8 @@ impl IntervalScale {
         let round = [1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0];
         Self {
             reach: round.into_iter().find(|r| *r >= widest).unwrap_or(10.0),
-            colour: "s1",
+            colour,
         }
-    }
-
-    /// Returns the same scale in another colour.
-    pub(crate) const fn coloured(self, colour: &'static str) -> Self {
-        Self { colour, ..self }
     }
 
     /// Returns the two ends of the scale as text, for the heading of the column.
@@ -39,13 +36,13 @@ impl IntervalScale {
     }
 
     /// Draws an interval as a bar, with a dot for the estimate in the middle. `low`, `high` and the reference value are ratios to the
-    /// estimate. The reference value is drawn as a diamond, in the colour with the given index in the style sheet. A side that is unbounded
+    /// estimate. The reference value is drawn as a diamond of the given colour class. A side that is unbounded
     /// or beyond the scale ends in an arrow.
     pub(crate) fn svg(
         &self,
         low: Option<f64>,
         high: Option<f64>,
-        reference: Option<(f64, usize)>,
+        reference: Option<(f64, &str)>,
         text: &str,
     ) -> String {
         let (width, height) = SIZE;
@@ -95,7 +92,7 @@ impl IntervalScale {
         if let Some((reference, colour)) = reference.filter(|(ratio, _)| *ratio > 0.0) {
             let at = place(reference);
             push(format_args!(
-                "<g class=\"s{colour}\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>"
+                "<g class=\"{colour}\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>"
             ));
         }
         push(format_args!("</svg>"));
@@ -114,9 +111,9 @@ mod tests {
 
     #[test]
     fn a_scale_holds_its_intervals_and_open_sides_end_in_arrows() {
-        let scale = IntervalScale::over([0.9, 1.12].into_iter());
+        let scale = IntervalScale::over([0.9, 1.12].into_iter(), "s1");
         assert_eq!(scale.ends(), "÷1.2 … ×1.2");
-        let closed = scale.svg(Some(0.9), Some(1.12), Some((1.0, 4)), "a <b>");
+        let closed = scale.svg(Some(0.9), Some(1.12), Some((1.0, "s4")), "a <b>");
         assert!(closed.contains("a &lt;b&gt;") && closed.matches("class=\"line\"").count() == 3);
         let open = scale.svg(None, Some(3.0), None, "");
         assert_eq!(open.matches('L').count(), 4, "two arrows: {open}");

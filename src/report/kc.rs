@@ -1,5 +1,9 @@
-use super::number::rounded;
-use super::{Align, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table};
+use super::kc_summary;
+use super::load_run::positive;
+use super::scene::Role;
+use super::{
+    Align, Chart, DrawingError, Figure, Page, Scene, Series, SeriesStyle, Table, axis_label,
+};
 use admire_kc::{
     Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, driven_unit,
     fitted_slope, loop_half_width, output, shown, slope,
@@ -20,8 +24,10 @@ pub struct MeasuredCurve {
 /// Report of K&C (kinematics and compliance) tests as an HTML page.
 #[derive(Debug)]
 pub struct KcReport<'a> {
-    /// Name of the deck.
-    pub deck: &'a str,
+    /// Title of the page: the deck's own, or the name of its file.
+    pub title: &'a str,
+    /// Three-dimensional view of the axle with its wheels.
+    pub scene: Option<&'a Scene>,
     /// Results of the tests on the deck.
     pub run: &'a KcRun,
     /// Results of the same tests on other decks, with the names of these decks.
@@ -99,9 +105,6 @@ const AT_RIDE_HEIGHT: [&str; 22] = [
     "anti_squat_acceleration",
 ];
 
-/// Number of significant digits in sentences.
-const LEAD: i32 = 3;
-
 /// Returns a readable name for a request.
 fn called(entity: &str) -> String {
     match entity {
@@ -175,43 +178,54 @@ impl KcReport<'_> {
     /// # Errors
     /// [`DrawingError`] if a picture cannot be drawn.
     pub fn page(&self, footer: &str) -> Result<String, DrawingError> {
+        let sides = output::sides(self.run);
+        let side = sides.first().copied().unwrap_or(Side::Left);
         let mut page = Page::new(
-            &format!("Kinematics and compliance of {}", self.deck),
-            &self.lead(),
+            "Kinematics and compliance",
+            self.title,
+            &kc_summary::sentence(self.run, side, self.units),
         );
-        page.facts(self.facts);
-        page.heading("Ride height").table(&self.ride_height());
+        page.origin(self.facts);
+        page.meaning();
+        if let Some(test) = self.run.tests.iter().find(|t| t.kind == TestKind::Bounce) {
+            let mut pair = Vec::new();
+            for (entity, components, title) in &CURVES[..2] {
+                pair.extend(self.curve(test, entity, components, title)?);
+            }
+            page.figures(&Self::drawn(&mut pair)?);
+        }
+        if let Some(scene) = self.scene {
+            page.scene(scene);
+        }
+        page.found(&[]);
+        page.table(&kc_summary::summary(
+            self.run,
+            self.others,
+            &sides,
+            self.units,
+        ));
         page.note(
-            "Angles in degrees. Definitions, signs and their evidence: `admire guide kc`. Anti effects are those of this axle, see Vehicle.",
+            "Values at ride height, of the left wheel where one value stands; slopes are tangents. Toe + is toe-in, camber + is top outboard, on \
+             both sides. Definitions: `admire guide kc`.",
         );
         for test in &self.run.tests {
             self.test(&mut page, test)?;
         }
+        page.detail("Ride height under the names of Adams/Car");
+        page.table(&self.ride_height());
+        page.note(
+            "Angles in degrees. Definitions, signs and their evidence: `admire guide kc`. Anti effects are those of this axle, see Vehicle.",
+        );
         Ok(page.finish(footer))
     }
 
-    fn lead(&self) -> String {
-        let value = |entity: &str, component: &str| {
-            let found = reading(&self.run.ride, entity, component)?;
-            let (value, unit) = shown(found.value_in(self.convention), found.unit, self.units);
-            Some(format!("{} {unit}", rounded(value, LEAD)))
-        };
-        let side = output::sides(self.run)
-            .first()
-            .map_or("left", |side| side.word());
-        let mut said = Vec::new();
-        for (name, entity, component) in [
-            ("wheel rate", "wheel_rate", side),
-            ("toe", "toe_angle", side),
-            ("camber", "camber_angle", side),
-            ("ride steer", "ride_steer", side),
-            ("roll centre height", "roll_center_location", "vertical"),
-        ] {
-            if let Some(value) = value(entity, component) {
-                said.push(format!("{name} {value}"));
-            }
-        }
-        format!("At ride height, {side} wheel: {}.", said.join(", "))
+    /// Draws charts, to one scale where they show the same quantity.
+    fn drawn(charts: &mut [Chart]) -> Result<Vec<Figure>, DrawingError> {
+        Chart::equalise(charts);
+        charts
+            .iter()
+            .map(|chart| Figure::chart(chart, ""))
+            .collect()
     }
 
     fn ride_height(&self) -> Table {
@@ -280,7 +294,7 @@ impl KcReport<'_> {
         if !settings.steering_locked {
             title += ", free steering";
         }
-        page.heading(&title);
+        page.detail(&title);
         let same = test
             .gradients
             .iter()
@@ -321,7 +335,7 @@ impl KcReport<'_> {
                 figures.extend(self.curve(test, entity, &[component], title)?);
             }
         }
-        page.figures(&figures);
+        page.figures(&Self::drawn(&mut figures)?);
         page.subheading("Gradients at ride height")
             .table(&self.gradients(test));
         page.note(
@@ -338,7 +352,7 @@ impl KcReport<'_> {
         entity: &'static str,
         components: &[&'static str],
         title: &str,
-    ) -> Result<Option<Figure>, DrawingError> {
+    ) -> Result<Option<Chart>, DrawingError> {
         let mut series = Vec::new();
         let mut unit = String::new();
         for component in components {
@@ -374,36 +388,25 @@ impl KcReport<'_> {
             if one_curve(&up, &down) {
                 down.clear();
             }
-            series.push(Series {
-                name: named(if down.is_empty() { "" } else { "up" }),
-                points: up,
-                mark: SeriesStyle::LinePoints,
-            });
+            let up_name = named(if down.is_empty() { "" } else { "up" });
+            series.push(Series::new(&up_name, SeriesStyle::LinePoints, up));
             if !down.is_empty() {
-                series.push(Series {
-                    name: named("down"),
-                    points: down,
-                    mark: SeriesStyle::Dashed,
-                });
+                series.push(Series::new(&named("down"), SeriesStyle::Dashed, down));
             }
             for (name, run) in self.others {
                 let same = run.tests.iter().find(|other| other.kind == test.kind);
                 let points = same.map_or_else(Vec::new, |t| points(t, Branch::Up, &mut unit));
-                series.push(Series {
-                    name: named(name),
-                    points,
-                    mark: SeriesStyle::Line,
-                });
+                series.push(Series::new(&named(name), SeriesStyle::Line, points));
             }
             let path = format!("{entity}.{component}");
             for curve in self.measured {
                 if curve.test == test.kind.name() && curve.path == path {
                     let angle = unit.starts_with("deg");
                     let turned = |v: f64| if angle { v.to_degrees() } else { v };
+                    let points = curve.points.iter().map(|p| (p.0, turned(p.1)));
                     series.push(Series {
                         name: named("measured"),
-                        points: curve.points.iter().map(|p| (p.0, turned(p.1))).collect(),
-                        mark: SeriesStyle::LinePoints,
+                        ..Series::of(Role::Measured, points.collect())
                     });
                 }
             }
@@ -417,19 +420,35 @@ impl KcReport<'_> {
         if !(high - low > 1e-9 * high.abs().max(low.abs()).max(1e-6)) {
             return Ok(None);
         }
-        let chart = Chart {
-            title: title.to_string(),
-            x: format!(
-                "{} [{}]",
-                test.kind.variable(),
-                driven_unit(test.kind.driven(), self.units)
-            ),
-            y: format!("{} [{unit}]", title.to_lowercase()),
-            series,
-            log_y: false,
-            level: None,
+        let name = title.to_lowercase();
+        let mut y = axis_label(&name, &unit);
+        // Coordinates change their sign with the axes of the answer.
+        let is_coordinate = name.ends_with("change");
+        if let Some(sign) =
+            positive(&name).filter(|_| !is_coordinate || self.convention == Convention::AdamsCar)
+        {
+            y += &format!(", + {sign}");
+        }
+        let variable = test.kind.variable();
+        let driven = match variable {
+            "antiphase travel" => Some("left wheel up"),
+            "lateral force" => Some("to the right"),
+            "braking force" => Some("rearward"),
+            "driving force" => Some("forward"),
+            "aligning torque" => Some("about +z"),
+            other => positive(other),
         };
-        Figure::chart(&chart, "").map(Some)
+        let mut x = axis_label(variable, &driven_unit(test.kind.driven(), self.units));
+        if let Some(sign) = driven {
+            x += &format!(", + {sign}");
+        }
+        Ok(Some(Chart {
+            title: title.to_string(),
+            x,
+            y,
+            series,
+            ..Chart::default()
+        }))
     }
 
     fn gradients(&self, test: &TestRun) -> Table {

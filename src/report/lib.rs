@@ -29,7 +29,10 @@ mod identification;
 mod identification_summary;
 mod interval;
 mod kc;
+mod kc_summary;
+mod legend;
 mod limits;
+mod load_run;
 mod load_table;
 mod mark_scatter;
 mod mirrored_marks;
@@ -40,6 +43,7 @@ mod ranking;
 mod repeats;
 mod reproduction;
 pub mod scene;
+mod series;
 mod slips;
 mod study_figures;
 mod study_view;
@@ -48,10 +52,9 @@ mod table;
 mod tolerance_text;
 mod topology_graph;
 
+pub use axis::axis_label;
 pub use bars::Bars;
 pub use chart::Chart;
-pub use chart::Series;
-pub use chart::SeriesStyle;
 pub use check::Verdict;
 pub use diagnosis::DiagnosisReport;
 pub use diagnosis_summary::diagnosis_summary;
@@ -73,6 +76,7 @@ pub use reproduction::{
     Comparison, Curve, ReproducedCurves, ReproducedSection, ReproductionReport,
 };
 pub use scene::Scene;
+pub use series::{Series, SeriesStyle};
 pub use study_view::Positions;
 pub(crate) use study_view::study_scene;
 pub use summary::Summary;

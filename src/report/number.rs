@@ -48,3 +48,12 @@ pub(super) fn rounded(value: f64, digits: i32) -> String {
     let unit = 10f64.powi(-decimals);
     format!("{:.0}", (value / unit).round() * unit)
 }
+
+/// Makes the first letter of a text a capital.
+pub(super) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters
+        .next()
+        .map(|letter| letter.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}

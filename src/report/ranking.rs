@@ -4,6 +4,7 @@ use super::scene::Scene;
 use super::{Align, Table, escape, number, short_unit};
 use admire_diagnosis::{Cause, Diagnosis, Finding};
 use admire_identify::LoadedStudy;
+use admire_identify::settings::UNIDENTIFIABLE_LN_SD;
 use admire_syntax::Address;
 
 /// Width and height of a probability bar, in pixels.
@@ -32,7 +33,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene
             format!("{}{minor}", words(finding.cause)),
             place,
             finding.probability,
-            sizes(finding, loaded),
+            known_sizes(finding, loaded),
         );
         for rival in &finding.indistinguishable_from {
             line(
@@ -94,8 +95,26 @@ fn bar(probability: f64, text: &str) -> String {
 /// Lists the parameters of a finding with units and standard errors; angles are in degrees. A corrected parameter of the deck is followed by
 /// its old value, its new value and the change in percent.
 pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
+    listed(finding, loaded, &|_, _| true)
+}
+
+/// Lists the parameters of a finding as [`sizes`] does, without those that are not determined.
+pub(super) fn known_sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
+    listed(finding, loaded, &|value, error| {
+        error.is_none_or(|error| error <= UNIDENTIFIABLE_LN_SD * value.abs())
+    })
+}
+
+fn listed(
+    finding: &Finding,
+    loaded: &LoadedStudy,
+    is_shown: &dyn Fn(f64, Option<f64>) -> bool,
+) -> String {
     let units = &loaded.model.units;
-    let texts = finding.parameters.iter().map(|(name, value)| {
+    let shown = finding.parameters.iter();
+    let shown =
+        shown.filter(|(name, value)| is_shown(**value, finding.std_error.get(*name).copied()));
+    let texts = shown.map(|(name, value)| {
         let unit = unit(finding.cause, &finding.address, name, loaded);
         let (factor, unit) = match unit.as_str() {
             "rad" => (1f64.to_degrees(), "deg".to_string()),

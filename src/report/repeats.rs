@@ -9,7 +9,7 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
     if bootstrap.is_none() && posterior.is_none() {
         return;
     }
-    page.heading("Intervals by repetition");
+    page.detail("Intervals by repetition");
     let mut columns = vec![
         ("number", Align::Left),
         ("profile likelihood", Align::Right),

@@ -92,10 +92,11 @@ impl ReproductionReport<'_> {
     /// [`DrawingError`] if a picture cannot be drawn.
     pub fn html(&self) -> Result<String, DrawingError> {
         let mut page = Page::new(
+            "Reproduction",
             "The paper's validations, run again",
             "The published method was run again on the models of its own validation; below, each of its tables stands beside ours.",
         );
-        page.facts(&[
+        page.origin(&[
             (
                 "Paper",
                 "Iterative identification of stiffness parameters in a car suspension elastokinematic model, Meissonnier and others, 2006"
@@ -104,13 +105,21 @@ impl ReproductionReport<'_> {
             ("Date", format!("{} UTC", Timestamp::now().date_time())),
             ("Made by", format!("admire {}, built-in solver", super::VERSION)),
         ]);
+        let shown = self
+            .sections
+            .iter()
+            .position(|section| !section.figures.is_empty());
+        page.meaning();
+        if let Some(shown) = shown {
+            page.figures(&Self::figures(&self.sections[shown])?);
+        }
         let answer = |section: &ReproducedSection| {
             let finding = section.findings.last()?;
             Some(format!("{}: {finding}", section.title))
         };
-        page.list(&self.sections.iter().filter_map(answer).collect::<Vec<_>>());
-        for section in self.sections {
-            page.heading(&section.title);
+        page.found(&[("Found", self.sections.iter().filter_map(answer).collect())]);
+        for (k, section) in self.sections.iter().enumerate() {
+            page.detail(&section.title);
             page.list(&section.findings);
             for comparison in &section.tables {
                 page.subheading(&comparison.title);
@@ -131,31 +140,35 @@ impl ReproductionReport<'_> {
                 }
                 page.table(&table);
             }
-            let mut figures = Vec::new();
-            for figure in &section.figures {
-                let series = figure.curves.iter().enumerate().map(|(k, curve)| Series {
-                    name: curve.name.clone(),
-                    points: curve.points.clone(),
-                    mark: if k < 2 {
-                        SeriesStyle::LinePoints
-                    } else {
-                        SeriesStyle::Line
-                    },
-                });
-                let chart = Chart {
-                    title: figure.title.clone(),
-                    x: figure.x.clone(),
-                    y: figure.y.clone(),
-                    series: series.collect(),
-                    log_y: false,
-                    level: None,
-                };
-                figures.push(Figure::chart(&chart, "")?);
+            if Some(k) != shown {
+                page.figures(&Self::figures(section)?);
             }
-            page.figures(&figures);
             page.subheading("What cannot be compared");
             page.list(&section.limits);
         }
         Ok(page.finish(&format!("admire {}", super::VERSION)))
+    }
+
+    /// Draws the charts of a section.
+    fn figures(section: &ReproducedSection) -> Result<Vec<Figure>, DrawingError> {
+        let drawn = section.figures.iter().map(|figure| {
+            let series = figure.curves.iter().enumerate().map(|(k, curve)| {
+                let mark = if k < 2 {
+                    SeriesStyle::LinePoints
+                } else {
+                    SeriesStyle::Line
+                };
+                Series::new(&curve.name, mark, curve.points.clone())
+            });
+            let chart = Chart {
+                title: figure.title.clone(),
+                x: figure.x.clone(),
+                y: figure.y.clone(),
+                series: series.collect(),
+                ..Chart::default()
+            };
+            Figure::chart(&chart, "")
+        });
+        drawn.collect()
     }
 }

@@ -1,3 +1,5 @@
+use super::axis::axis_label;
+use super::load_run::LoadRun;
 use super::scene::Role;
 use super::{Chart, DrawingError, Figure, HeatMap, Positions, Series, SeriesStyle, short_unit};
 use admire_identify::LoadedStudy;
@@ -29,10 +31,12 @@ pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
             _ => false,
         }
     });
-    if !is_force || name.contains(['[', '(']) {
-        return name.to_string();
-    }
-    format!("{name}, {}", short_unit(loaded.model.units.force.word))
+    let unit = if is_force {
+        short_unit(loaded.model.units.force.word)
+    } else {
+        String::new()
+    };
+    axis_label(name, &unit)
 }
 
 /// Pictures of a study that are drawn from the poses of its models. `positions` lists the models in the order of comparison, the best model
@@ -43,20 +47,6 @@ pub(super) struct StudyFigures<'a> {
 }
 
 impl StudyFigures<'_> {
-    fn mark(&self, set: usize) -> SeriesStyle {
-        if set + 1 == self.positions.len() {
-            SeriesStyle::Line
-        } else {
-            SeriesStyle::Dashed
-        }
-    }
-
-    /// Returns the roles of the curves in a chart: the measurement, then each model.
-    fn roles(&self) -> Vec<Role> {
-        let models = self.positions.iter().map(|positions| positions.role);
-        std::iter::once(Role::Measured).chain(models).collect()
-    }
-
     /// Draws the rms residual of the marks in each case. Points show the cases that no fit used.
     pub(crate) fn by_case(&self) -> Result<Option<Figure>, DrawingError> {
         let measurement = &self.loaded.measurement;
@@ -77,44 +67,35 @@ impl StudyFigures<'_> {
             })
         };
         let cases = || 0..measurement.cases.len();
-        let mut roles: Vec<Role> = self
-            .positions
-            .iter()
-            .map(|positions| positions.role)
-            .collect();
-        let mut series: Vec<Series> = self
-            .positions
-            .iter()
-            .enumerate()
-            .map(|(set, positions)| Series {
-                name: positions.name.clone(),
-                points: cases().filter_map(|case| rms(set, case)).collect(),
-                mark: self.mark(set),
-            })
-            .collect();
+        let of = |(set, positions): (usize, &Positions)| {
+            let points = cases().filter_map(|case| rms(set, case)).collect();
+            Series::of(positions.role, points)
+        };
+        let mut series: Vec<Series> = self.positions.iter().enumerate().map(of).collect();
         let last = self.positions.len() - 1;
         let held: Vec<(f64, f64)> = cases()
             .filter(|case| measurement.cases[*case].held_out)
             .filter_map(|case| rms(last, case))
             .collect();
         if !held.is_empty() {
+            let role = self.positions[last].role;
             series.push(Series {
-                name: format!("{}, cases no fit saw", self.positions[last].name),
-                points: held,
+                name: format!("{}, cases that no fit saw", role.name()),
                 mark: SeriesStyle::Points,
+                ..Series::of(role, held)
             });
-            roles.push(self.positions[last].role);
         }
         let chart = Chart {
             title: "Error of the model, case by case".to_string(),
             x: "case, in the order of application".to_string(),
-            y: format!("rms of one mark coordinate, {}", self.length()),
+            y: axis_label("error of the marks, rms", self.length()),
             series,
             log_y: true,
             level: (measurement.sigma > 0.0).then_some(measurement.sigma),
+            ..Chart::default()
         };
-        let caption = "Prediction minus reading of the marks. The dotted line is the standard deviation of one reading.";
-        Figure::of_roles(&chart, &roles, caption).map(Some)
+        let caption = "Prediction minus reading of the marks, one coordinate. The dotted line is the noise of one reading.";
+        Figure::chart(&chart, caption).map(Some)
     }
 
     fn length(&self) -> &'static str {
@@ -179,7 +160,7 @@ impl StudyFigures<'_> {
                     row
                 })
                 .collect();
-            let name = &self.positions[set].name;
+            let name = self.positions[set].role.name();
             let map = HeatMap {
                 title: format!("Residuals, {name}"),
                 rows: measurement
@@ -256,52 +237,38 @@ impl StudyFigures<'_> {
             if high - low < 1e-12 {
                 continue;
             }
-            let line = |name: &str, stiffness: f64, mark| Series {
-                name: name.to_string(),
-                points: [low, high]
-                    .map(|d| (d * scale, load(stiffness, d)))
-                    .to_vec(),
-                mark,
+            let line = |role: Role, stiffness: f64| {
+                let ends = [low, high].map(|d| (d * scale, load(stiffness, d)));
+                Series::of(role, ends.to_vec())
             };
-            let mut series = vec![line("identified law", identified, SeriesStyle::Line)];
-            let mut roles = vec![Role::Fitted];
+            let mut series = vec![line(Role::Identified, identified)];
             if initial != identified {
-                series.push(line("initial law", initial, SeriesStyle::Dashed));
-                roles.push(Role::Initial);
+                series.push(line(Role::Given, initial));
             }
-            roles.push(Role::Measured);
             if !read.is_empty() {
-                series.push(Series {
-                    name: "measured deflection, force of the model".to_string(),
-                    points: read,
-                    mark: SeriesStyle::Points,
-                });
+                series.push(Series::of(Role::Measured, read));
             }
-            let unit = if turning {
-                format!("torque on J, {force} {}", self.length())
+            let (what, unit, moves) = if turning {
+                ("torque on J", format!("{force} {}", self.length()), "deg")
             } else {
-                format!("force on J, {force}")
+                ("force on J", force.clone(), self.length())
             };
             let chart = Chart {
                 title: format!("{} {}", law.header.name, AXES[axis]),
-                x: format!(
-                    "deflection {}, {}",
-                    AXES[axis],
-                    if turning { "deg" } else { self.length() }
-                ),
-                y: unit,
+                x: axis_label(&format!("deflection {}", AXES[axis]), moves),
+                y: axis_label(what, &unit),
                 series,
-                log_y: false,
                 level: Some(0.0),
+                ..Chart::default()
             };
-            out.push(Figure::of_roles(&chart, &roles, "")?);
+            out.push(Figure::chart(&chart, "")?);
         }
         Ok(out)
     }
 
     /// Returns, for each load, the cases in which all other loads have their values of the first case. Loads with fewer than three different
     /// values in these cases are omitted.
-    fn runs(&self) -> Vec<(usize, Vec<usize>)> {
+    fn alone(&self) -> Vec<(usize, Vec<usize>)> {
         let programme = &self.loaded.programme;
         let Some(rest) = programme.cases.first().map(|case| &case.values) else {
             return Vec::new();
@@ -323,18 +290,55 @@ impl StudyFigures<'_> {
         (0..programme.loads.len()).filter_map(of).collect()
     }
 
-    /// Draws the curves of a K&C rig over each load that varies alone, in the order of application.
-    pub(crate) fn curves(&self) -> Result<Vec<Figure>, DrawingError> {
-        let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
-        // Only channels that follow from the poses of the parts alone can be drawn.
+    /// Returns the readings of wheel and channels over each load that varies alone.
+    pub(crate) fn runs(&self) -> Vec<LoadRun> {
+        let mut out = self.wheel();
+        out.extend(self.channels());
+        out
+    }
+
+    /// Returns a run of one reading: as measured, and by each model.
+    fn run(
+        &self,
+        (what, unit): (&str, &str),
+        (load, cases): &(usize, Vec<usize>),
+        measured: impl Fn(usize) -> Option<f64>,
+        predicted: impl Fn(usize, usize) -> Option<f64>,
+    ) -> LoadRun {
+        let programme = &self.loaded.programme;
+        let value = |case: usize| programme.cases[case].values[*load];
+        let points = |of: &dyn Fn(usize) -> Option<f64>| -> Vec<(f64, f64)> {
+            let read = cases
+                .iter()
+                .filter_map(|case| Some((value(*case), of(*case)?)));
+            read.collect()
+        };
+        let mut series = vec![Series::of(Role::Measured, points(&measured))];
+        series.retain(|series| !series.points.is_empty());
+        for (set, positions) in self.positions.iter().enumerate() {
+            let own = once(points(&|case| predicted(set, case)));
+            series.push(Series::of(positions.role, own));
+        }
+        LoadRun {
+            what: what.to_string(),
+            unit: unit.to_string(),
+            load: load_axis(self.loaded, &programme.loads[*load].name),
+            series,
+            unseen: false,
+        }
+    }
+
+    /// Returns the curves of a K&C rig. Only channels that follow from the poses of the parts alone can be predicted.
+    fn channels(&self) -> Vec<LoadRun> {
+        let measurement = &self.loaded.measurement;
         let is_curve = |channel: &admire_study::Channel| {
             channel.is_read_by_case() && !channel.helpers.is_empty()
         };
         if self.positions.is_empty() || !measurement.channels.iter().any(is_curve) {
-            return Ok(Vec::new());
+            return Vec::new();
         }
         let Ok(prepared) = Prepared::new(&self.loaded.problem()) else {
-            return Ok(Vec::new());
+            return Vec::new();
         };
         let (system, theta) = (&prepared.system, prepared.system.parameters());
         let mut scratch = Scratch::new(system);
@@ -348,60 +352,34 @@ impl StudyFigures<'_> {
             .map(|positions| positions.cases.iter().map(&mut read).collect())
             .collect();
         let mut out = Vec::new();
-        for (load, cases) in self.runs() {
-            let of = &programme.loads[load];
-            let value = |case: usize| programme.cases[case].values[load];
+        for alone in self.alone() {
             for (k, channel) in measurement.channels.iter().enumerate() {
                 if !is_curve(channel) {
                     continue;
                 }
-                let measured = cases
-                    .iter()
-                    .filter_map(|case| Some((value(*case), measurement.cases[*case].channels[k]?)));
-                let mut series = vec![Series {
-                    name: "measured".to_string(),
-                    points: measured.collect(),
-                    mark: SeriesStyle::Points,
-                }];
-                for (set, (positions, shown)) in self.positions.iter().zip(&shown).enumerate() {
-                    let at = |case: usize| *shown.get(case)?.as_ref()?.get(k)?;
-                    let points = cases.iter().filter_map(|case| {
-                        let zero = match channel.reference(*case) {
-                            Some(zero) => at(zero)?,
+                let at = |set: usize, case: usize| *shown[set].get(case)?.as_ref()?.get(k)?;
+                out.push(self.run(
+                    (&channel.name, channel.unit.as_deref().unwrap_or_default()),
+                    &alone,
+                    |case| measurement.cases[case].channels[k],
+                    |set, case| {
+                        let zero = match channel.reference(case) {
+                            Some(zero) => at(set, zero)?,
                             None => 0.0,
                         };
-                        Some((value(*case), at(*case)? - zero))
-                    });
-                    series.push(Series {
-                        name: positions.name.clone(),
-                        points: once(points.collect()),
-                        mark: self.mark(set),
-                    });
-                }
-                let unit = channel.unit.as_deref().unwrap_or_default();
-                let chart = Chart {
-                    title: format!("{} against {}", channel.name, of.name),
-                    x: load_axis(self.loaded, &of.name),
-                    y: format!("{}, {unit}", channel.name),
-                    series,
-                    log_y: false,
-                    level: None,
-                };
-                out.push(Figure::of_roles(
-                    &chart,
-                    &self.roles(),
-                    "The other loads stand still.",
-                )?);
+                        Some(at(set, case)? - zero)
+                    },
+                ));
             }
         }
-        Ok(out)
+        out
     }
 
-    /// Draws camber, steer and position of the wheel over each load that varies alone, in the order of application.
-    pub(crate) fn wheel(&self) -> Result<Vec<Figure>, DrawingError> {
-        let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
+    /// Returns steer, camber and position of the wheel.
+    fn wheel(&self) -> Vec<LoadRun> {
+        let measurement = &self.loaded.measurement;
         let Some(wheel) = &measurement.wheel else {
-            return Ok(Vec::new());
+            return Vec::new();
         };
         let model = &self.loaded.model;
         let marker = &model.markers[wheel.marker.0];
@@ -410,54 +388,64 @@ impl StudyFigures<'_> {
             R: marker.R,
         };
         let length = self.length();
-        let channels: [(&str, &str, fn(&WheelReading) -> f64); 4] = [
-            ("Camber", "deg", |reading| reading.camber_deg),
-            ("Steer", "deg", |reading| reading.steer_deg),
-            ("Wheel x", length, |reading| reading.position.x),
-            ("Wheel z", length, |reading| reading.position.z),
+        let readings: [(&str, &str, fn(&WheelReading) -> f64); 4] = [
+            ("steer", "deg", |reading| reading.steer_deg),
+            ("camber", "deg", |reading| reading.camber_deg),
+            ("wheel x", length, |reading| reading.position.x),
+            ("wheel z", length, |reading| reading.position.z),
         ];
         let mut out = Vec::new();
-        for (load, cases) in self.runs() {
-            let of = &programme.loads[load];
-            let value = |case: usize| programme.cases[case].values[load];
-            for (name, unit, of_reading) in channels {
-                let read = cases.iter().filter_map(|case| {
-                    let reading = measurement.cases[*case].wheel.as_ref()?;
-                    Some((value(*case), of_reading(reading)))
-                });
-                let mut series = vec![Series {
-                    name: "measured".to_string(),
-                    points: read.collect(),
-                    mark: SeriesStyle::Points,
-                }];
-                series.extend(self.positions.iter().enumerate().map(|(set, positions)| {
-                    let points = cases.iter().filter_map(|case| {
-                        let poses = positions.cases.get(*case)?.as_ref()?;
+        for alone in self.alone() {
+            for (name, unit, of) in readings {
+                out.push(self.run(
+                    (name, unit),
+                    &alone,
+                    |case| measurement.cases[case].wheel.as_ref().map(of),
+                    |set, case| {
+                        let poses = self.positions[set].cases.get(case)?.as_ref()?;
                         let at = poses[marker.part.0].compose(&own);
-                        Some((value(*case), of_reading(&wheel.spin.reading(&at))))
-                    });
-                    Series {
-                        name: positions.name.clone(),
-                        points: once(points.collect()),
-                        mark: self.mark(set),
-                    }
-                }));
-                let chart = Chart {
-                    title: format!("{name} against {}", of.name),
-                    x: load_axis(self.loaded, &of.name),
-                    y: format!("{}, {unit}", name.to_lowercase()),
-                    series,
-                    log_y: false,
-                    level: None,
-                };
-                out.push(Figure::of_roles(
-                    &chart,
-                    &self.roles(),
-                    "The other loads stand still.",
-                )?);
+                        Some(of(&wheel.spin.reading(&at)))
+                    },
+                ));
             }
         }
-        Ok(out)
+        out
+    }
+
+    /// Returns the displacements of marks over the loads that vary alone: of each part, the coordinate at which the model gains
+    /// most.
+    pub(crate) fn marks(&self) -> Vec<LoadRun> {
+        let (model, measurement) = (&self.loaded.model, &self.loaded.measurement);
+        let mut out: Vec<LoadRun> = Vec::new();
+        for alone in self.alone() {
+            for (part, marked) in measurement.parts.iter().enumerate() {
+                let runs = marked.marks.iter().enumerate().flat_map(|(mark, on_part)| {
+                    let design = model.parts[marked.part.0].pose.point(&on_part.p);
+                    let alone = &alone;
+                    (0..3).map(move |axis| {
+                        let name =
+                            format!("{} mark {}, {}", marked.name, on_part.label, AXES[axis]);
+                        self.run(
+                            (&name, self.length()),
+                            alone,
+                            |case| {
+                                let mut all = measurement.cases[case].marks.iter();
+                                let read = all.find(|r| r.part == part && r.mark == mark)?;
+                                Some(read.x[axis] - design[axis])
+                            },
+                            |set, case| {
+                                let poses = self.positions[set].cases.get(case)?.as_ref()?;
+                                let at = poses[marked.part.0].point(&on_part.p);
+                                Some(at[axis] - design[axis])
+                            },
+                        )
+                    })
+                });
+                let runs = runs.filter(|run| run.gain().is_finite());
+                out.extend(runs.max_by(|a, b| a.gain().total_cmp(&b.gain())));
+            }
+        }
+        out
     }
 }
 

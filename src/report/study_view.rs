@@ -1,15 +1,14 @@
 use super::Scene;
-use super::scene::{Arrow, Frame, Mark, Placed, Role, Set, along, point};
+use super::scene::{Arrow, Frame, Mark, Placed, Role, on_marker, point};
 use admire_identify::LoadedStudy;
 use admire_session::backend::Sweep;
 use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::MarkerIx;
 
 /// Poses of a model's parts in every load case of a study.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Positions {
-    /// Name of this set of positions in the legend.
-    pub name: String,
-    /// Role of this set of positions, which determines its colour.
+    /// Role of this set of positions, which determines its name and its colour.
     pub role: Role,
     /// Poses of all parts of the model, by case. `None` for a case without an equilibrium.
     pub cases: Vec<Option<Vec<Pose>>>,
@@ -17,10 +16,9 @@ pub struct Positions {
 
 impl Positions {
     /// Creates a set of positions from a sweep, which solves all load cases of a study.
-    pub fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
+    pub fn of(role: Role, sweep: &Sweep) -> Self {
         let cases = 0..sweep.cases.len();
         Self {
-            name: name.to_string(),
             role,
             cases: cases
                 .map(|case| sweep.equilibrium(case).map(|found| found.poses.clone()))
@@ -29,15 +27,32 @@ impl Positions {
     }
 }
 
+impl Scene {
+    /// Creates the scene of a study's model in its design position, with the wheel if the study names one.
+    pub fn of_study(loaded: &LoadedStudy) -> Self {
+        let model = &loaded.model;
+        let mut scene = Self::of(model, Some(&loaded.dataset));
+        if let Some((marker, axis)) = wheel_marker(loaded) {
+            let marker = &model.markers[marker.0];
+            let own = Pose {
+                p: marker.qp,
+                R: marker.R,
+            };
+            let local = on_marker(&own, axis);
+            let spin = model.parts[marker.part.0].pose.R * local.R.column(2);
+            scene.look_along(&spin);
+            scene.add_wheel(marker.part.0, &local, None, 1.0 / model.units.length.si);
+        }
+        scene
+    }
+}
+
 /// Creates the scene of a study, with one frame per load case. Each frame shows the measured poses, the poses of the models in `positions`,
 /// and the loads as arrows.
 pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scene {
     let model = &loaded.model;
     let measurement = &loaded.measurement;
-    let mut scene = Scene::of(model, Some(&loaded.dataset));
-    if let Some(wheel) = &measurement.wheel {
-        scene.along = along(&Vec3::from(scene.up), &wheel.spin.s0);
-    }
+    let mut scene = Scene::of_study(loaded);
     scene.per = "case".to_string();
     let mut marks = Vec::new();
     for (part, marked) in measurement.parts.iter().enumerate() {
@@ -53,20 +68,11 @@ pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scen
     let read = !marks.is_empty();
     scene.sets = Vec::new();
     if read {
-        scene.sets.push(Set {
-            name: "measured".to_string(),
-            role: Role::Measured,
-        });
+        scene.sets.push(Role::Measured);
     }
-    scene.sets.extend(positions.iter().map(|set| Set {
-        name: set.name.clone(),
-        role: set.role,
-    }));
+    scene.sets.extend(positions.iter().map(|set| set.role));
     if scene.sets.is_empty() {
-        scene.sets.push(Set {
-            name: "deck".to_string(),
-            role: Role::Model,
-        });
+        scene.sets.push(Role::Model);
         return scene;
     }
     for (case, of) in measurement.cases.iter().enumerate() {
@@ -108,6 +114,16 @@ pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scen
     scene
 }
 
+/// Returns the marker at the wheel centre and its spin axis, from `[wheel]` or `[kc]` of the study.
+fn wheel_marker(loaded: &LoadedStudy) -> Option<(MarkerIx, usize)> {
+    if let Some(wheel) = &loaded.measurement.wheel {
+        return Some((wheel.marker, wheel.spin.axis));
+    }
+    let (kc, _) = loaded.study.kc.as_ref()?;
+    let id = kc.marker.text.rsplit('/').next()?.parse().ok()?;
+    Some((loaded.model.marker(id)?, kc.axis.axis))
+}
+
 /// Lists the loads of a case in words.
 fn loads(loaded: &LoadedStudy, case: usize) -> String {
     let programme = &loaded.programme;
@@ -130,7 +146,7 @@ fn arrows(
     stands: Option<&Vec<Pose>>,
 ) -> Vec<Arrow> {
     let model = &loaded.model;
-    let frame = |marker: admire_solver::model::MarkerIx| {
+    let frame = |marker: MarkerIx| {
         let marker = &model.markers[marker.0];
         let part = stands.map_or(model.parts[marker.part.0].pose, |poses| {
             poses[marker.part.0]

@@ -24,6 +24,9 @@ struct Cell {
 /// Number of columns from which on a table is too wide for a phone.
 const CARDS: usize = 5;
 
+/// Class of a row that heads the rows below it.
+const GROUP: &str = "group";
+
 /// Table of texts, with a heading for each column.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
@@ -59,8 +62,17 @@ impl Table {
         self
     }
 
-    /// Gives a cell of the last row a class of the page's style sheet: `good`, `bad` or `soft`.
-    pub(crate) fn mark(&mut self, column: usize, class: &'static str) -> &mut Self {
+    /// Adds a row with the heading of the rows that follow, over all columns.
+    pub(super) fn group(&mut self, text: &str) -> &mut Self {
+        self.row([text]);
+        if let Some(cell) = self.rows.last_mut().and_then(|row| row.first_mut()) {
+            cell.class = Some(GROUP);
+        }
+        self
+    }
+
+    /// Gives a cell of the last row a class of the page's style sheet: `good`, `bad` or `soft`; none if empty.
+    pub fn mark(&mut self, column: usize, class: &'static str) -> &mut Self {
         if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
             cell.class = Some(class);
         }
@@ -107,6 +119,16 @@ impl Table {
         }
         out.push_str("</tr></thead>\n<tbody>\n");
         for row in &self.rows {
+            if let Some(cell) = row.first().filter(|cell| cell.class == Some(GROUP)) {
+                write!(
+                    out,
+                    "<tr class=\"{GROUP}\"><th scope=\"colgroup\" colspan=\"{}\">{}</th></tr>\n",
+                    self.columns.len(),
+                    escape(&cell.text)
+                )
+                .expect("a String takes all");
+                continue;
+            }
             out.push_str("<tr>");
             for (k, (_, align)) in self.columns.iter().enumerate() {
                 let cell = row.get(k);

@@ -89,7 +89,7 @@ mod xrf_writer;
 pub(crate) use catalogue::Column;
 pub use catalogue::{Catalogue, Component, Entity};
 
-pub use comparison::{Comparison, Tolerance, Worst, compare, compare_above};
+pub use comparison::{ColumnDifference, Comparison, Tolerance, Worst, compare, compare_above};
 pub use difference_floor::DifferenceFloor;
 pub use entity_kind::EntityKind;
 pub use error::ResultsError;

@@ -1,14 +1,19 @@
 //! Report page of a sweep: histograms, tornado charts and tables.
 
 use admire_report::{
-    Align, Bars, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table, number,
+    Align, Bars, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table, axis_label, number,
 };
+use admire_results::Timestamp;
 
 use super::folder::SweepFolder;
 use super::summary::{OutputSummary, Spread, Summary};
 
 /// Largest number of bars in a tornado chart.
 const MOST_BARS: usize = 15;
+/// Largest number of outputs whose main effects are not folded.
+const MOST_SHOWN: usize = 3;
+/// Largest number of outputs in the answer.
+const MOST_TOLD: usize = 2;
 
 /// Formats a number with six significant digits; empty if it is not finite.
 pub fn six_digits(value: f64) -> String {
@@ -25,20 +30,47 @@ pub fn six_digits(value: f64) -> String {
 /// When a picture cannot be drawn.
 pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingError> {
     let ok = summary.statuses.get("ok").copied().unwrap_or_default();
-    let lead = format!(
-        "{ok} of {} cases have an answer; plan {}, {} numbers vary, {} columns are kept.",
-        summary.cases,
-        summary.plan,
-        summary.inputs.len(),
-        summary.outputs.len()
-    );
-    let mut page = Page::new("Sweep", &lead);
-    page.heading("What is kept");
-    page.table(&spreads(
-        summary.outputs.iter().map(|o| (&o.spread, o.nominal)),
-    ));
+    let inputs = &folder.manifest.inputs;
+    let of = |end: &str| {
+        let named = inputs.keys().filter(|name| name.ends_with(end));
+        named.cloned().collect::<Vec<_>>().join(", ")
+    };
+    let (deck, plan) = (of(".adm"), of(".toml"));
+    let title = match deck.as_str() {
+        "" => format!("Variants of {plan}"),
+        deck => format!("Variants of {deck}"),
+    };
+    let mut page = Page::new("Sweep", &title, &answer(summary, ok));
+    page.origin(&[
+        ("Deck", deck),
+        ("Plan", format!("{plan}, {}", summary.plan)),
+        ("Date", format!("{} UTC", Timestamp::now().date_time())),
+        ("Made by", format!("admire {}", folder.manifest.version)),
+        (
+            "Time of all cases together",
+            format!("{:.1} s", summary.seconds),
+        ),
+        (
+            "Inputs",
+            format!("SHA-256 {}", folder.manifest.inputs_sha256),
+        ),
+    ]);
+    page.meaning();
+    for output in summary.outputs.iter().take(MOST_SHOWN) {
+        page.figures(&main_effects(output)?);
+    }
+    let numbers = summary.inputs.len();
+    page.found(&[(
+        "Tried",
+        vec![format!(
+            "{} variants of {numbers} numbers; {ok} have an answer",
+            summary.cases
+        )],
+    )]);
+    page.table(&ranges(summary));
+    page.note("Nine of ten variants lie between the 5 % and the 95 % quantile.");
+    page.detail("Cases without an answer");
     if ok < summary.cases {
-        page.heading("Cases without an answer");
         let mut table = Table::new(&[("why", Align::Wrap), ("cases", Align::Right)]);
         for (reason, count) in &summary.reasons {
             table.row([reason.clone(), count.to_string()]);
@@ -51,44 +83,103 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
         }
         page.table(&table);
     }
-    for output in &summary.outputs {
-        page.heading(&output.spread.name);
+    for (k, output) in summary.outputs.iter().enumerate() {
+        page.detail(&output.spread.name);
         let mut figures = vec![histogram(&output.spread)?];
-        figures.extend(tornado(output));
+        if k >= MOST_SHOWN {
+            figures.extend(main_effects(output)?);
+        }
         page.figures(&figures);
         indices(&mut page, output);
         effects(&mut page, output);
     }
-    page.heading("What varies");
-    page.table(&spreads(summary.inputs.iter().map(|input| (input, None))));
-    page.facts(&[
-        ("Version", folder.manifest.version.clone()),
-        (
-            "SHA-256 of the inputs",
-            folder.manifest.inputs_sha256.clone(),
-        ),
-        (
-            "Time of all cases together",
-            format!("{:.1} s", summary.seconds),
-        ),
-    ]);
+    page.detail("All quantiles");
+    let outputs = summary.outputs.iter().map(|output| &output.spread);
+    page.table(&spreads(outputs.chain(&summary.inputs)));
+    page.note("Outputs first, then the numbers that vary.");
     Ok(page.finish(&format!("admire {}", folder.manifest.version)))
 }
 
-fn spreads<'s>(all: impl Iterator<Item = (&'s Spread, Option<f64>)>) -> Table {
+/// Returns the range of the first outputs, and the number that moves each of them most, in a few sentences.
+fn answer(summary: &Summary, ok: u64) -> String {
+    let told = summary.outputs.iter().take(MOST_TOLD).map(|output| {
+        let spread = &output.spread;
+        let [low, high] = [0.05, 0.95].map(|share| short(spread.quantile(share), spread.sd));
+        let unit = spread.unit.as_deref().unwrap_or_default();
+        let mut text = format!("{} lies between {low} and {high} {unit}", spread.name);
+        text.truncate(text.trim_end().len());
+        if let Some(swing) = output.swings.first() {
+            text += &format!(", moved most by {}", swing.name);
+        }
+        text + "."
+    });
+    let told: Vec<String> = told.collect();
+    if ok == 0 {
+        return format!("None of the {} variants has an answer.", summary.cases);
+    }
+    told.join(" ")
+}
+
+/// Formats a value to a hundredth of its standard deviation.
+fn short(value: f64, sd: f64) -> String {
+    number(value, Some(sd))
+}
+
+/// Draws what moves an output: its main effects, and its values over the number with the largest effect.
+fn main_effects(output: &OutputSummary) -> Result<Vec<Figure>, DrawingError> {
+    let mut figures: Vec<Figure> = tornado(output).into_iter().collect();
+    if let Some(swing) = output.swings.first() {
+        let chart = Chart {
+            title: format!("{} over {}", output.spread.name, swing.name),
+            x: swing.name.clone(),
+            y: labelled(&output.spread),
+            series: vec![Series::new(
+                "variants",
+                SeriesStyle::Points,
+                output.scatter.clone(),
+            )],
+            level: output.nominal,
+            ..Chart::default()
+        };
+        let caption = "Each point is a variant. The dotted line is the deck as it is.";
+        figures.push(Figure::chart(&chart, caption)?);
+    }
+    Ok(figures)
+}
+
+/// Tabulates the range of each output, and what moves it most.
+fn ranges(summary: &Summary) -> Table {
+    let mut table = Table::new(&[
+        ("output", Align::Left),
+        ("unit", Align::Left),
+        ("deck as it is", Align::Right),
+        ("5 %", Align::Right),
+        ("median", Align::Right),
+        ("95 %", Align::Right),
+        ("moved most by", Align::Left),
+    ]);
+    for output in &summary.outputs {
+        let spread = &output.spread;
+        let shown = |value: f64| short(value, spread.sd);
+        let [low, middle, high] = [0.05, 0.5, 0.95].map(|share| shown(spread.quantile(share)));
+        let moved = output.swings.first();
+        table.row([
+            spread.name.clone(),
+            spread.unit.clone().unwrap_or_default(),
+            output.nominal.map_or_else(String::new, shown),
+            low,
+            middle,
+            high,
+            moved.map_or_else(String::new, |swing| swing.name.clone()),
+        ]);
+    }
+    table
+}
+
+/// Tabulates all statistics, one row for each column of the results.
+fn spreads<'s>(all: impl Iterator<Item = &'s Spread>) -> Table {
     let heads = [
-        "",
-        "unit",
-        "deck as it is",
-        "mean",
-        "sd",
-        "least",
-        "1 %",
-        "5 %",
-        "median",
-        "95 %",
-        "99 %",
-        "most",
+        "", "unit", "mean", "sd", "least", "1 %", "5 %", "median", "95 %", "99 %", "most",
     ];
     let columns: Vec<(&str, Align)> = heads
         .iter()
@@ -96,15 +187,10 @@ fn spreads<'s>(all: impl Iterator<Item = (&'s Spread, Option<f64>)>) -> Table {
         .map(|(k, head)| (*head, if k < 2 { Align::Left } else { Align::Right }))
         .collect();
     let mut table = Table::new(&columns);
-    for (spread, nominal) in all {
-        let mut row = vec![
-            spread.name.clone(),
-            spread.unit.clone().unwrap_or_default(),
-            nominal.map_or_else(String::new, six_digits),
-        ];
+    for spread in all {
+        let mut row = vec![spread.name.clone(), spread.unit.clone().unwrap_or_default()];
         let values = [
             spread.mean,
-            spread.sd,
             spread.ends[0],
             spread.quantile(0.01),
             spread.quantile(0.05),
@@ -113,17 +199,15 @@ fn spreads<'s>(all: impl Iterator<Item = (&'s Spread, Option<f64>)>) -> Table {
             spread.quantile(0.99),
             spread.ends[1],
         ];
-        row.extend(values.map(six_digits));
+        row.extend(values.map(|value| short(value, spread.sd)));
+        row.insert(3, number(spread.sd, Some(0.1 * spread.sd)));
         table.row(row);
     }
     table
 }
 
 fn labelled(spread: &Spread) -> String {
-    match &spread.unit {
-        Some(unit) => format!("{} [{unit}]", spread.name),
-        None => spread.name.clone(),
-    }
+    axis_label(&spread.name, spread.unit.as_deref().unwrap_or_default())
 }
 
 /// Draws a histogram of a column's values over the cases, as the outline of its bars.
@@ -141,13 +225,8 @@ fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
         title: format!("How {} is spread", spread.name),
         x: labelled(spread),
         y: "cases".to_string(),
-        series: vec![Series {
-            name: spread.name.clone(),
-            points,
-            mark: SeriesStyle::Line,
-        }],
-        log_y: false,
-        level: None,
+        series: vec![Series::new(&spread.name, SeriesStyle::Line, points)],
+        ..Chart::default()
     };
     Figure::chart(&chart, &format!("{} cases.", spread.count))
 }
@@ -158,15 +237,12 @@ fn tornado(output: &OutputSummary) -> Option<Figure> {
     let bars = output.swings.iter().take(MOST_BARS);
     let bars = Bars {
         title: format!("What moves {}", output.spread.name),
-        x: match &output.spread.unit {
-            Some(unit) => format!("change [{unit}]"),
-            None => "change".to_string(),
-        },
+        x: axis_label("change", output.spread.unit.as_deref().unwrap_or_default()),
         rows: bars.map(|s| (s.name.clone(), [s.low, s.high])).collect(),
         level: 0.0,
     };
     let caption = format!(
-        "Each number from its 5 % to its 95 % quantile, the others held, by straight lines; they explain {:.1} % of the variance.",
+        "Each number at its 5 % quantile (orange) and at its 95 % quantile (blue), the others held. Straight lines explain {:.1} % of the variance.",
         100.0 * explained
     );
     Some(Figure::bars(&bars, &caption))

@@ -65,6 +65,9 @@ pub struct Spread {
     pub bars: Vec<u64>,
 }
 
+/// Largest number of cases in a scatter plot.
+const SCATTERED: usize = 1000;
+
 /// Summary of one recorded output.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct OutputSummary {
@@ -80,6 +83,9 @@ pub struct OutputSummary {
     pub indices: Vec<NamedIndex>,
     /// Elementary effects, empty unless the plan is `morris`.
     pub effects: Vec<NamedEffect>,
+    /// Values over those of the parameter with the largest linear effect, for a picture; of at most [`SCATTERED`] cases.
+    #[serde(skip)]
+    pub scatter: Vec<(f64, f64)>,
 }
 
 /// Change of a result in the linear model as one parameter goes from its 5 percent to its 95 percent quantile.
@@ -218,6 +224,7 @@ impl Summary {
                     Vec::new()
                 },
                 effects: Vec::new(),
+                scatter: Vec::new(),
             });
         }
         if folder.manifest.plan == "morris" {
@@ -269,6 +276,16 @@ impl Summary {
             outputs,
         };
         summary.find_swings(&table, ins, outs)?;
+        for (k, output) in summary.outputs.iter_mut().enumerate() {
+            let first = output.swings.first();
+            let input =
+                first.and_then(|swing| columns.inputs.iter().position(|n| *n == swing.name));
+            if let Some(input) = input {
+                let (x, y) = (table.numbers(1 + input)?, table.numbers(1 + ins + k)?);
+                let every = x.len().div_ceil(SCATTERED).max(1);
+                output.scatter = x.into_iter().zip(y).step_by(every).collect();
+            }
+        }
         Ok(summary)
     }
 

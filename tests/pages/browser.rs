@@ -15,8 +15,19 @@ pub struct Seen {
     pub pictures: Vec<bool>,
     /// Per three-dimensional view: pixels drawn, and what changes them.
     pub scenes: Vec<SceneSeen>,
+    /// Per chart, what it does under the pointer.
+    pub charts: Vec<ChartSeen>,
     /// Addresses that leave the page.
     pub outside: Vec<String>,
+}
+
+/// What a chart does under the pointer.
+#[derive(serde::Deserialize, Debug)]
+pub struct ChartSeen {
+    /// Whether a point shows its value.
+    pub value: bool,
+    /// Whether a dragged frame zooms.
+    pub zoomed: bool,
 }
 
 /// What changed the picture of a view.
@@ -151,6 +162,9 @@ pub fn sound(chromium: &Path, page: &Path) -> Seen {
             "{name} at {width}: {:?}",
             seen.pictures
         );
+        for chart in &seen.charts {
+            assert!(chart.value && chart.zoomed, "{name} at {width}: {chart:?}");
+        }
         for scene in &seen.scenes {
             assert!(scene.drawn > 300, "{name} at {width}: {scene:?}");
             assert!(scene.key && scene.drag, "{name} at {width}: {scene:?}");

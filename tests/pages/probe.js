@@ -1,3 +1,4 @@
+document.querySelectorAll("details").forEach((one) => { one.open = true; });
 setTimeout(() => {
   // A cheap fingerprint of the picture, and how much of it is not empty.
   const look = (canvas) => {
@@ -51,9 +52,31 @@ setTimeout(() => {
     const box = svg.getBoundingClientRect();
     return box.width > 50 && box.height > 50 && svg.querySelector(".line, circle, rect") !== null;
   });
+  // What a chart does under the pointer: a value is shown, and a dragged frame changes its ticks.
+  const charts = [...document.querySelectorAll("svg.chart[data-plot]")].map((svg) => {
+    const at = (type, share, extra) => {
+      const box = svg.getBoundingClientRect(), [left, right, top, bottom] = svg.dataset.plot.split(" ").map(Number);
+      const [, , wide, tall] = svg.getAttribute("viewBox").split(" ").map(Number);
+      svg.dispatchEvent(new PointerEvent(type, { pointerId: 2, pointerType: "mouse", button: 0, bubbles: true,
+        clientX: box.left + (left + share * (right - left)) * box.width / wide, clientY: box.top + (top + share * (bottom - top)) * box.height / tall, ...extra }));
+    };
+    svg.setPointerCapture = () => {};
+    const dot = svg.querySelector(".plot circle, .plot .line");
+    if (!dot) return { value: true, zoomed: true };
+    const box = dot.getBoundingClientRect(), line = dot.classList.contains("line") ? dot.getPointAtLength(0) : null;
+    const own = svg.getBoundingClientRect(), scale = own.width / Number(svg.getAttribute("viewBox").split(" ")[2]);
+    const [clientX, clientY] = line ? [own.left + line.x * scale, own.top + line.y * scale] : [box.left + box.width / 2, box.top + box.height / 2];
+    at("pointermove", 0, { clientX, clientY });
+    const tip = svg.closest("figure").querySelector(".tip"), value = !tip.hidden && / at /.test(tip.textContent);
+    const ticks = () => svg.querySelector(".ticks").textContent, before = ticks();
+    at("pointerdown", 0.2); at("pointermove", 0.7); at("pointerup", 0.7);
+    const zoomed = ticks() !== before;
+    svg.dispatchEvent(new MouseEvent("dblclick", { bubbles: true }));
+    return { value, zoomed };
+  });
   const outside = [...document.querySelectorAll("[src], [href]")].map((node) => node.getAttribute("src") || node.getAttribute("href"))
     .filter((address) => !/^(data:|#)/.test(address));
-  const seen = { errors: window.seenErrors, window: innerWidth, content: document.documentElement.scrollWidth, pictures, scenes, outside };
+  const seen = { errors: window.seenErrors, window: innerWidth, content: document.documentElement.scrollWidth, pictures, scenes, charts, outside };
   const pre = parent.document.createElement("pre");
   pre.id = "seen";
   pre.textContent = JSON.stringify(seen);

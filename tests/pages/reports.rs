@@ -204,3 +204,75 @@ fn the_report_of_an_identification_is_whole() {
     );
     assert!(page.contains("scope=\"col\"") && page.contains("scope=\"row\""));
 }
+
+/// What to measure next: bars of what it gains, and the number that is known least marked in the picture.
+#[test]
+fn the_page_of_a_plan_is_whole() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let study = study.to_str().unwrap();
+    admire(
+        &["plan", study, "--for", "stiffnesses", "--out", "next"],
+        folder.path(),
+    );
+    let path = folder.path().join("next/report.html");
+    let seen = sound(&chromium, &path);
+    assert!(!seen.pictures.is_empty() && seen.scenes.len() == 1);
+    accessible(&path, &seen);
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(page.contains("<p class=\"lead\">Measure next: "));
+    assert!(page.contains("\"label\":\"least known\""));
+}
+
+/// A deck with a fault: the page names file, line, code and cure.
+#[test]
+fn the_page_of_a_check_names_the_place() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let deck = "a deck\nPART/1,GROUND\nPART/2,MASS=1,CM=99,IP=1,1,1\nMARKER/1,PART=1\nEND\n";
+    std::fs::write(folder.path().join("bad.adm"), deck).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(["check", "bad.adm", "--out", "pages"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1), "{run:?}");
+    let path = folder.path().join("pages/report.html");
+    sound(&chromium, &path);
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        page.contains("bad.adm:3") && page.contains("undefined-id"),
+        "{page}"
+    );
+    assert!(page.contains("The files have 1 error"), "{page}");
+}
+
+/// Two runs that differ in one load: the page draws the column over both files, and the difference below.
+#[test]
+fn the_page_of_a_comparison_shows_the_difference() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
+    let commands = std::fs::read_to_string(shipped.join("lateral.acf")).unwrap();
+    for (name, deck) in [("before", "model.adm"), ("after", "reference.adm")] {
+        std::fs::copy(shipped.join(deck), folder.path().join("model.adm")).unwrap();
+        let own = format!("file/model=model, output_prefix={name}");
+        let own = commands.replacen("file/model=model", &own, 1);
+        std::fs::write(folder.path().join("run.acf"), own).unwrap();
+        admire(&["solve", "run.acf", "--force"], folder.path());
+    }
+    let run = Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(["compare", "before.res", "after.res", "--out", "pages"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1), "{run:?}");
+    let path = folder.path().join("pages/report.html");
+    let seen = sound(&chromium, &path);
+    // Four columns and their differences.
+    assert_eq!(seen.pictures.len(), 8);
+    accessible(&path, &seen);
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(page.contains("most of all ") && page.contains(", second less first"));
+}

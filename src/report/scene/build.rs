@@ -1,6 +1,6 @@
 use super::hull::hull;
 use super::shapes::{Shape, shapes};
-use super::{Body, End, Highlight, Kind, Object, Placed, Role, Scene, Set, point};
+use super::{Body, End, Highlight, Kind, Object, Placed, Role, Scene, point};
 use crate::short_unit;
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{
@@ -27,11 +27,9 @@ impl Scene {
             along: along(&up, &up.cross(&Vec3::x())),
             parts: bodies(model, &objects, &shapes.unwrap_or_default()),
             objects,
+            wheels: Vec::new(),
             marks: Vec::new(),
-            sets: vec![Set {
-                name: "deck".to_string(),
-                role: Role::Model,
-            }],
+            sets: vec![Role::Model],
             per: "step".to_string(),
             frames: Vec::new(),
             highlight: Vec::new(),

@@ -7,6 +7,7 @@ mod embed;
 mod hull;
 mod motion;
 mod shapes;
+mod wheel;
 
 use serde::Serialize;
 
@@ -15,6 +16,8 @@ use admire_solver::mechanics::{Pose, Vec3};
 pub(super) use build::along;
 pub(crate) use hull::Hull;
 pub use motion::{Motion, bodies, motion};
+pub use wheel::Wheel;
+pub(super) use wheel::on_marker;
 
 pub(super) use embed::{CLIENT, CLIENT_STYLE};
 
@@ -106,7 +109,7 @@ pub struct Mark {
     pub p: [f64; 3],
 }
 
-/// Role of a set of positions, which determines its colour.
+/// Role of a curve or of a set of positions, which determines its name and its colour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
@@ -114,34 +117,37 @@ pub enum Role {
     Model,
     /// Measured positions.
     Measured,
-    /// Positions of the model before a fit.
-    Initial,
-    /// Positions of the model with identified parameters.
-    Fitted,
-    /// Positions of the model extended by the findings of a diagnosis.
+    /// The model as given: before a fit.
+    #[serde(rename = "model as given")]
+    Given,
+    /// The model with identified parameters.
+    Identified,
+    /// The model extended by the findings of a diagnosis.
     Extended,
 }
 
 impl Role {
-    /// Returns the colour index of the role in the style sheet. It is the same in every picture of a page; `viewer.js` contains the same
-    /// table.
-    pub(crate) const fn colour(self) -> usize {
+    /// Returns the name of the role in every legend.
+    pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::Model | Self::Fitted => 1,
-            Self::Measured => 4,
-            Self::Extended => 3,
-            Self::Initial => 7,
+            Self::Model => "model",
+            Self::Measured => "measured",
+            Self::Given => "model as given",
+            Self::Identified => "identified",
+            Self::Extended => "extended",
         }
     }
-}
 
-/// Set of positions shown together in one colour.
-#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
-pub struct Set {
-    /// Name of the set in the legend.
-    pub name: String,
-    /// Role of the set, which determines its colour.
-    pub role: Role,
+    /// Returns the class of the role in the style sheet, which gives it one colour in every picture; `viewer.js` contains the same table.
+    pub(crate) const fn class(self) -> &'static str {
+        match self {
+            Self::Model => "s1",
+            Self::Measured => "s-measured",
+            Self::Given => "s-given",
+            Self::Identified => "s-identified",
+            Self::Extended => "s-extended",
+        }
+    }
 }
 
 /// Load drawn as an arrow at the I marker of an object.
@@ -196,10 +202,13 @@ pub struct Scene {
     pub parts: Vec<Body>,
     /// Drawn joints, force elements and applied forces.
     pub objects: Vec<Object>,
+    /// Wheels of the vehicle.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub wheels: Vec<Wheel>,
     /// Marks (measured points) of the parts.
     pub marks: Vec<Mark>,
-    /// Sets of positions shown in each frame; the last set is drawn in full.
-    pub sets: Vec<Set>,
+    /// Roles of the sets of positions shown in each frame; the last set is drawn in full.
+    pub sets: Vec<Role>,
     /// Word for one frame in the controls: `step` or `case`.
     pub per: String,
     /// Frames of the view. If there are none, the parts are drawn in their design position.

@@ -1,4 +1,4 @@
-use super::{Arrow, Body, Frame, Kind, Placed, Role, Scene, Set, point};
+use super::{Arrow, Body, Frame, Kind, Placed, Role, Scene, point};
 use admire_results::{Catalogue, Entity, EntityKind, ResultsError, ResultsReader};
 use admire_solver::mechanics::{Pose, Vec3, euler313};
 use admire_syntax::units::LENGTH_UNITS;
@@ -115,11 +115,9 @@ pub fn bodies(title: &str, reader: &dyn ResultsReader) -> Scene {
         along: [1.0, 0.0, 0.0],
         parts: parts.collect(),
         objects: Vec::new(),
+        wheels: Vec::new(),
         marks: Vec::new(),
-        sets: vec![Set {
-            name: "results".to_string(),
-            role: Role::Model,
-        }],
+        sets: vec![Role::Model],
         per: "step".to_string(),
         frames: Vec::new(),
         highlight: Vec::new(),

@@ -3,12 +3,12 @@
 "use strict";
 
 // The same colours as the charts of a page have for the same roles.
-const ROLE_COLOUR = { model: "--c1", measured: "--c4", initial: "--c7", fitted: "--c1", extended: "--c3" };
-const ROLE_DASH = { model: [], measured: [2, 3], initial: [7, 4], fitted: [], extended: [] };
+const ROLE_COLOUR = { model: "--c1", measured: "--measured", "model as given": "--given", identified: "--identified", extended: "--extended" };
+const ROLE_DASH = { model: [], measured: [2, 3], "model as given": [7, 4], identified: [], extended: [] };
 // Yaw and pitch. At yaw 0 the camera looks along the axis of travel.
-const VIEWS = { "3-D": [0.65, 0.42], Front: [0, 0], Side: [Math.PI / 2, 0], Top: [Math.PI / 2, Math.PI / 2] };
+const VIEWS = { "3-D": [0.65, 0.3], Front: [0, 0], Side: [Math.PI / 2, 0], Top: [Math.PI / 2, Math.PI / 2] };
 // Room in pixels for labels, the caption above and the axes below: left and right, top, bottom.
-const ROOM = [70, 48, 76];
+const ROOM = [70, 48, 76], PAPER = [60, 24, 26];
 
 // Frames are [x, y, z, w, i, j, k]; matrices are 12 numbers: rotation by rows, then the origin.
 function matrix(f) {
@@ -50,7 +50,7 @@ function start(root) {
   const scene = JSON.parse(root.querySelector('script[type="application/json"]').textContent);
   const full = root.classList.contains("full");
   const main = scene.sets.length - 1;
-  const measured = scene.sets.findIndex((set) => set.role === "measured");
+  const measured = scene.sets.indexOf("measured");
   const state = {
     yaw: 0, pitch: 0, zoom: 1, pan: [0, 0], frameOf: null, frame: 0, factor: 1, mode: "design",
     sets: scene.sets.map(() => true), labels: scene.objects.length <= 24, shapes: true, hidden: new Set(),
@@ -83,6 +83,12 @@ function start(root) {
     (places.length ? places : [design[k]]).forEach((m) => own.forEach((p) => cloud.push(apply(m, p))));
   });
   if (!cloud.length) scene.parts.forEach((part, k) => part.points.forEach((p) => cloud.push(apply(design[k], p))));
+  const wheels = (scene.wheels || []).map((wheel) => ({ ...wheel, local: matrix(wheel.at) }));
+  const circle = (m, r, h, sides) => Array.from({ length: sides + 1 }, (_, k) => apply(m, [r * Math.cos(2 * Math.PI * k / sides), r * Math.sin(2 * Math.PI * k / sides), h]));
+  const rolling = wheels.map((wheel) => compose(design[wheel.part], wheel.local));
+  // The road lies under the lowest tyre.
+  const road = wheels.length ? Math.min(...rolling.map((m, k) => dot([m[9], m[10], m[11]], up) - wheels[k].radius)) : null;
+  wheels.forEach((wheel, k) => circle(rolling[k], wheel.radius, 0, 12).forEach((p) => cloud.push(p)));
   const centre = [0, 1, 2].map((c) => {
     const [low, high] = cloud.reduce(([l, h], p) => [Math.min(l, p[c]), Math.max(h, p[c])], [Infinity, -Infinity]);
     return low <= high ? (low + high) / 2 : 0;
@@ -102,9 +108,12 @@ function start(root) {
     });
     return ends.map(([low, high]) => low <= high ? [(low + high) / 2, Math.max(high - low, 0.2 * radius)] : [0, radius]);
   }
-  const look = (name) => { [state.yaw, state.pitch] = VIEWS[name]; state.zoom = 1; state.pan = [0, 0]; state.frameOf = framed(); };
-  const pixels = () => Math.min(Math.max(stage.clientWidth - 2 * ROOM[0], 50) / state.frameOf[0][1],
-    Math.max(stage.clientHeight - ROOM[1] - ROOM[2], 50) / state.frameOf[1][1]) * state.zoom;
+  // A single wheel is seen from outside.
+  const outer = wheels.length === 1 ? dot(add([rolling[0][9], rolling[0][10], rolling[0][11]], centre, -1), side) : 0;
+  const mirror = outer > 0.02 * radius ? -1 : 1;
+  const look = (name) => { [state.yaw, state.pitch] = VIEWS[name]; if (name !== "Top") state.yaw *= mirror; state.zoom = 1; state.pan = [0, 0]; state.frameOf = framed(); };
+  const pixels = () => Math.min(Math.max(stage.clientWidth - 2 * room[0], 50) / state.frameOf[0][1],
+    Math.max(stage.clientHeight - room[1] - room[2], 50) / state.frameOf[1][1]) * state.zoom;
   const glyph = 0.028 * radius;
   const strongest = Math.max(1e-30, ...frames.flatMap((frame) => (frame.arrows || []).map((arrow) => norm(arrow.force))));
 
@@ -152,11 +161,11 @@ function start(root) {
   }
   const swatch = (role) => {
     const line = element("span", { class: "scene-swatch" });
-    line.style.borderTop = `3px ${role === "measured" ? "dotted" : role === "initial" ? "dashed" : "solid"} var(${ROLE_COLOUR[role]})`;
+    line.style.borderTop = `3px ${role === "measured" ? "dotted" : role === "model as given" ? "dashed" : "solid"} var(${ROLE_COLOUR[role]})`;
     return line;
   };
   const boxes = scene.sets.length > 1
-    ? scene.sets.map((set, k) => check(set.name, true, (on) => { state.sets[k] = on; }, swatch(set.role))) : [];
+    ? scene.sets.map((role, k) => check(role, true, (on) => { state.sets[k] = on; }, swatch(role))) : [];
   boxes.push(check("labels", state.labels, (on) => { state.labels = on; }));
   if (scene.parts.some((part) => part.lines.length)) boxes.push(check("graphics", true, (on) => { state.shapes = on; }));
   bar.append(group(...boxes));
@@ -238,13 +247,15 @@ function start(root) {
   }
   const middle = (points) => points.length ? points.reduce((s, p) => add(s, p, 1 / points.length), [0, 0, 0]) : [0, 0, 0];
 
-  let hits = [];
+  let hits = [], room = ROOM;
   let colours = {};
   function readColours(print) {
+    room = print ? PAPER : ROOM;
     const style = getComputedStyle(root);
     const value = (name) => style.getPropertyValue(name).trim();
-    colours = { ink: value("--ink"), soft: value("--soft"), paper: value("--paper"), line: value("--line"), bad: value("--bad") };
+    colours = { ink: value("--ink"), soft: value("--soft"), paper: value("--paper"), line: value("--line"), band: value("--band"), bad: value("--bad") };
     for (let k = 1; k <= 8; k++) colours["--c" + k] = value("--c" + k);
+    for (const name of ["--measured", "--given", "--identified", "--extended"]) colours[name] = value(name);
     colours["--soft"] = colours.soft;
     if (print) Object.assign(colours, { ink: "#1b1f24", soft: "#57606a", paper: "#fff", line: "#d0d7de" });
   }
@@ -261,7 +272,7 @@ function start(root) {
     g.clearRect(0, 0, width, height);
     const view = camera(), scale = pixels();
     // The middle of the frame lies in the middle of the room.
-    const [ox, oy] = [width / 2 + (state.pan[0] * radius - state.frameOf[0][0]) * scale, (height + ROOM[1] - ROOM[2]) / 2 - (state.pan[1] * radius - state.frameOf[1][0]) * scale];
+    const [ox, oy] = [width / 2 + (state.pan[0] * radius - state.frameOf[0][0]) * scale, (height + room[1] - room[2]) / 2 - (state.pan[1] * radius - state.frameOf[1][0]) * scale];
     const project = (p) => {
       const d = add(p, centre, -1), depth = dot(d, view.toward);
       const s = scale * away / Math.max(away - depth, 0.2 * radius);
@@ -272,7 +283,7 @@ function start(root) {
     const stroke = (a, b, colour, thick, dash, lift) => {
       const [p, q] = [project(a), project(b)], depth = (p[2] + q[2]) / 2;
       items.push([depth + (lift || 0), () => {
-        g.globalAlpha = fade(depth); g.strokeStyle = colour; g.lineWidth = thick; g.setLineDash(dash || []);
+        g.globalAlpha = fade(depth); g.strokeStyle = colour; g.lineWidth = thick; g.lineCap = dash && dash.length ? "butt" : "round"; g.setLineDash(dash || []);
         g.beginPath(); g.moveTo(p[0], p[1]); g.lineTo(q[0], q[1]); g.stroke();
       }]);
     };
@@ -317,8 +328,41 @@ function start(root) {
       }]);
     };
     const texts = [];
-    const label = (p, text, colour, bold, hard) => { const q = project(p); texts.push([q[0] + 9, q[1] - 8, text, colour, bold, hard]); };
+    const label = (p, text, colour, bold, hard) => { const q = project(p); texts.push([q[0], q[1], text, colour, bold, hard]); };
     hits = [];
+
+    // ---- road and wheels
+    if (road !== null && view.toward && state.pitch >= -0.05) {
+      const flat = seen.map((p) => [dot(p, ahead), dot(p, side)]), edge = 0.12 * radius;
+      const [a0, a1, b0, b1] = [0, 1].flatMap((c) => [Math.min(...flat.map((p) => p[c])) - edge, Math.max(...flat.map((p) => p[c])) + edge]);
+      const at = (a, b) => add(add(add([0, 0, 0], ahead, a), side, b), up, road);
+      const corners = [at(a0, b0), at(a1, b0), at(a1, b1), at(a0, b1)].map(project), step = 10 ** Math.floor(Math.log10(radius)) / (radius / 10 ** Math.floor(Math.log10(radius)) < 3 ? 5 : 2);
+      items.push([-1e9 * radius, () => {
+        g.globalAlpha = 0.5; g.fillStyle = colours.band; g.strokeStyle = colours.line; g.lineWidth = 1; g.setLineDash([]);
+        g.beginPath(); corners.forEach((p, k) => k ? g.lineTo(p[0], p[1]) : g.moveTo(p[0], p[1])); g.closePath(); g.fill(); g.stroke();
+        g.lineWidth = 0.6;
+        const across = (from, to) => { const [p, q] = [project(from), project(to)]; g.beginPath(); g.moveTo(p[0], p[1]); g.lineTo(q[0], q[1]); g.stroke(); };
+        for (let a = Math.ceil(a0 / step) * step; a < a1; a += step) across(at(a, b0), at(a, b1));
+        for (let b = Math.ceil(b0 / step) * step; b < b1; b += step) across(at(a0, b), at(a1, b));
+      }]);
+    }
+    wheels.forEach((wheel) => scene.sets.forEach((set, s) => {
+      const carrier = state.sets[s] && !state.hidden.has(scene.parts[wheel.part]) && placed(s, wheel.part);
+      if (!carrier) return;
+      const m = compose(carrier, wheel.local), r = wheel.radius, w = 0.32 * r, sides = 36;
+      if (s !== main) { strokes(circle(m, r, 0, sides), colours[ROLE_COLOUR[set]], 1.2, ROLE_DASH[set]); return; }
+      // Tread, sidewalls down to the rim, and a disc with five spokes.
+      const profile = [[0.62, -w], [0.95, -w], [1, -0.75 * w], [1, 0.75 * w], [0.95, w], [0.62, w]].map(([share, h]) => circle(m, share * r, h, sides));
+      for (let ring = 0; ring + 1 < profile.length; ring++) for (let k = 0; k < sides; k++) {
+        face([profile[ring][k], profile[ring][k + 1], profile[ring + 1][k + 1], profile[ring + 1][k]], colours.soft, 0.13);
+      }
+      for (const ring of [0, 1, 4, 5]) strokes(profile[ring], colours.soft, ring === 1 || ring === 4 ? 1.4 : 1);
+      strokes(circle(m, 0.16 * r, 0.2 * w, 18), colours.soft, 1.2);
+      for (let k = 0; k < 5; k++) {
+        const [c, n] = [Math.cos(2 * Math.PI * k / 5), Math.sin(2 * Math.PI * k / 5)];
+        stroke(apply(m, [0.16 * r * c, 0.16 * r * n, 0.2 * w]), apply(m, [0.62 * r * c, 0.62 * r * n, 0.6 * w]), colours.soft, 1.6);
+      }
+    }));
 
     // ---- parts
     scene.sets.forEach((set, s) => {
@@ -329,9 +373,9 @@ function start(root) {
         const m = placed(s, k);
         if (!m) return;
         const lit = state.from === part || state.hover === part, culprit = culprits.has(part);
-        const colour = culprit && s === main ? colours.bad : several ? colours[ROLE_COLOUR[set.role]] : colours["--c" + (1 + k % 8)];
-        const dash = ROLE_DASH[set.role], points = part.points.map((p) => apply(m, p));
-        if (s === main) part.faces.forEach((f) => face(f.map((c) => points[c]), colour, lit ? 0.5 : part.edges.length > 60 ? 0.1 : 0.22));
+        const colour = culprit && s === main ? colours.bad : several ? colours[ROLE_COLOUR[set]] : colours["--c" + (1 + k % 8)];
+        const dash = ROLE_DASH[set], points = part.points.map((p) => apply(m, p));
+        if (s === main) part.faces.forEach((f) => face(f.map((c) => points[c]), colour, lit ? 0.5 : part.edges.length > 60 ? 0.08 : 0.15));
         const bar = part.edges.length === 1 && s === main;
         const thick = (bar ? 4.5 : s === main ? 1.8 : 1.3) * (lit ? 1.7 : 1);
         part.edges.forEach(([a, b]) => stroke(points[a], points[b], colour, thick, dash));
@@ -380,22 +424,28 @@ function start(root) {
         const solid = object.form === "fixed" || object.form === "spherical" || object.form === "atpoint";
         ball(p, object.form === "fixed" ? 5 : 3.4, solid ? colour : colours.paper, colour, object);
       } else if (object.kind === "bushing") {
-        const tube = compose(j, [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
-        for (const h of [-0.6, 0.6]) { ring(tube, glyph, h * glyph, colour, thick); ring(tube, 0.45 * glyph, h * glyph, colour, thick); }
-        for (let k = 0; k < 4; k++) {
-          const [c, s] = [Math.cos(k * Math.PI / 2), Math.sin(k * Math.PI / 2)];
-          stroke(apply(tube, [glyph * c, glyph * s, -0.6 * glyph]), apply(tube, [glyph * c, glyph * s, 0.6 * glyph]), colour, thick);
-        }
+        // A sleeve along the z axis of J, with the pin of I in it.
+        const [outside, inside] = [1.15 * glyph, 0.5 * glyph], half = 1.1 * glyph, sides = 16;
+        const [low, high] = [-half, half].map((h) => circle(j, outside, h, sides));
+        for (let k = 0; k < sides; k++) face([low[k], low[k + 1], high[k + 1], high[k]], colour, 0.4);
+        for (const h of [-half, half]) { ring(j, outside, h, colour, thick); ring(j, inside, h, colour, thick); }
+        stroke(apply(i, [0, 0, -1.6 * half]), apply(i, [0, 0, 1.6 * half]), colour, 2.4);
         stroke(p, q, colour, 2);
         ball(p, 2.6, colour, null, object);
       } else if (object.kind === "spring" && gap) {
         const along = add(q, p, -1), x = unit(cross(along, Math.abs(unit(along)[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), y = unit(cross(along, x)), line = [p];
+        const coil = Math.min(1.7 * glyph, 0.25 * norm(along));
         for (let k = 0; k <= 96; k++) {
-          const turn = k / 96 * 2 * Math.PI * 7, r = 0.75 * glyph, at = add(p, along, 0.12 + 0.76 * k / 96);
+          const turn = k / 96 * 2 * Math.PI * 7, r = coil, at = add(p, along, 0.12 + 0.76 * k / 96);
           line.push(add(add(at, x, r * Math.cos(turn)), y, r * Math.sin(turn)));
         }
         line.push(q);
-        strokes(line, colour, thick + 0.3);
+        strokes(line, colour, thick + 1);
+        for (const end of [0.12, 0.88]) {
+          const seat = add(p, along, end), flat = [];
+          for (let k = 0; k <= 24; k++) flat.push(add(add(seat, x, coil * Math.cos(k * Math.PI / 12)), y, coil * Math.sin(k * Math.PI / 12)));
+          strokes(flat, colour, thick);
+        }
         ball(add(p, along, 0.5), 0, null, null, object);
       } else if (object.kind === "beam" || object.kind === "field" || object.kind === "spring") {
         stroke(p, q, colour, thick + 1, object.kind === "field" ? [5, 3] : []);
@@ -442,7 +492,7 @@ function start(root) {
       scene.sets.forEach((set, s) => {
         if (s === measured || !state.sets[s]) return;
         const m = placed(s, mark.part);
-        if (m) ball(apply(m, mark.p), s === main ? 2.4 : 1.8, colours[ROLE_COLOUR[set.role]], null, s === main ? { name: `mark ${mark.label}`, address: scene.parts[mark.part].name } : null);
+        if (m) ball(apply(m, mark.p), s === main ? 2.4 : 1.8, colours[ROLE_COLOUR[set]], null, s === main ? { name: `mark ${mark.label}`, address: scene.parts[mark.part].name } : null);
       });
       if (!read || measured < 0 || !state.sets[measured]) return;
       const still = apply(base(mark.part), mark.p), at = state.factor === 1 ? read : blend(still, read, state.factor);
@@ -466,22 +516,33 @@ function start(root) {
 
     items.sort((a, b) => a[0] - b[0]).forEach((item) => item[1]());
     g.globalAlpha = 1; g.setLineDash([]);
-    // Labels give way to those drawn before them.
-    const taken = [];
+    // A label takes the first free place around its point, with a line to it where that is not close by. The rest give way.
+    const taken = [], free = (box) => box[0] >= 0 && box[2] <= width && box[1] >= 20 && box[3] <= height - 12 &&
+      !taken.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3]);
     texts.sort((a, b) => (b[4] ? 1 : 0) - (a[4] ? 1 : 0));
-    for (const [x, y, text, colour, bold, hard] of texts) {
+    for (const [px, py, text, colour, bold, hard] of texts) {
       g.font = `${bold ? 600 : 400} 12px system-ui, sans-serif`;
-      const wide = g.measureText(text).width, left = Math.min(x, width - wide - 4);
-      const box = [left - 2, y - 11, left + wide + 2, y + 3];
-      if (!hard && taken.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) continue;
-      taken.push(box);
-      g.lineJoin = "round"; g.lineWidth = 3.5; g.strokeStyle = colours.paper; g.globalAlpha = 0.85; g.strokeText(text, left, y);
-      g.globalAlpha = 1; g.fillStyle = colour; g.fillText(text, left, y);
+      const wide = g.measureText(text).width;
+      let spot = null;
+      for (const far of [9, 22, 38]) for (const [dx, dy] of [[1, -0.6], [1, 0.9], [-1, -0.6], [-1, 0.9], [0, -1.2], [0, 1.6]]) {
+        if (spot) break;
+        const left = px + dx * far - (dx < 0 ? wide : dx ? 0 : wide / 2), base = py + dy * far + 3;
+        if (free([left - 2, base - 11, left + wide + 2, base + 4])) spot = [left, base, far];
+      }
+      if (!spot && !hard) continue;
+      const [left, base, far] = spot || [Math.max(2, Math.min(px + 9, width - wide - 4)), py - 8, 0];
+      taken.push([left - 2, base - 11, left + wide + 2, base + 4]);
+      if (far > 9) {
+        g.globalAlpha = 0.6; g.strokeStyle = colour; g.lineWidth = 0.8;
+        g.beginPath(); g.moveTo(px, py); g.lineTo(left > px ? left : left + wide < px ? left + wide : px, base - 4); g.stroke();
+      }
+      g.lineJoin = "round"; g.lineWidth = 3.5; g.strokeStyle = colours.paper; g.globalAlpha = 0.85; g.strokeText(text, left, base);
+      g.globalAlpha = 1; g.fillStyle = colour; g.fillText(text, left, base);
     }
     triad(g, view, height);
     const frame = frames[state.frame];
     caption.textContent = frame
-      ? `${scene.per} ${frame.label}${frame.note ? ": " + frame.note : ""}${frame.poses[main].some((p, k) => !p && !scene.parts[k].ground && scene.sets[main].role !== "measured") ? " (no position of the model)" : ""}`
+      ? `${scene.per} ${frame.label}${frame.note ? ": " + frame.note : ""}${frame.poses[main].some((p, k) => !p && !scene.parts[k].ground && scene.sets[main] !== "measured") ? " (no position of the model)" : ""}`
       : "design position";
     bench(g, scale, width, height);
   }
