@@ -22,7 +22,7 @@ struct Cell {
 }
 
 /// Number of columns from which on a table is too wide for a phone.
-const CARDS: usize = 5;
+const CARDS: usize = 4;
 
 /// Class of a row that heads the rows below it.
 const GROUP: &str = "group";
