@@ -66,6 +66,7 @@
 //! | `admire-rig` | the virtual rig, planted effects |
 //! | `admire-kc` | standard tests and characteristics of an axle |
 //! | `admire-identify` | regression, direct, Gauss-Newton; tolerances of axle and rig |
+//! | `admire-tune` | numbers of a deck that give wanted characteristics |
 //! | `admire-diagnosis` | causes, search, extension, gain |
 //! | `admire-design` | planning of further measurements |
 //! | `admire-report` | HTML and SVG |

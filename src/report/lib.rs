@@ -47,6 +47,7 @@ mod summary;
 mod table;
 mod tolerance_text;
 mod topology_graph;
+mod tune;
 
 pub use bars::Bars;
 pub use chart::Chart;
@@ -80,6 +81,7 @@ pub use table::Align;
 pub use table::Table;
 pub use topology_graph::GraphBody;
 pub use topology_graph::TopologyGraph;
+pub use tune::{TuneReport, tune_summary};
 
 pub use admire_syntax::units::short_unit;
 
