@@ -67,6 +67,7 @@
 //! | `admire-kc` | standard tests and characteristics of an axle |
 //! | `admire-lab` | tables of K&C laboratories, mapped into curves and load cases |
 //! | `admire-identify` | regression, direct, Gauss-Newton; tolerances of axle and rig |
+//! | `admire-tune` | numbers of a deck that give wanted characteristics |
 //! | `admire-diagnosis` | causes, search, extension, gain |
 //! | `admire-design` | planning of further measurements |
 //! | `admire-report` | HTML and SVG |

@@ -349,6 +349,7 @@ fn solutions_do_not_depend_on_the_c_library() {
         "study",
         "rig",
         "kc",
+        "tune",
         "identify",
         "diagnosis",
         "design",

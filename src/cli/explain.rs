@@ -173,7 +173,7 @@ const VALUE_WIDTH: usize = 14;
 
 /// Returns the priors and settings of identification, diagnosis and design, with their values.
 fn priors() -> String {
-    let sections: [(&str, &[Constant]); 6] = [
+    let sections: [(&str, &[Constant]); 7] = [
         (
             "Causes of a diagnosis, settable in `[priors]` of study.toml",
             CausePriors::TABLE,
@@ -197,6 +197,10 @@ fn priors() -> String {
         (
             "Settings of the design of measurements",
             admire_design::settings::TABLE,
+        ),
+        (
+            "Settings of the search for a target",
+            admire_tune::settings::TABLE,
         ),
     ];
     let mut out = String::new();

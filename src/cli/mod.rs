@@ -70,6 +70,7 @@ mod sweep;
 mod sweep_slurm;
 mod target;
 mod tolerance;
+mod tune;
 mod view;
 mod width;
 
@@ -136,6 +137,7 @@ enum Command {
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
     Plan(plan::Arguments),
+    Tune(tune::Arguments),
     Record(record::Arguments),
     Rebuild(rebuild::Arguments),
     Rig(rig::Arguments),
@@ -206,6 +208,7 @@ pub fn run(words: Vec<OsString>) -> u8 {
         Command::Identify(arguments) => identify::run(&arguments, &mut shell),
         Command::Diagnose(arguments) => diagnose::run(&arguments, &mut shell),
         Command::Plan(arguments) => plan::run(&arguments, &mut shell),
+        Command::Tune(arguments) => tune::run(&arguments, &mut shell),
         Command::Rebuild(arguments) => rebuild::run(&arguments, &mut shell),
         Command::Record(arguments) => record::run(&arguments, &mut shell),
         Command::Kc(arguments) => kc::run(&arguments, &mut shell),

@@ -574,4 +574,8 @@ impl LeastSquares for Alone<'_, '_> {
     fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         self.sweep.unknowns.list.limits(scale, reach)
     }
+
+    fn bounds(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        self.sweep.unknowns.list.bounds(x)
+    }
 }

@@ -124,6 +124,7 @@ impl Unknowns {
                 start: 0.0,
                 mean: 0.0,
                 sd: 1.0,
+                bounds: None,
             });
             let prior = tolerance::Coefficient::member(member.group);
             priors.push(prior.in_case(member.effect.only_case().filter(|_| is_apart)));
@@ -247,6 +248,7 @@ impl Unknowns {
                     start: guess,
                     mean,
                     sd,
+                    bounds: None,
                 });
             }
             places.push(place);

@@ -36,6 +36,8 @@ mod study;
 mod suggested;
 #[cfg(test)]
 mod tests;
+#[cfg(feature = "kc")]
+mod tune_page;
 mod unit_words;
 mod value;
 mod writing;
@@ -64,6 +66,8 @@ pub use sensitivity::{SensitivityRow, SensitivityTable};
 pub use study::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 #[cfg(feature = "report")]
 pub(crate) use suggested::suggested;
+#[cfg(feature = "kc")]
+pub(crate) use tune_page::tune_page;
 pub(crate) use unit_words::units;
 pub(crate) use value::{is_angle, rounded, value};
 pub(crate) use writing::{replace_file, take_place};

@@ -48,7 +48,7 @@ macro_rules! pages {
 pages! {
     "Start" { install tutorial gallery matlab windows }
     "User guide" {
-        study diagnosis rig plan kc motion sweep drop_in real_adams toolkit editors python car rebuild conventions words
+        study diagnosis rig plan kc tune motion sweep drop_in real_adams toolkit editors python car rebuild conventions words
     }
     "Theory" { mathematics paper }
     "Evidence and benchmarks" { benchmarks coverage formats }

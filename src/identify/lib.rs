@@ -14,6 +14,7 @@
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 mod bounded;
+mod deck_unknown;
 pub mod direct;
 mod evaluation;
 mod fit;
@@ -22,6 +23,7 @@ pub mod global;
 mod goodness;
 pub mod lack_of_fit;
 mod loaded;
+mod mirror;
 mod noise;
 pub mod priors;
 mod problem;
@@ -29,9 +31,11 @@ pub mod regression;
 mod repeated;
 pub mod settings;
 pub mod slips;
+mod stated_unknowns;
 pub mod tolerance;
 mod unknowns;
 
+pub use deck_unknown::{DeckUnknown, SetNumber, resolved, written_numbers};
 pub use evaluation::{ReadingMisfit, compare};
 pub use evaluation::{marker_pose, written};
 pub use fit::{
@@ -43,6 +47,7 @@ pub use free_motions::meet_marks_of_all;
 pub use goodness::{FitTest, FitVerdict, ReadingsLeft};
 pub use lack_of_fit::{ChiSquare, LackOfFitAspect, LackOfFitTest};
 pub use loaded::LoadedStudy;
+pub use mirror::Mirror;
 pub use noise::estimate_noise;
 pub use problem::IdentifyError;
 pub use problem::{Problem, Progress};

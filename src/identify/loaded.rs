@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use super::stated_unknowns::add_stated;
 use super::{Problem, Unknown, unknowns};
 use admire_session::backend::{FreeMotions, LoadProgramme, Loads};
 use admire_session::{FilePolicy, folder_of, read_files};
@@ -88,7 +89,15 @@ impl LoadedStudy {
                 let value = system.parameters().get(slot);
                 Some((address, value, system.catalogue().info(slot).dimension))
             };
-            let unknowns = unknowns(&study, &model, number, &mut own);
+            let mut unknowns = unknowns(&study, &model, number, &mut own);
+            let is_known = |address: &Address| system.catalogue().slot(address).is_some();
+            add_stated(
+                &study,
+                (&dataset, &model),
+                &is_known,
+                &mut unknowns,
+                &mut own,
+            );
             if !has_errors(&own) {
                 diagnostics.extend(own);
                 let reference = study

@@ -26,6 +26,11 @@ admire_study::constants! {
     /// with Gaussian noise exceeds this gain.
     pub POSSIBLE_HEAVY_TAILS_NATS: f64 = 1.0, "nats";
 
+    // ## Unknowns: mirror.rs
+
+    /// Distance between a hardpoint and the mirror image of another below which the two are a pair of both sides of the vehicle.
+    MIRRORED_POINT_MM: f64 = 0.1, "mm";
+
     // ## Gauss-Newton fit: global/gauss_newton.rs, global/fit.rs
 
     /// Predicted decrease of the objective by the next step below which a fit has converged. Such a step would move no unknown by more than

@@ -34,6 +34,12 @@ pub struct Unknown {
     pub initial: f64,
     /// Value of the parameter in the deck.
     pub deck: f64,
+    /// Mean of the logarithm in the prior; `None` for the logarithm of the initial value.
+    pub mean: Option<f64>,
+    /// Standard deviation of the logarithm in the prior; `None` for that of the study.
+    pub sd: Option<f64>,
+    /// Lower and upper bound of the logarithm.
+    pub bounds: Option<[f64; 2]>,
 }
 
 impl Unknown {
@@ -159,6 +165,9 @@ pub fn unknowns(
                 unit: model.units.name(dimension),
                 initial: deck,
                 deck,
+                mean: None,
+                sd: None,
+                bounds: None,
             }),
             None => missing(&name.text, name.span, "number"),
         }
@@ -215,6 +224,9 @@ fn of_bushing(settings: &IdentifySettings, model: &Model, at: usize, round: bool
             unit: model.units.name(dimension),
             initial: value,
             deck,
+            mean: None,
+            sd: None,
+            bounds: None,
         }
     };
     axes.iter().map(unknown).collect()

@@ -9,15 +9,16 @@ use super::config::Config;
 use super::derivatives::Derivatives;
 use super::inputs::{Drive, Inputs};
 use super::rig::{FoundWheel, Variant, rigged};
+use super::test_settings::Hold;
 use super::wheel_rate::WheelRate;
 use super::{Wheel, contact};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::Model;
 use admire_solver::statics::Balance;
 use admire_solver::system::{State, StickSlipState};
-use admire_syntax::Dataset;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::files::Files;
+use admire_syntax::{Address, Dataset};
 
 /// Solved state of the axle.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -44,7 +45,11 @@ pub struct Bench<'a> {
     /// Wheels found in the deck.
     pub wheels: Vec<FoundWheel>,
     variants: BTreeMap<Variant, Compiled>,
+    directions: Vec<Vec<(Address, f64)>>,
 }
+
+/// Motion and vertical load of each wheel (left, right) per unit of a change; `None` for a missing wheel.
+pub type WheelChanges = [Option<WheelRate>; 2];
 
 /// Last solved states of a sweep, for the deck and for its mirror image. The next solve starts from them.
 #[derive(Clone, Debug)]
@@ -72,7 +77,34 @@ impl<'a> Bench<'a> {
             model,
             wheels: super::rig::wheels(config, dataset, model)?,
             variants: BTreeMap::new(),
+            directions: Vec::new(),
         })
+    }
+
+    /// Has every later state differentiated along changes of the deck's numbers. Each change lists addresses with the change of the number
+    /// per unit, angles in radians. [`Sample::changes`](super::Sample::changes) holds the derivatives.
+    ///
+    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver keeps constant, counts as
+    /// without effect. A change that moves the marker of a wheel centre or of a spin axis is not seen, because the rig has its own markers.
+    pub fn differentiate(&mut self, directions: Vec<Vec<(Address, f64)>>) {
+        for compiled in self.variants.values_mut() {
+            compiled.direct(&directions);
+        }
+        self.directions = directions;
+    }
+
+    /// Returns the number of changes along which states are differentiated.
+    pub(crate) fn directions(&self) -> usize {
+        self.directions.len()
+    }
+
+    /// Returns true if the solver can differentiate an equilibrium with respect to the number at an address.
+    ///
+    /// # Errors
+    /// [`BenchError::Deck`] if the deck cannot be solved.
+    pub fn has_derivative(&mut self, address: &Address) -> Result<bool, BenchError> {
+        let compiled = self.variant(Variant::of(Hold::Height, true))?;
+        Ok(compiled.system.catalogue().slot(address).is_some())
     }
 
     /// Returns the worst imbalance of forces and torques on a part over all equilibria found so far.
@@ -104,8 +136,9 @@ impl<'a> Bench<'a> {
         if !self.variants.contains_key(&variant) {
             let rigged = rigged(self.config, self.dataset, self.model, &self.wheels, variant)
                 .map_err(|why| BenchError::Deck(vec![why]))?;
-            let compiled =
+            let mut compiled =
                 Compiled::new(self.config, self.dataset, self.files, &self.wheels, rigged)?;
+            compiled.direct(&self.directions);
             self.variants.insert(variant, compiled);
         }
         Ok(self
@@ -194,16 +227,35 @@ impl<'a> Bench<'a> {
         drive: Option<&Drive>,
         at: &str,
     ) -> Result<Observation, BenchError> {
+        let (seen, _) = self.observe_along(variant, chain, inputs, (drive, &[]), at)?;
+        Ok(seen)
+    }
+
+    /// Does the same as [`Bench::observe`], and differentiates the state along the changes of [`Bench::differentiate`]. `along` holds the
+    /// change of the inputs per unit of each change; no derivatives are computed if it is empty.
+    ///
+    /// # Errors
+    /// As [`Bench::observe`].
+    pub(crate) fn observe_along(
+        &mut self,
+        variant: Variant,
+        chain: &mut WarmStart,
+        inputs: &Inputs,
+        (drive, along): (Option<&Drive>, &[Drive]),
+        at: &str,
+    ) -> Result<(Observation, Vec<WheelChanges>), BenchError> {
         let (config, wheels, rubs) = (self.config, self.wheels.clone(), chain.rubs);
-        let job =
-            |compiled: &mut Compiled, inputs: &Inputs, drive: Option<&Drive>, state: &mut State| {
-                compiled.observe((config, &wheels), (inputs, drive), (state, rubs), at)
-            };
+        let job = |compiled: &mut Compiled,
+                   inputs: &Inputs,
+                   drives: (Option<&Drive>, &[Drive]),
+                   state: &mut State| {
+            compiled.observe((config, &wheels), (inputs, drives), (state, rubs), at)
+        };
         let compiled = self.variant(variant)?;
         let [own, mirrored] = &mut chain.states;
-        let mut seen = job(compiled, inputs, drive, own)?;
+        let (mut seen, mut changes) = job(compiled, inputs, (drive, along), own)?;
         if !config.mirror {
-            return Ok(seen);
+            return Ok((seen, changes));
         }
         let side = wheels[0].side;
         let other_inputs = inputs.mirrored();
@@ -215,17 +267,26 @@ impl<'a> Bench<'a> {
             && other_inputs.loads[k] == inputs.loads[k]
             && other_inputs.steer.unwrap_or(0.0) == inputs.steer.unwrap_or(0.0)
             && other_drive.map(|d| (d.height[k], d.loads[k], d.steer))
-                == drive.map(|d| (d.height[k], d.loads[k], d.steer));
-        let other = if alike {
+                == drive.map(|d| (d.height[k], d.loads[k], d.steer))
+            && along.iter().all(|d| {
+                let other = d.mirrored();
+                (d.height[k], d.loads[k], d.steer) == (other.height[k], other.loads[k], other.steer)
+            });
+        let (other, other_changes) = if alike {
             mirrored.clone_from(own);
-            seen
+            (seen, changes.clone())
         } else {
-            job(compiled, &other_inputs, other_drive.as_ref(), mirrored)?
+            let other_along: Vec<Drive> = along.iter().map(Drive::mirrored).collect();
+            let drives = (other_drive.as_ref(), other_along.as_slice());
+            job(compiled, &other_inputs, drives, mirrored)?
         };
         let (a, b) = (side.index(), side.other().index());
         seen.axle.wheels[b] = other.axle.wheels[a].map(|state| state.mirrored());
         seen.load[b] = other.load[a];
         seen.rates[b] = other.rates[a].map(WheelRate::mirrored);
+        for (own, other) in changes.iter_mut().zip(&other_changes) {
+            own[b] = other[a].map(WheelRate::mirrored);
+        }
         if seen.friction != other.friction {
             seen.friction = Some(StickSlipState::Mixed);
         }
@@ -236,7 +297,7 @@ impl<'a> Bench<'a> {
                 .copy_from(&image.matrix.fixed_view::<6, 6>(6 * b, 6 * b));
             own.present = [true; 2];
         }
-        Ok(seen)
+        Ok((seen, changes))
     }
 }
 
@@ -244,17 +305,15 @@ impl Compiled {
     fn observe(
         &mut self,
         (config, found): (&Config, &[FoundWheel]),
-        (inputs, drive): (&Inputs, Option<&Drive>),
+        (inputs, drives): (&Inputs, (Option<&Drive>, &[Drive])),
         (state, rubs): (&mut State, bool),
         at: &str,
-    ) -> Result<Observation, BenchError> {
+    ) -> Result<(Observation, Vec<WheelChanges>), BenchError> {
         let (parameters, named) = self.solve(inputs, state, at)?;
-        let derivatives =
-            Derivatives::of(self, config, &parameters, state, drive, found).map_err(|why| {
-                BenchError::NoEquilibrium {
-                    at: at.to_string(),
-                    why: Box::new(why),
-                }
+        let derivatives = Derivatives::of(self, config, &parameters, state, drives, found)
+            .map_err(|why| BenchError::NoEquilibrium {
+                at: at.to_string(),
+                why: Box::new(why),
             })?;
         if derivatives.deficiency > named {
             // The factors of the last iteration missed a free motion. Factoring again at the equilibrium itself reveals and names it.
@@ -285,10 +344,14 @@ impl Compiled {
         };
         let mut load = [0.0; 2];
         let mut rates = [None; 2];
+        let mut changes = vec![[None; 2]; derivatives.along.len()];
         for (n, (wheel, found)) in self.wheels.iter().zip(found).enumerate() {
             let k = wheel.side.index();
             load[k] = inputs.loads[k][2] + derivatives.reactions[n];
             rates[k] = derivatives.rates.get(n).copied();
+            for (change, along) in changes.iter_mut().zip(&derivatives.along) {
+                change[k] = along.get(n).copied();
+            }
             let now = self.wheel(config, state, wheel);
             let design = Wheel {
                 side: wheel.side,
@@ -309,12 +372,13 @@ impl Compiled {
                     .or_else(|| derivatives.axes.get(n).copied().flatten()),
             });
         }
-        Ok(Observation {
+        let seen = Observation {
             axle,
             load,
             rates,
             friction,
-        })
+        };
+        Ok((seen, changes))
     }
 }
 

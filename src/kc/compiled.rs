@@ -1,6 +1,6 @@
 use super::bench_error::BenchError;
 use super::config::{AxisMethod, Config};
-use super::inputs::Inputs;
+use super::inputs::{Drive, Inputs};
 use super::rig::{FoundWheel, Rigged};
 use super::{Side, SteerAxis, Wheel};
 use admire_session::backend::{compile, tight_settings};
@@ -36,6 +36,8 @@ pub(crate) struct Compiled {
     pub(super) scratch: Scratch,
     pub(super) wheels: Vec<Fitted>,
     pub(super) steering: Option<Slot>,
+    /// Directions of [`Bench::differentiate`](super::Bench::differentiate), as parameters of this variant.
+    pub(super) directions: Vec<Vec<(Slot, f64)>>,
 }
 
 impl Compiled {
@@ -144,7 +146,33 @@ impl Compiled {
             wheels,
             steering,
             system,
+            directions: Vec::new(),
         })
+    }
+
+    /// Finds the parameters of each direction. An address that the rig has removed, or that the solver cannot change, is left out.
+    pub(super) fn direct(&mut self, directions: &[Vec<(Address, f64)>]) {
+        let catalogue = self.system.catalogue();
+        let of = |direction: &Vec<(Address, f64)>| {
+            let slots = direction.iter();
+            slots
+                .filter_map(|(address, factor)| Some((catalogue.slot(address)?, *factor)))
+                .collect()
+        };
+        self.directions = directions.iter().map(of).collect();
+    }
+
+    /// Returns the parameters of the rig that a drive changes, each with its change per unit of the variable.
+    pub(super) fn driven(&self, drive: &Drive) -> Vec<(Slot, f64)> {
+        let mut slots = Vec::new();
+        for wheel in &self.wheels {
+            let k = wheel.side.index();
+            slots.extend(wheel.loads.iter().copied().zip(drive.loads[k]));
+            slots.extend(wheel.motion.map(|(slot, _)| (slot, drive.height[k])));
+        }
+        slots.extend(self.steering.map(|slot| (slot, drive.steer)));
+        slots.retain(|(_, factor)| *factor != 0.0);
+        slots
     }
 
     fn parameters(&self, inputs: &Inputs) -> Parameters {

@@ -510,6 +510,17 @@ impl Config {
         }
     }
 
+    /// Returns this configuration with these of its tests alone. `one_way` leaves out the way back from the highest value.
+    #[must_use]
+    pub fn with_tests(&self, tests: &[TestKind], one_way: bool) -> Self {
+        let mut new = self.clone();
+        new.tests.retain(|(kind, _)| tests.contains(kind));
+        if one_way {
+            new.branches = Branches::Up;
+        }
+        new
+    }
+
     /// Returns the sides whose wheels are in the deck.
     pub fn sides(&self) -> Vec<Side> {
         let there = |side: &Side| self.wheels[side.index()].is_some();

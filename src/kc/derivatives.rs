@@ -1,5 +1,8 @@
 //! Quantities from the tangent stiffness at an equilibrium on the rig: compliance, reactions, rates and instant axes.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use nalgebra::DMatrix;
 
 use super::compiled::{Compiled, Fitted};
@@ -11,7 +14,7 @@ use super::{Compliance, Mat12, SteerAxis};
 use admire_solver::mechanics::{Vec3, Vec6};
 use admire_solver::model::{MarkerIx, Model, PartIx};
 use admire_solver::statics::{SolveError, Tangent, point_change};
-use admire_solver::system::{Parameters, Quantity, Slot, State, System};
+use admire_solver::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
 /// Wheel rate in N/m below which no spring counts as supporting the wheel: only the rig's motion holds it up.
 const LEAST_RATE: f64 = 1e-3;
@@ -28,6 +31,8 @@ pub(super) struct Derivatives {
     pub rates: Vec<WheelRate>,
     /// Instant steer axis of each wheel.
     pub axes: Vec<Option<SteerAxis>>,
+    /// Motion and load of each wheel per unit of each direction of [`Bench::differentiate`](super::Bench::differentiate).
+    pub along: Vec<Vec<WheelRate>>,
 }
 
 impl Derivatives {
@@ -40,9 +45,14 @@ impl Derivatives {
         config: &Config,
         parameters: &Parameters,
         state: &State,
-        drive: Option<&Drive>,
+        (drive, along): (Option<&Drive>, &[Drive]),
         found: &[FoundWheel],
     ) -> Result<Self, SolveError> {
+        let changes: Vec<Vec<(Slot, f64)>> = along
+            .iter()
+            .zip(&compiled.directions)
+            .map(|(inputs, own)| own.iter().copied().chain(compiled.driven(inputs)).collect())
+            .collect();
         let Compiled {
             system,
             solver,
@@ -245,7 +255,23 @@ impl Derivatives {
                 })
                 .collect()
         };
+        let dx = responses((system, parameters, state), scratch, &mut tangent, &changes)?;
+        // The rig's own markers carry the motions that hold the heights, so a change of the deck changes their reactions only through the
+        // unknowns.
+        let along = dx
+            .chunks(system.unknowns().max(1))
+            .zip(along)
+            .map(|(dx, inputs)| {
+                let total = read(dx);
+                let of = |n: usize| WheelRate {
+                    motion: Vec6::from_column_slice(&total[6 * n..6 * n + 6]),
+                    load: inputs.loads[wheels[n].side.index()][2] + total[6 * m + n],
+                };
+                (0..m).map(of).collect()
+            })
+            .collect();
         Ok(Self {
+            along,
             compliance,
             deficiency: tangent.deficiency(),
             reactions,
@@ -253,4 +279,38 @@ impl Derivatives {
             axes,
         })
     }
+}
+
+/// Returns the derivatives of the unknowns along each change of the parameters, one after another. A parameter that several changes share is
+/// differentiated once.
+fn responses(
+    (system, parameters, state): (&System, &Parameters, &State),
+    scratch: &mut Scratch,
+    tangent: &mut Tangent,
+    changes: &[Vec<(Slot, f64)>],
+) -> Result<Vec<f64>, SolveError> {
+    let n = system.unknowns();
+    let mut out = vec![0.0; n * changes.len()];
+    if changes.is_empty() {
+        return Ok(out);
+    }
+    let mut column = vec![0.0; n];
+    let mut known: BTreeMap<Slot, Vec<f64>> = BTreeMap::new();
+    let mut here = system.evaluate(parameters, state, scratch)?;
+    for (change, dg) in changes.iter().zip(out.chunks_mut(n.max(1))) {
+        for (slot, factor) in change {
+            let by_slot = match known.entry(*slot) {
+                Entry::Occupied(found) => found.into_mut(),
+                Entry::Vacant(place) => {
+                    here.residual_by_slot(*slot, &mut column)?;
+                    place.insert(column.clone())
+                }
+            };
+            for (sum, value) in dg.iter_mut().zip(by_slot.iter()) {
+                *sum += factor * value;
+            }
+        }
+    }
+    tangent.respond_to_all(&mut out);
+    Ok(out)
 }

@@ -135,7 +135,7 @@ impl Frame {
     }
 
     /// Converts a vector from this crate's axes to the deck's axes.
-    pub(crate) fn to_deck(self, v: &Vec3) -> Vec3 {
+    pub fn to_deck(self, v: &Vec3) -> Vec3 {
         self.from_deck.transpose() * v
     }
 }

@@ -1,8 +1,10 @@
 //! Slopes of test readings at ride height: the exact tangent, and a line fitted over a window as on physical rigs.
 
+use super::axle::WheelState;
 use super::bench::Observation;
 use super::sample::{Branch, Sample};
 use super::wheel::angle_rates;
+use super::wheel_rate::WheelRate;
 use super::{Sense, Side, Unit};
 use admire_solver::mechanics::Vec3;
 
@@ -91,6 +93,47 @@ struct Rate {
     load: f64,
 }
 
+/// Returns true if [`reading_change`] has the derivatives of this characteristic, given as its path, such as `toe_angle.left`.
+pub fn has_reading_change(path: &str) -> bool {
+    channel(path).is_some()
+}
+
+/// Returns the derivative of a characteristic in a sample along change `direction` of [`Bench::differentiate`](super::Bench::differentiate).
+///
+/// It is exact: the chain rule over the motion of the wheel and its vertical load. `path` is that of the characteristic, such as
+/// `toe_angle.left`; the unit is that of the characteristic, with angles in radians. `None` for characteristics that are not functions of
+/// the wheel's place and load alone, and for a missing wheel or direction.
+pub fn reading_change(sample: &Sample, direction: usize, path: &str) -> Option<f64> {
+    let (channel, side) = channel(path)?;
+    let state = sample.seen.axle.wheels[side.index()]?;
+    let rate = sample.changes.get(direction)?[side.index()]?;
+    Some((channel.rate)(&Rate::of(side, &state, channel, &rate)))
+}
+
+/// Returns the channel of a characteristic, and the side of the wheel.
+fn channel(path: &str) -> Option<(&'static Channel, Side)> {
+    let (entity, component) = path.split_once('.')?;
+    let channel = CHANNELS.iter().find(|channel| channel.entity == entity)?;
+    let side = channel.component.iter().position(|own| *own == component)?;
+    Some((channel, Side::BOTH[side]))
+}
+
+impl Rate {
+    fn of(side: Side, state: &WheelState, channel: &Channel, rate: &WheelRate) -> Self {
+        let mut turn = rate.motion.fixed_rows::<3>(3).into_owned();
+        if channel.entity == "side_view_angle" {
+            turn.y = side_view_rate(&state.wheel.turn, &turn);
+        }
+        Self {
+            side,
+            spin: state.wheel.spin,
+            shift: rate.motion.fixed_rows::<3>(0).into(),
+            turn,
+            load: rate.load,
+        }
+    }
+}
+
 const CHANNELS: [Channel; 8] = [
     Channel {
         entity: "toe_angle",
@@ -160,17 +203,7 @@ pub(crate) fn gradients(centre: &Observation, samples: &[Sample], window: f64) -
             let (Some(state), Some(rate)) = (centre.axle.wheels[k], centre.rates[k]) else {
                 continue;
             };
-            let mut turn = rate.motion.fixed_rows::<3>(3).into_owned();
-            if channel.entity == "side_view_angle" {
-                turn.y = side_view_rate(&state.wheel.turn, &turn);
-            }
-            let rate = Rate {
-                side,
-                spin: state.wheel.spin,
-                shift: rate.motion.fixed_rows::<3>(0).into(),
-                turn,
-                load: rate.load,
-            };
+            let rate = Rate::of(side, &state, channel, &rate);
             let tangent = (channel.rate)(&rate);
             let component = channel.component[k];
             let points = |branch: Branch| -> Vec<(f64, f64)> {

@@ -50,7 +50,7 @@ mod wheel_rate;
 
 pub(crate) use anti::{Anti, AxlePlace, Vehicle};
 pub use axle::{AxleState, Given};
-pub use bench::{Bench, Observation};
+pub use bench::{Bench, Observation, WheelChanges};
 pub use bench_error::BenchError;
 
 pub use compliance::Compliance;
@@ -62,7 +62,9 @@ pub(crate) use frame::Direction;
 pub use frame::{Convention, Frame, Sense};
 pub use gradient::Gradient;
 pub use gradient::fitted_slope;
+pub use gradient::has_reading_change;
 pub use gradient::loop_half_width;
+pub use gradient::reading_change;
 pub use inputs::{Drive, Inputs};
 pub use reading::{Reading, Unit};
 pub use replay::BodyPoint;
@@ -88,3 +90,4 @@ pub use test_settings::Hold;
 pub use test_settings::LoadPoint;
 pub use tyre::Tyre;
 pub use wheel::Wheel;
+pub use wheel_rate::WheelRate;

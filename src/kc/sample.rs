@@ -1,6 +1,8 @@
-use super::bench::Observation;
+use super::axle::Given;
+use super::bench::{Observation, WheelChanges};
 use super::inputs::Inputs;
-use super::reading::Reading;
+use super::reading::{Reading, Unit};
+use super::{Sense, Side};
 
 /// Direction in which the test's variable was driven to a sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -34,4 +36,87 @@ pub struct Sample {
     pub seen: Observation,
     /// All characteristics, preceded by the loads of the rig.
     pub readings: Vec<Reading>,
+    /// Motion and load of the wheels per unit of each change of [`Bench::differentiate`](super::Bench::differentiate); empty without changes.
+    /// The loads and heights of the rig follow ride height.
+    pub changes: Vec<WheelChanges>,
+}
+
+impl Sample {
+    /// Evaluates a state. The turn radius of the state, if it has one, is kept in `given` for the states that follow.
+    pub(super) fn of(
+        branch: Branch,
+        value: f64,
+        (inputs, seen): (Inputs, Observation),
+        given: &mut Given,
+    ) -> Self {
+        use Sense::{AboutZ, Own};
+        let mut readings = Vec::new();
+        for side in Side::BOTH {
+            let k = side.index();
+            if seen.axle.wheels[k].is_none() {
+                continue;
+            }
+            let [fx, fy, _, mz] = inputs.loads[k];
+            let mut push = |entity, [left, right]: [&'static str; 2], unit, sense, value| {
+                readings.push(Reading {
+                    entity,
+                    component: if side == Side::Left { left } else { right },
+                    unit,
+                    sense,
+                    value,
+                });
+            };
+            // Signs of Adams/Car: lateral to the left of the vehicle, braking rearward, driving forward.
+            let long = "wheel_load_longitudinal";
+            let (braking, driving) = if inputs.plane_at_patch {
+                (fx, 0.0)
+            } else {
+                (0.0, -fx)
+            };
+            push(
+                long,
+                ["braking_left", "braking_right"],
+                Unit::Force,
+                Own,
+                braking,
+            );
+            push(
+                long,
+                ["driving_left", "driving_right"],
+                Unit::Force,
+                Own,
+                driving,
+            );
+            push(
+                "wheel_load_lateral",
+                ["lateral_left", "lateral_right"],
+                Unit::Force,
+                Own,
+                -fy,
+            );
+            let name = ["vertical_left_force", "vertical_right_force"];
+            push(
+                "wheel_load_vertical_force",
+                name,
+                Unit::Force,
+                Own,
+                seen.load[k],
+            );
+            let name = ["algn_torque_left", "algn_torque_right"];
+            push("wheel_load_align", name, Unit::Torque, AboutZ, mz);
+        }
+        readings.extend(seen.axle.readings(given));
+        let turn = seen.axle.steering(given);
+        given.last_turn_radius = turn
+            .and_then(|turn| turn.turn_radius())
+            .or(given.last_turn_radius);
+        Self {
+            branch,
+            value,
+            inputs,
+            seen,
+            readings,
+            changes: Vec::new(),
+        }
+    }
 }

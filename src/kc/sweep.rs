@@ -1,7 +1,8 @@
 //! Standard tests: sweeps of equilibria on the rig.
 
+use super::Side;
 use super::axle::Given;
-use super::bench::{Bench, Observation, WarmStart};
+use super::bench::{Bench, Observation, WarmStart, WheelChanges};
 use super::bench_error::BenchError;
 use super::config::Config;
 use super::gradient::{Gradient, gradients};
@@ -11,7 +12,6 @@ use super::sample::{Branch, Sample};
 use super::test_kind::{Driven, TestKind};
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
 use super::wheel_rate::WheelRate;
-use super::{Reading, Sense, Side, Unit};
 use admire_solver::statics::Balance;
 use admire_syntax::units::Units;
 
@@ -93,7 +93,7 @@ pub fn run_watched(
         progress(found, most);
     };
     let given = given(bench.config, units);
-    let (ride, base) = ride(bench)?;
+    let (ride, base, along) = ride(bench)?;
     let inputs = Inputs {
         height: ride.height,
         ..Inputs::default()
@@ -104,19 +104,27 @@ pub fn run_watched(
         ..inputs
     };
     let mut chain = base.clone();
-    let seen = bench.observe(held, &mut chain, &ride_inputs, None, "ride height")?;
+    let at_height: Vec<Drive> = along.iter().map(RideChange::heights).collect();
+    let (seen, changes) = bench.observe_along(
+        held,
+        &mut chain,
+        &ride_inputs,
+        (None, &at_height),
+        "ride height",
+    )?;
     let length = 0.1 / units.length.si;
     let asymmetry = seen
         .axle
         .compliance
         .map_or(0.0, |compliance| compliance.asymmetry(length));
-    let at_ride = sample(Branch::Up, 0.0, (ride_inputs, seen), &mut { given });
+    let mut at_ride = Sample::of(Branch::Up, 0.0, (ride_inputs, seen), &mut { given });
+    at_ride.changes = changes;
     let mut tests = Vec::new();
     for (kind, settings) in bench.config.tests.clone() {
         tests.push(test(
             bench,
             (kind, settings),
-            (&ride, &chain),
+            (&ride, &along, &chain),
             &given,
             &mut each,
         )?);
@@ -129,8 +137,29 @@ pub fn run_watched(
     })
 }
 
-/// Finds ride height. The height follows from the load if the configuration gives a load.
-fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
+/// Derivative of ride height with respect to one of the changes along which states are differentiated.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+struct RideChange {
+    height: [f64; 2],
+    load: [f64; 2],
+}
+
+impl RideChange {
+    /// Returns the change of the inputs at ride height, where the rig holds the heights.
+    fn heights(&self) -> Drive {
+        Drive {
+            height: self.height,
+            ..Drive::default()
+        }
+    }
+}
+
+/// Finds ride height and its derivatives. The height follows from the load if the configuration gives a load.
+fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart, Vec<RideChange>), BenchError> {
+    let none = vec![Drive::default(); bench.directions()];
+    let each = |of: fn(&WheelRate) -> f64| {
+        move |change: &WheelChanges| change.map(|rate| rate.map_or(0.0, |rate| of(&rate)))
+    };
     let config = bench.config;
     let at = "ride height";
     let vertical_at_patch = config.tyre.is_some();
@@ -144,7 +173,14 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
             vertical_at_patch,
             ..Inputs::default()
         };
-        let seen = bench.observe(loaded, &mut chain, &inputs, None, at)?;
+        let (seen, changes) =
+            bench.observe_along(loaded, &mut chain, &inputs, (None, &none), at)?;
+        let rises = changes.iter().map(each(|rate| rate.motion[2]));
+        let along = rises.map(|height| RideChange {
+            height,
+            load: [0.0; 2],
+        });
+        let along = along.collect();
         for side in Side::BOTH {
             if let Some(state) = &seen.axle.wheels[side.index()] {
                 height[side.index()] = state.wheel.centre.z - state.design.centre.z;
@@ -156,7 +192,7 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
             height,
             load: [load; 2],
         };
-        return Ok((ride, held_chain));
+        return Ok((ride, held_chain, along));
     }
     let mut chain = bench.chain(held)?;
     let inputs = Inputs {
@@ -164,9 +200,14 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
         vertical_at_patch,
         ..Inputs::default()
     };
-    let seen = bench.observe(held, &mut chain, &inputs, None, at)?;
+    let (seen, changes) = bench.observe_along(held, &mut chain, &inputs, (None, &none), at)?;
     let load = seen.load;
-    Ok((Ride { height, load }, chain))
+    let loads = changes.iter().map(each(|rate| rate.load));
+    let along = loads.map(|load| RideChange {
+        height: [0.0; 2],
+        load,
+    });
+    Ok((Ride { height, load }, chain, along.collect()))
 }
 
 /// Returns the change of the inputs per unit of the test's variable. `wheels` are the wheels in the deck.
@@ -232,6 +273,8 @@ struct Course<'a> {
     variant: Variant,
     drive: Drive,
     ride: &'a Ride,
+    /// Derivatives of ride height.
+    along: &'a [RideChange],
     /// Common rise of both wheels that keeps the axle's load constant.
     rise: f64,
 }
@@ -344,13 +387,50 @@ impl Course<'_> {
         Ok(drive)
     }
 
-    /// Solves and evaluates the state at a value of the test's variable, with tangents if `tangents` is true.
+    /// Returns the change of the inputs per unit of each change along which states are differentiated.
+    fn changing_inputs(
+        &self,
+        bench: &mut Bench<'_>,
+        chain: &WarmStart,
+        inputs: &Inputs,
+        at: &str,
+    ) -> Result<Vec<Drive>, BenchError> {
+        let mut drives: Vec<Drive> = self.along.iter().map(RideChange::heights).collect();
+        if !self.variant.height_held {
+            for (drive, ride) in drives.iter_mut().zip(self.along) {
+                for k in 0..2 {
+                    drive.loads[k][2] = ride.load[k];
+                }
+            }
+        }
+        if self.keeps_axle_load() && !drives.is_empty() {
+            // The common rise keeps the load of the axle at that of ride height.
+            let sum = |of: &WheelChanges| of.iter().flatten().map(|rate| rate.load).sum::<f64>();
+            let mut chain = chain.clone();
+            let (seen, changes) = bench.observe_along(
+                self.variant,
+                &mut chain,
+                inputs,
+                (Some(&HEAVE), &drives),
+                at,
+            )?;
+            let rate = sum(&seen.rates);
+            for ((drive, ride), change) in drives.iter_mut().zip(self.along).zip(&changes) {
+                let rise = (ride.load[0] + ride.load[1] - sum(change)) / rate;
+                drive.height.iter_mut().for_each(|height| *height += rise);
+            }
+        }
+        Ok(drives)
+    }
+
+    /// Solves and evaluates the state at a value of the test's variable, with tangents if `tangents` is true. Returns the state's derivatives
+    /// too, along the changes of the bench.
     fn observe(
         &mut self,
         bench: &mut Bench<'_>,
         chain: &mut WarmStart,
         (value, tangents): (f64, bool),
-    ) -> Result<(Inputs, Observation), BenchError> {
+    ) -> Result<(Inputs, Observation, Vec<WheelChanges>), BenchError> {
         let at = self.at(value);
         let inputs = self.placed(bench, chain, value)?;
         let drive = if tangents {
@@ -358,8 +438,10 @@ impl Course<'_> {
         } else {
             None
         };
-        let seen = bench.observe(self.variant, chain, &inputs, drive.as_ref(), &at)?;
-        Ok((inputs, seen))
+        let along = self.changing_inputs(bench, chain, &inputs, &at)?;
+        let drives = (drive.as_ref(), along.as_slice());
+        let (seen, changes) = bench.observe_along(self.variant, chain, &inputs, drives, &at)?;
+        Ok((inputs, seen, changes))
     }
 }
 
@@ -382,7 +464,7 @@ fn settle_loop(
             let inputs = course.placed(bench, chain, value)?;
             bench.settle(course.variant, chain, &inputs, &course.at(value))?;
         }
-        let (_, seen) = course.observe(bench, chain, (grid[0], false))?;
+        let (_, seen, _) = course.observe(bench, chain, (grid[0], false))?;
         let closes = before.is_some_and(|before| {
             let wheels = before.axle.wheels.iter().zip(&seen.axle.wheels);
             wheels
@@ -404,7 +486,7 @@ fn settle_loop(
 fn test(
     bench: &mut Bench<'_>,
     (kind, settings): (TestKind, TestSettings),
-    (ride, base): (&Ride, &WarmStart),
+    (ride, along, base): (&Ride, &[RideChange], &WarmStart),
     given: &Given,
     each: &mut dyn FnMut(),
 ) -> Result<TestRun, BenchError> {
@@ -417,13 +499,14 @@ fn test(
         variant: Variant::of_test(kind, &settings),
         drive: drive(kind, &sides, config.mirror),
         ride,
+        along,
         rise: 0.0,
     };
     let mut chain = bench.chain(course.variant)?;
     chain.start_at(base);
     bench.enable_friction(course.variant, &mut chain)?;
     // The order is: ride height with tangents, down to the lowest value, up to the highest, and down again.
-    let (_, mut centre) = course.observe(bench, &mut chain, (0.0, true))?;
+    let (_, mut centre, _) = course.observe(bench, &mut chain, (0.0, true))?;
     each();
     let grid = grid(&settings);
     for value in way_down(&settings, &grid) {
@@ -445,11 +528,13 @@ fn test(
     let mut given = *given;
     let mut go = |bench: &mut Bench<'_>, branch, value: f64| -> Result<(), BenchError> {
         let tangents = rubs && nearest == Some(value);
-        let (inputs, seen) = course.observe(bench, &mut chain, (value, tangents))?;
+        let (inputs, seen, changes) = course.observe(bench, &mut chain, (value, tangents))?;
         if tangents {
             branches.push(seen.rates);
         }
-        samples.push(sample(branch, value, (inputs, seen), &mut given));
+        let mut sample = Sample::of(branch, value, (inputs, seen), &mut given);
+        sample.changes = changes;
+        samples.push(sample);
         each();
         Ok(())
     };
@@ -474,81 +559,4 @@ fn test(
         samples,
         gradients,
     })
-}
-
-/// Evaluates a state. The turn radius of the state, if it has one, is kept in `given` for the states that follow.
-fn sample(
-    branch: Branch,
-    value: f64,
-    (inputs, seen): (Inputs, Observation),
-    given: &mut Given,
-) -> Sample {
-    use Sense::{AboutZ, Own};
-    let mut readings = Vec::new();
-    for side in Side::BOTH {
-        let k = side.index();
-        if seen.axle.wheels[k].is_none() {
-            continue;
-        }
-        let [fx, fy, _, mz] = inputs.loads[k];
-        let mut push = |entity, [left, right]: [&'static str; 2], unit, sense, value| {
-            readings.push(Reading {
-                entity,
-                component: if side == Side::Left { left } else { right },
-                unit,
-                sense,
-                value,
-            });
-        };
-        // Signs of Adams/Car: lateral to the left of the vehicle, braking rearward, driving forward.
-        let long = "wheel_load_longitudinal";
-        let (braking, driving) = if inputs.plane_at_patch {
-            (fx, 0.0)
-        } else {
-            (0.0, -fx)
-        };
-        push(
-            long,
-            ["braking_left", "braking_right"],
-            Unit::Force,
-            Own,
-            braking,
-        );
-        push(
-            long,
-            ["driving_left", "driving_right"],
-            Unit::Force,
-            Own,
-            driving,
-        );
-        push(
-            "wheel_load_lateral",
-            ["lateral_left", "lateral_right"],
-            Unit::Force,
-            Own,
-            -fy,
-        );
-        let name = ["vertical_left_force", "vertical_right_force"];
-        push(
-            "wheel_load_vertical_force",
-            name,
-            Unit::Force,
-            Own,
-            seen.load[k],
-        );
-        let name = ["algn_torque_left", "algn_torque_right"];
-        push("wheel_load_align", name, Unit::Torque, AboutZ, mz);
-    }
-    readings.extend(seen.axle.readings(given));
-    let turn = seen.axle.steering(given);
-    given.last_turn_radius = turn
-        .and_then(|turn| turn.turn_radius())
-        .or(given.last_turn_radius);
-    Sample {
-        branch,
-        value,
-        inputs,
-        seen,
-        readings,
-    }
 }

@@ -51,6 +51,7 @@ mod summary;
 mod table;
 mod tolerance_text;
 mod topology_graph;
+mod tune;
 
 pub use axis::axis_label;
 pub use bars::Bars;
@@ -84,6 +85,7 @@ pub use table::Align;
 pub use table::Table;
 pub use topology_graph::GraphBody;
 pub use topology_graph::TopologyGraph;
+pub use tune::{TuneReport, tune_summary};
 
 pub use admire_syntax::units::short_unit;
 

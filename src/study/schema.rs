@@ -13,7 +13,8 @@ pub fn schema() -> Value {
         insert(&mut root, &key);
     }
     let required = |value: &mut Value, names: &[&str]| value["required"] = json!(names);
-    required(&mut root, &["model", "loads"]);
+    required(&mut root, &["model"]);
+    root["anyOf"] = json!([{ "required": ["loads"] }, { "required": ["target"] }]);
     required(&mut root["properties"]["model"], &["deck"]);
     required(&mut root["properties"]["loads"], &["file", "columns"]);
     required(&mut root["properties"]["marks"], &["on_parts", "measured"]);
@@ -61,7 +62,13 @@ fn inner<'a>(at: &'a mut Value, piece: &str) -> &'a mut Value {
     if piece == "NAME" {
         &mut at["additionalProperties"]
     } else {
-        &mut at["properties"][piece]
+        let inner = &mut at["properties"][piece];
+        // Each of several tables has the same keys.
+        if inner["type"] == "array" {
+            &mut inner["items"]
+        } else {
+            inner
+        }
     }
 }
 
@@ -102,6 +109,13 @@ fn holds(what: &ValueType) -> Value {
         }
         ValueType::Choice(words) => json!({ "enum": words }),
         ValueType::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        ValueType::Flag => json!({ "type": "boolean" }),
+        ValueType::Quantity => json!({ "type": ["number", "string"] }),
+        ValueType::Bounds => json!({
+            "type": "array", "items": { "type": ["number", "string"] }, "minItems": 2, "maxItems": 2
+        }),
+        ValueType::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
+        ValueType::Tables => json!({ "type": "array", "items": table() }),
     }
 }
 
@@ -114,7 +128,10 @@ mod tests {
     fn every_key_the_reader_knows_is_explained_in_the_guide() {
         let lacking: Vec<String> = study_keys()
             .into_iter()
-            .filter(|key| key.holds != ValueType::Table && glossary::meaning(&key.path).is_none())
+            .filter(|key| {
+                !matches!(key.holds, ValueType::Table | ValueType::Tables)
+                    && glossary::meaning(&key.path).is_none()
+            })
             .map(|key| key.path)
             .collect();
         assert!(

@@ -33,6 +33,16 @@ pub(crate) enum ValueType {
     Texts,
     /// A table with user-defined names as keys, each with a text.
     OwnTexts,
+    /// True or false.
+    Flag,
+    /// A number, or a text with a number and its unit.
+    Quantity,
+    /// A lower and an upper bound, each as [`Self::Quantity`].
+    Bounds,
+    /// A list of numbers.
+    Numbers,
+    /// Any number of tables with the same keys.
+    Tables,
 }
 
 /// A key of `study.toml` that the program reads.
@@ -77,7 +87,7 @@ impl<'a> Section<'a> {
     }
 
     /// Records a queried key with the type of its value, unless it has been recorded already.
-    fn note(&self, key: &str, holds: ValueType) {
+    pub(super) fn note(&self, key: &str, holds: ValueType) {
         let Some(inquiry) = self.inquiry else { return };
         let key = Key {
             path: self.name(key),
@@ -106,6 +116,54 @@ impl<'a> Section<'a> {
         self.table.is_some() || self.inquiry.is_some()
     }
 
+    /// Returns true if this table has a key.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.table.is_some_and(|table| table.contains_key(key))
+    }
+
+    /// Returns true while keys are recorded.
+    pub(super) fn is_inquiry(&self) -> bool {
+        self.inquiry.is_some()
+    }
+
+    /// Returns all tables of a key, written `[[section.key]]`. A value of another type is reported.
+    pub(super) fn tables(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Vec<Section<'a>> {
+        self.note(key, ValueType::Tables);
+        let path = self.name(key);
+        let section = |table, span, inquiry| Section {
+            source: self.source,
+            path: path.clone(),
+            table,
+            span,
+            asked: BTreeSet::new(),
+            inquiry,
+        };
+        if self.inquiry.is_some() {
+            return vec![section(None, self.span, self.inquiry)];
+        }
+        let Some(value) = self.table.and_then(|table| table.get(key)) else {
+            self.asked.insert(key);
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        let mut all_tables = true;
+        for item in value.get_ref().as_array().into_iter().flatten() {
+            let table = item.get_ref().as_table();
+            all_tables &= table.is_some();
+            found.push(section(table, Span::from(item.span()), None));
+        }
+        if !all_tables || value.get_ref().as_array().is_none() {
+            let expected = format!("tables, each begun by [[{path}]]");
+            self.wrong(key, Span::from(value.span()), &expected, diagnostics);
+        }
+        self.asked.insert(key);
+        found
+    }
+
     /// Returns the position of the table in the file.
     pub(crate) fn span(&self) -> Span {
         self.span
@@ -125,7 +183,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn get(&mut self, key: &'static str) -> Option<(&'a DeValue<'a>, Span)> {
+    pub(super) fn get(&mut self, key: &'static str) -> Option<(&'a DeValue<'a>, Span)> {
         self.asked.insert(key);
         let value = self.table?.get(key)?;
         Some((value.get_ref(), Span::from(value.span())))
@@ -442,7 +500,7 @@ pub(super) fn number_span(text: &str, section: &str, key: &str) -> Option<Span> 
     number_of(value.get_ref()).map(|_| Span::from(value.span()))
 }
 
-fn number_of(value: &DeValue<'_>) -> Option<f64> {
+pub(super) fn number_of(value: &DeValue<'_>) -> Option<f64> {
     let text = match value {
         DeValue::Float(float) => float.as_str(),
         DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),

@@ -1,6 +1,7 @@
 use std::ops::RangeInclusive;
 
 use super::section::{Section, SpannedText};
+use super::unknown_settings::UnknownSettings;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::{Dimension, Units};
 
@@ -208,6 +209,8 @@ pub struct IdentifySettings {
     pub frame_sd: ShiftSd,
     /// Loss function of the residuals.
     pub loss: Loss,
+    /// Further numbers of the deck to identify: tables `[[identify.unknown]]`.
+    pub unknowns: Vec<UnknownSettings>,
 }
 
 impl IdentifySettings {
@@ -266,6 +269,7 @@ impl IdentifySettings {
                 &[("gaussian", Loss::Gaussian), ("huber", Loss::Huber)],
                 out,
             ),
+            unknowns: UnknownSettings::read_all(section, out),
         }
     }
 }

@@ -11,6 +11,7 @@ use super::settings::{
 };
 use super::stated::ToleranceSettings;
 use super::table::Table;
+use super::target_settings::TargetSettings;
 use crate::digest;
 use admire_session::file_below;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
@@ -72,6 +73,8 @@ pub struct Study {
     pub available: Option<Vec<SpannedText>>,
     /// Reference deck of section `[reference]`, used only for reports.
     pub reference: Option<Source>,
+    /// Section `[target]`: what the axle should become.
+    pub target: Option<TargetSettings>,
     /// Section `[car]`: the subsystem of Adams/Car to which results are written back. No fit reads it.
     pub car: Option<CarSettings>,
 }
@@ -129,6 +132,7 @@ impl Study {
         [&self.source, &self.deck]
             .into_iter()
             .chain(tables)
+            .chain(self.target.iter().flat_map(TargetSettings::sources))
             .collect()
     }
 
@@ -262,7 +266,12 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     section.finish(out);
 
     let mut section = root.section("loads", out);
-    let loads = files.required(&mut section, "file", out);
+    let loads = if section.is_present() || !root.has("target") {
+        files.required(&mut section, "file", out)
+    } else {
+        // The tests of kc.toml load an axle that has a target.
+        Some((Source::new(files.study.name(), Vec::new()), PathBuf::new()))
+    };
     let mut inner = section.section("columns", out);
     let columns = inner.all_texts(out);
     section.finish(out);
@@ -360,6 +369,17 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let reference = files.optional(&mut section, "deck", out);
     section.finish(out);
 
+    let mut section = root.section("target", out);
+    let target = if section.is_present() {
+        let mut open = |name: &SpannedText, out: &mut Vec<Diagnostic>| {
+            files.open(name, out).map(|(source, _)| source)
+        };
+        TargetSettings::read(&mut section, &mut open, out)
+    } else {
+        None
+    };
+    section.finish(out);
+
     let mut section = root.section("car", out);
     let car = if section.is_present() {
         let file = files.required(&mut section, "subsystem", out);
@@ -391,6 +411,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         hold_out,
         available,
         reference: reference.map(|(source, _)| source),
+        target,
         car,
     })
 }

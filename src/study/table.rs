@@ -163,7 +163,7 @@ impl Table {
     }
 
     /// Returns the column names as written in the header line.
-    pub(crate) fn header(&self) -> Vec<String> {
+    pub fn header(&self) -> Vec<String> {
         self.header.iter().map(|cell| cell.text.clone()).collect()
     }
 

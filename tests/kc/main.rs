@@ -14,4 +14,5 @@ mod invariance;
 mod patch;
 mod real;
 mod rebuilt;
+mod tune;
 mod whole_rig;

@@ -352,8 +352,10 @@ impl<'a> Direct<'a> {
     fn priors(&self) -> Vec<(f64, f64)> {
         let settings = self.problem.settings;
         let unknowns = self.problem.unknowns.iter();
-        let stiffnesses =
-            unknowns.map(|unknown| (libm::log(unknown.initial), settings.prior_log_sd));
+        let stiffnesses = unknowns.map(|unknown| {
+            let mean = unknown.mean.unwrap_or(libm::log(unknown.initial));
+            (mean, unknown.sd.unwrap_or(settings.prior_log_sd))
+        });
         let units = &self.problem.model.units;
         let offset_sd = |axis: usize| settings.offset_sd.of_axis(axis, units);
         let offsets = self.offsets.iter().map(|(_, axis)| (0.0, offset_sd(*axis)));

@@ -88,7 +88,7 @@ pub fn fit_unknowns(
                 .into_iter()
                 .map(|(_, axis)| Some(axis))
                 .collect(),
-            Place::Number => vec![None],
+            Place::Number => vec![None; 1 + unknown.tied.len()],
         };
         let components: Vec<Component> = addresses
             .iter()
@@ -103,6 +103,11 @@ pub fn fit_unknowns(
         // A stiffness of zero has no logarithm. It starts at 1 in its own unit.
         let usable = |value: f64| if value > 0.0 { libm::log(value) } else { 0.0 };
         let mean = usable(unknown.initial);
+        let within = |x: f64| {
+            unknown
+                .bounds
+                .map_or(x, |[least, most]| x.clamp(least, most))
+        };
         for (component, axis) in components.iter().zip(&axes) {
             let Some(axis) = axis else { continue };
             let sd = (settings.offset_sd).of_axis(*axis, &problem.model.units);
@@ -120,15 +125,17 @@ pub fn fit_unknowns(
                     start: found.unwrap_or(0.0),
                     mean: 0.0,
                     sd,
+                    bounds: None,
                 });
             }
         }
         list.push(FitUnknown {
             addresses,
             target: UnknownTarget::Stiffness(components),
-            start: start.map_or(mean, |start| usable(start.values[k])),
-            mean,
-            sd: settings.prior_log_sd,
+            start: within(start.map_or(mean, |start| usable(start.values[k]))),
+            mean: unknown.mean.unwrap_or(mean),
+            sd: unknown.sd.unwrap_or(settings.prior_log_sd),
+            bounds: unknown.bounds,
         });
     }
     list.append(&mut offsets);

@@ -48,6 +48,12 @@ pub trait LeastSquares {
         (upper.iter().map(|u| -u).collect(), upper)
     }
 
+    /// Returns the lower and upper bounds of a step from `x`, from bounds of the unknowns themselves, in step coordinates. `None` without
+    /// bounds.
+    fn bounds(&self, _x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        None
+    }
+
     /// Receives the state after an accepted step: the number of accepted steps, the unknowns and the objective. Returns `false` to stop the
     /// fit.
     fn progress(&mut self, _iteration: usize, _x: &[f64], _objective: f64) -> bool {
@@ -257,6 +263,23 @@ fn normal_equations(
     (information, gradient)
 }
 
+/// Returns the bounds of a step from `x`: those of [`LeastSquares::limits`], tightened by those of [`LeastSquares::bounds`].
+fn within(
+    problem: &dyn LeastSquares,
+    x: &[f64],
+    scale: &[f64],
+    reach: f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let (mut lower, mut upper) = problem.limits(scale, reach);
+    if let Some((least, most)) = problem.bounds(x) {
+        for k in 0..x.len() {
+            lower[k] = lower[k].max(least[k].min(0.0));
+            upper[k] = upper[k].min(most[k].max(0.0));
+        }
+    }
+    (lower, upper)
+}
+
 /// Minimises the objective of a least-squares problem from `start`. `scale` is the natural unit of each unknown. Unknowns marked in `held` stay
 /// fixed.
 ///
@@ -302,7 +325,7 @@ pub fn minimise(
         for chance in 0..=MAX_STEPS_AFTER_UPHILL {
             let at = uphill.as_ref().unwrap_or(&best);
             let learnt = (chance == 0).then_some(&missing);
-            let (step, gain) = at.step(learnt, &problem.limits(scale, reach), held);
+            let (step, gain) = at.step(learnt, &within(problem, &at.x, scale, reach), held);
             let trial = problem.retract(&at.x, &step);
             if chance == 0 {
                 (first, promised) = (longest(&at.x, &trial, scale), gain);
@@ -361,7 +384,7 @@ pub fn minimise(
             // Round-off hides any further decrease. If the predicted decrease is small as well, the fit has converged.
             let (_, left) = best.step(
                 Some(&missing),
-                &problem.limits(scale, MAX_TRUST_REGION),
+                &within(problem, &best.x, scale, MAX_TRUST_REGION),
                 held,
             );
             ending = if left <= 1e-3 {
@@ -374,7 +397,7 @@ pub fn minimise(
     }
     let (_, decrement) = best.step(
         Some(&missing),
-        &problem.limits(scale, MAX_TRUST_REGION),
+        &within(problem, &best.x, scale, MAX_TRUST_REGION),
         held,
     );
     Some(Minimum {
@@ -474,6 +497,10 @@ impl LeastSquares for InflatedNoise<'_> {
 
     fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         self.problem.limits(scale, reach)
+    }
+
+    fn bounds(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        self.problem.bounds(x)
     }
 
     fn progress(&mut self, iteration: usize, x: &[f64], objective: f64) -> bool {

@@ -312,4 +312,8 @@ impl LeastSquares for MarginalProblem<'_> {
     fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         self.unknowns.limits(scale, reach)
     }
+
+    fn bounds(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        self.unknowns.bounds(x)
+    }
 }

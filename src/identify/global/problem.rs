@@ -143,6 +143,10 @@ impl LeastSquares for GlobalProblem<'_> {
         self.unknowns.limits(scale, reach)
     }
 
+    fn bounds(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        self.unknowns.bounds(x)
+    }
+
     fn progress(&mut self, iteration: usize, x: &[f64], objective: f64) -> bool {
         self.history.push(x[..self.unknowns.len()].to_vec());
         let sweeps = self.predictor.sweeps();

@@ -48,6 +48,8 @@ pub struct FitUnknown {
     pub mean: f64,
     /// Prior standard deviation; infinite without a prior.
     pub sd: f64,
+    /// Lower and upper bound; `None` without bounds.
+    pub bounds: Option<[f64; 2]>,
 }
 
 /// Derivative of the deck parameters with respect to one unknown.
@@ -193,6 +195,25 @@ impl FitUnknowns {
             None => (-reach * scale, reach * scale),
         };
         scale.iter().enumerate().map(of).unzip()
+    }
+
+    /// Returns the lower and upper bounds of a step from `x` in the step coordinates. `None` if no unknown has bounds. Unknowns in `x` beyond
+    /// this list have none.
+    pub fn bounds(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        if self.list.iter().all(|unknown| unknown.bounds.is_none()) {
+            return None;
+        }
+        let of = |(k, x): (usize, &f64)| {
+            let own = self.list.get(k).and_then(|unknown| unknown.bounds);
+            let Some([least, most]) = own else {
+                return (f64::NEG_INFINITY, f64::INFINITY);
+            };
+            match self.share(k) {
+                Some(s) => (step_of(s, least - x), step_of(s, most - x)),
+                None => (least - x, most - x),
+            }
+        };
+        Some(x.iter().enumerate().map(of).unzip())
     }
 
     /// Returns the parameter values of the deck for the values `x` of the unknowns. `deck` holds the values in the deck itself.

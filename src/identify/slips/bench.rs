@@ -64,6 +64,7 @@ const fn unknown(meaning: UnknownTarget, sd: f64) -> FitUnknown {
         start: 0.0,
         mean: 0.0,
         sd,
+        bounds: None,
     }
 }
 

@@ -14,7 +14,7 @@ pub struct ConnectionPoint {
 }
 
 /// Returns the hardpoints of a deck: the end points of all active joints, joint primitives, bushings and springs.
-pub(crate) fn points(model: &Model) -> Vec<ConnectionPoint> {
+pub fn points(model: &Model) -> Vec<ConnectionPoint> {
     let joints = model
         .joints
         .iter()

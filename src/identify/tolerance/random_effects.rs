@@ -320,7 +320,7 @@ impl RandomEffects {
 
 /// Returns the effect of moving all `markers` together by `direction`, given in ground axes in the design position. The markers may belong to
 /// several parts. A marker that is defined relative to another marker of the list moves with that marker and is left out.
-pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Effect {
+pub fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Effect {
     let of = |marker: &MarkerIx| {
         let own = &model.markers[marker.0];
         let local = own.as_written(&(model.parts[own.part.0].pose.R.transpose() * direction));

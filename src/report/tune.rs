@@ -1,0 +1,407 @@
+use super::{
+    Align, Bars, Chart, DrawingError, Figure, HeatMap, Page, Series, SeriesStyle, Summary, Table,
+};
+use admire_syntax::units::short_unit;
+use admire_tune::{GoalOutcome, Outcome, UnknownOutcome};
+
+/// Report of a search for a target as an HTML page.
+#[derive(Debug)]
+pub struct TuneReport<'a> {
+    /// Name of the deck.
+    pub deck: &'a str,
+    /// Result of the search.
+    pub outcome: &'a Outcome,
+    /// Inputs and settings listed at the end of the page, by name.
+    pub facts: &'a [(&'a str, String)],
+    /// Lines of the deck that changed, as a diff.
+    pub changes: &'a str,
+}
+
+/// Number of significant digits in sentences and tables.
+const DIGITS: i32 = 4;
+/// Share of the largest contribution below which an unknown is not drawn.
+const LEAST_SHARE: f64 = 0.005;
+
+/// Formats a value with this number of significant digits; empty if it is not finite.
+fn rounded(value: f64, digits: i32) -> String {
+    if value == 0.0 {
+        "0".to_string()
+    } else if value.is_finite() {
+        super::number::rounded(value, digits)
+    } else {
+        String::new()
+    }
+}
+
+/// Formats a value with its unit.
+fn with_unit(value: f64, unit: &str) -> String {
+    let unit = short_unit(unit);
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    format!("{}{unit}", rounded(value, DIGITS))
+}
+
+/// Returns the number of goals that are met, in words.
+fn met(outcome: &Outcome) -> String {
+    let count = outcome.goals.iter().filter(|goal| goal.is_met).count();
+    let all = outcome.goals.len();
+    match (count, all) {
+        (1, 1) => "The goal is met".to_string(),
+        (0, 1) => "The goal is not met".to_string(),
+        (count, all) if count == all => format!("All {all} goals are met"),
+        (0, all) => format!("None of {all} goals is met"),
+        (count, all) => format!("{count} of {all} goals are met"),
+    }
+}
+
+/// Returns how many starts agree, in words.
+fn agreement(outcome: &Outcome) -> String {
+    let all = outcome.starts.len();
+    if all == 1 {
+        return "There was one start.".to_string();
+    }
+    let solved = outcome
+        .starts
+        .iter()
+        .filter(|start| start.cost.is_some())
+        .count();
+    let without = if solved == all {
+        String::new()
+    } else {
+        format!("; at {} the axle has no equilibrium", all - solved)
+    };
+    format!(
+        "{} of {all} starts end as well as the best{without}.",
+        outcome.agreeing
+    )
+}
+
+/// Returns the result of a search in a few sentences: verdict, misses, bounds and conflicts, and what to do next.
+pub fn tune_summary(outcome: &Outcome) -> Summary {
+    let mut verdict = format!("{}. {}", met(outcome), agreement(outcome));
+    if !outcome.keeps_limits {
+        verdict += &format!(
+            " Within the bounds, no numbers were found that keep all limits: one is missed by {} of its tolerance.",
+            rounded(outcome.violation, 3)
+        );
+    } else if !outcome.converged {
+        verdict +=
+            " The search did not converge: the numbers are the best found, not the best there are.";
+    }
+    let miss = |goal: &GoalOutcome| {
+        format!(
+            "{} {}: off by {} rms before, {} now{}",
+            goal.name,
+            goal.scope,
+            with_unit(goal.rms_before, &goal.unit),
+            with_unit(goal.rms_after, &goal.unit),
+            if goal.is_met { "" } else { ", not met" }
+        )
+    };
+    let mut items: Vec<String> = outcome.goals.iter().map(miss).collect();
+    items.extend(outcome.conflicts.iter().map(conflict));
+    let bounds: Vec<String> = outcome
+        .unknowns
+        .iter()
+        .filter_map(|unknown| Some(format!("{} ({} bound)", unknown.name, unknown.at_bound?)))
+        .collect();
+    if !bounds.is_empty() {
+        items.push(format!("bounds reached: {}", bounds.join(", ")));
+    }
+    let next = if outcome.met {
+        "tuned.adm is the deck; `admire diff` shows what changed".to_string()
+    } else if bounds.is_empty() {
+        "more numbers that may move, or larger tolerances of the goals that conflict".to_string()
+    } else {
+        "wider bounds of the numbers that reached them, or more numbers that may move".to_string()
+    };
+    Summary {
+        verdict,
+        items,
+        held_out: String::new(),
+        next,
+    }
+}
+
+fn conflict(conflict: &admire_tune::Conflict) -> String {
+    let [a, b] = &conflict.goals;
+    format!(
+        "{a} and {b} conflict: the directions that improve them have a cosine of {}",
+        rounded(conflict.cosine, 2)
+    )
+}
+
+impl TuneReport<'_> {
+    /// Returns the page as HTML text. `footer` names the program that made it.
+    ///
+    /// # Errors
+    /// [`DrawingError`] if a picture cannot be drawn.
+    pub fn page(&self, footer: &str) -> Result<String, DrawingError> {
+        let outcome = self.outcome;
+        let title = format!("Target of {}", self.deck);
+        let mut page = Page::new(&title, &tune_summary(outcome).verdict);
+        page.heading("Goals").table(&self.goals());
+        page.note(
+            "A goal is met if no value misses it by more than its tolerance; a limit has no miss at all. Values are in the axes of Adams/Car.",
+        );
+        let mut figures = Vec::new();
+        for goal in outcome.goals.iter().filter(|goal| goal.rows.len() > 1) {
+            figures.push(curve(goal)?);
+        }
+        page.figures(&figures);
+        page.heading("What moved").table(&self.unknowns());
+        page.note(
+            "Share: the change of the goals, in units of their tolerances, that the number's own move makes, as a part of the sum over all numbers. \
+             Pull: decrease of the cost per unit by which the bound is moved outwards; a goal that is missed by its tolerance costs 0.5.",
+        );
+        if outcome.conflicts.is_empty() {
+            page.note("No two goals that are missed stand against each other.");
+        } else {
+            page.subheading("Goals that conflict");
+            let all: Vec<String> = outcome.conflicts.iter().map(conflict).collect();
+            page.list(&all);
+        }
+        page.heading("Which numbers matter");
+        page.figures(&self.shares());
+        page.table(&self.sensitivities());
+        page.add(&self.map());
+        page.note(
+            "Change of each goal per unit of the number, at the tuned deck: root mean square over a curve, with its sign for a single value. \
+             A factor counts per percent.",
+        );
+        page.heading("Starts")
+            .paragraph(&agreement(outcome))
+            .table(&self.starts());
+        page.heading("Changes of the deck").verbatim(self.changes);
+        page.heading("Inputs and method").facts(self.facts);
+        Ok(page.finish(footer))
+    }
+
+    fn goals(&self) -> Table {
+        let mut table = Table::new(&[
+            ("goal", Align::Left),
+            ("of", Align::Left),
+            ("rms miss before", Align::Right),
+            ("rms miss now", Align::Right),
+            ("largest now", Align::Right),
+            ("tolerance", Align::Right),
+            ("unit", Align::Left),
+            ("met", Align::Left),
+        ]);
+        for goal in &self.outcome.goals {
+            table.row([
+                goal.name.clone(),
+                format!("{}, {}", goal.scope, goal.kind),
+                rounded(goal.rms_before, DIGITS),
+                rounded(goal.rms_after, DIGITS),
+                rounded(goal.largest_after, DIGITS),
+                rounded(goal.tolerance, DIGITS),
+                short_unit(&goal.unit),
+                if goal.is_met { "yes" } else { "no" }.to_string(),
+            ]);
+            table.mark(7, if goal.is_met { "good" } else { "bad" });
+        }
+        table
+    }
+
+    fn unknowns(&self) -> Table {
+        let mut table = Table::new(&[
+            ("number", Align::Left),
+            ("is a", Align::Left),
+            ("found", Align::Right),
+            ("unit", Align::Left),
+            ("lower bound", Align::Right),
+            ("upper bound", Align::Right),
+            ("share", Align::Right),
+            ("at bound", Align::Left),
+            ("pull", Align::Right),
+        ]);
+        for unknown in &self.outcome.unknowns {
+            let number = |value: f64| rounded(value, DIGITS);
+            table.row([
+                unknown.name.clone(),
+                unknown.form.to_string(),
+                number(unknown.value),
+                short_unit(&unknown.unit),
+                number(unknown.bounds[0]),
+                number(unknown.bounds[1]),
+                format!("{:.1} %", 100.0 * unknown.matters),
+                unknown.at_bound.unwrap_or_default().to_string(),
+                if unknown.at_bound.is_some() {
+                    number(unknown.pull)
+                } else {
+                    String::new()
+                },
+            ]);
+            if unknown.at_bound.is_some() {
+                table.mark(7, "bad");
+            }
+        }
+        table
+    }
+
+    /// Draws what share of the change each number's own move makes.
+    fn shares(&self) -> Vec<Figure> {
+        let mut rows: Vec<(String, [f64; 2])> = self
+            .outcome
+            .unknowns
+            .iter()
+            .filter(|unknown| unknown.matters > LEAST_SHARE)
+            .map(|unknown| (unknown.name.clone(), [0.0, 100.0 * unknown.matters]))
+            .collect();
+        rows.sort_by(|a, b| b.1[1].total_cmp(&a.1[1]));
+        if rows.is_empty() {
+            return Vec::new();
+        }
+        let bars = Bars {
+            title: "Share of each number in the change of the goals".to_string(),
+            x: "share in percent".to_string(),
+            rows,
+            level: 0.0,
+        };
+        vec![Figure::bars(
+            &bars,
+            "Shares of the moves, from the linear model at the tuned deck.",
+        )]
+    }
+
+    fn per(unknown: &UnknownOutcome) -> String {
+        match (unknown.form, unknown.unit.as_str()) {
+            ("factor", _) => "%".to_string(),
+            (_, "") => "1".to_string(),
+            (_, unit) => short_unit(unit),
+        }
+    }
+
+    fn sensitivities(&self) -> Table {
+        let names: Vec<String> = self
+            .outcome
+            .goals
+            .iter()
+            .map(|goal| format!("{} [{}]", goal.name, short_unit(&goal.unit)))
+            .collect();
+        let mut heads = vec![("number", Align::Left), ("per", Align::Left)];
+        heads.extend(names.iter().map(|name| (name.as_str(), Align::Right)));
+        let mut table = Table::new(&heads);
+        for (k, unknown) in self.outcome.unknowns.iter().enumerate() {
+            let mut row = vec![unknown.name.clone(), Self::per(unknown)];
+            let goals = self.outcome.goals.iter();
+            row.extend(goals.map(|goal| rounded(goal.sensitivities[k], 3)));
+            table.row(row);
+        }
+        table
+    }
+
+    /// Draws the sensitivities in units of the tolerances.
+    fn map(&self) -> Figure {
+        let outcome = self.outcome;
+        let value = |goal: &GoalOutcome, k: usize| {
+            let value = goal.sensitivities[k] / goal.tolerance;
+            value.is_finite().then_some(value)
+        };
+        let values: Vec<Vec<Option<f64>>> = outcome
+            .goals
+            .iter()
+            .map(|goal| {
+                (0..outcome.unknowns.len())
+                    .map(|k| value(goal, k))
+                    .collect()
+            })
+            .collect();
+        let sizes = values.iter().flatten().flatten();
+        let limit = sizes.fold(0.0_f64, |most, value| most.max(value.abs()));
+        let map = HeatMap {
+            title: "Sensitivities".to_string(),
+            rows: outcome.goals.iter().map(|goal| goal.name.clone()).collect(),
+            columns: outcome
+                .unknowns
+                .iter()
+                .map(|unknown| unknown.name.clone())
+                .collect(),
+            values,
+            limit: if limit > 0.0 { limit } else { 1.0 },
+            what: "tolerances per unit of the number".to_string(),
+        };
+        Figure::map(
+            &map,
+            "Sensitivities in tolerances of the goal per unit of the number.",
+        )
+    }
+
+    fn starts(&self) -> Table {
+        let mut table = Table::new(&[
+            ("start", Align::Left),
+            ("cost", Align::Right),
+            ("miss of limits", Align::Right),
+            ("evaluations", Align::Right),
+            ("converged", Align::Left),
+            ("goals met", Align::Left),
+            ("as good as the best", Align::Left),
+        ]);
+        let yes = |is: bool| if is { "yes" } else { "no" }.to_string();
+        for (k, start) in self.outcome.starts.iter().enumerate() {
+            let name = if k == 0 {
+                "of the study".to_string()
+            } else {
+                format!("Sobol point {k}")
+            };
+            table.row([
+                name,
+                start.cost.map_or_else(
+                    || "no equilibrium".to_string(),
+                    |cost| rounded(cost, DIGITS),
+                ),
+                rounded(start.violation, DIGITS),
+                start.evaluations.to_string(),
+                yes(start.converged),
+                yes(start.met),
+                yes(start.agrees),
+            ]);
+        }
+        table
+    }
+}
+
+/// Draws a curve before and after, with what is wanted.
+fn curve(goal: &GoalOutcome) -> Result<Figure, DrawingError> {
+    let points = |value: &dyn Fn(&admire_tune::RowOutcome) -> Option<f64>| -> Vec<(f64, f64)> {
+        let rows = goal.rows.iter();
+        rows.filter_map(|row| Some((row.at, value(row)?))).collect()
+    };
+    let line = |name: &str, points: Vec<(f64, f64)>, mark| Series {
+        name: name.to_string(),
+        points,
+        mark,
+    };
+    let mut series = vec![
+        line("before", points(&|row| Some(row.before)), SeriesStyle::Line),
+        line(
+            "tuned",
+            points(&|row| Some(row.after)),
+            SeriesStyle::LinePoints,
+        ),
+    ];
+    if goal.kind == "limit" {
+        series.push(line("least", points(&|row| row.least), SeriesStyle::Dashed));
+        series.push(line("most", points(&|row| row.most), SeriesStyle::Dashed));
+        series.retain(|series| !series.points.is_empty());
+    } else {
+        series.push(line(
+            "wanted",
+            points(&|row| row.least),
+            SeriesStyle::Dashed,
+        ));
+    }
+    let chart = Chart {
+        title: goal.name.clone(),
+        x: format!("{} [{}]", goal.test, goal.at_unit),
+        y: format!("{} [{}]", goal.of, goal.unit),
+        series,
+        log_y: false,
+        level: None,
+    };
+    Figure::chart(&chart, &goal.name)
+}

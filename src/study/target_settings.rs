@@ -1,0 +1,198 @@
+//! Section `[target]` of `study.toml`: what an axle should become, and which numbers may move.
+
+use super::section::{Section, SpannedText};
+use super::table::Table;
+use super::unknown_settings::UnknownSettings;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
+
+/// Which part of a characteristic a goal is about.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum GoalScope {
+    /// All samples of the test.
+    #[default]
+    Curve,
+    /// The value at one value of the test's variable.
+    Value,
+    /// The slope of the least-squares line within the window of the test.
+    Gradient,
+}
+
+/// What a goal asks of a characteristic. Numbers are in the units of `curves.csv` and `gradients.csv`.
+#[derive(Clone, Debug)]
+pub enum Wanted {
+    /// This value or gradient.
+    Number(f64),
+    /// The curve of this table, with the columns `test`, `value` and characteristics.
+    Curve(Table),
+    /// Between these limits. A limit that is absent is infinite.
+    Limits([f64; 2]),
+}
+
+/// One table `[[target.goal]]`. Names are not yet resolved.
+#[derive(Clone, Debug)]
+pub struct GoalSettings {
+    /// Position of the table in `study.toml`.
+    pub span: Span,
+    /// Name of the test in `kc.toml`, or `ride` for ride height.
+    pub test: SpannedText,
+    /// Characteristic, such as `toe_angle.left`.
+    pub of: SpannedText,
+    /// Part of the characteristic.
+    pub scope: GoalScope,
+    /// Value of the test's variable, for a single value.
+    pub at: f64,
+    /// What is asked.
+    pub wanted: Wanted,
+    /// Miss that counts as one, and up to which the goal is met.
+    pub tolerance: f64,
+    /// True if the largest miss is minimised in place of the sum of squares.
+    pub minimax: bool,
+}
+
+/// Settings of section `[target]`.
+#[derive(Clone, Debug)]
+pub struct TargetSettings {
+    /// Contents of `kc.toml`: the wheels and the tests.
+    pub kc: Source,
+    /// Number of starts from Sobol points within the bounds, besides the start of the study.
+    pub restarts: usize,
+    /// Largest number of evaluations of one start.
+    pub evaluations: usize,
+    /// What is wanted.
+    pub goals: Vec<GoalSettings>,
+    /// Numbers of the deck that may move.
+    pub unknowns: Vec<UnknownSettings>,
+}
+
+impl TargetSettings {
+    /// Returns the files that the section names.
+    pub(super) fn sources(&self) -> impl Iterator<Item = &Source> {
+        let curves = self.goals.iter().filter_map(|goal| match &goal.wanted {
+            Wanted::Curve(table) => Some(&table.source),
+            Wanted::Number(_) | Wanted::Limits(_) => None,
+        });
+        std::iter::once(&self.kc).chain(curves)
+    }
+
+    /// Reads the section. `open` opens a file of the study folder.
+    pub(super) fn read(
+        section: &mut Section<'_>,
+        open: &mut dyn FnMut(&SpannedText, &mut Vec<Diagnostic>) -> Option<Source>,
+        out: &mut Vec<Diagnostic>,
+    ) -> Option<Self> {
+        let kc = section.text("kc", out).unwrap_or_else(|| SpannedText {
+            text: "kc.toml".to_string(),
+            span: section.span(),
+        });
+        let kc = if section.is_inquiry() {
+            None
+        } else {
+            open(&kc, out)
+        };
+        let restarts = section.count("restarts", 8, 0..=1000, out);
+        let evaluations = section.count("evaluations", 100, 1..=100_000, out);
+        let unknowns = UnknownSettings::read_all(section, out);
+        let goals = section
+            .tables("goal", out)
+            .into_iter()
+            .filter_map(|table| GoalSettings::read(table, open, out))
+            .collect();
+        Some(Self {
+            kc: kc?,
+            restarts,
+            evaluations,
+            goals,
+            unknowns,
+        })
+    }
+}
+
+impl GoalSettings {
+    fn read(
+        mut table: Section<'_>,
+        open: &mut dyn FnMut(&SpannedText, &mut Vec<Diagnostic>) -> Option<Source>,
+        out: &mut Vec<Diagnostic>,
+    ) -> Option<Self> {
+        let any = f64::NEG_INFINITY..=f64::INFINITY;
+        let (test, of) = (table.text("test", out), table.text("of", out));
+        let file = table.text("curve", out);
+        let [value, gradient, least, most] = ["value", "gradient", "least", "most"]
+            .map(|key| table.optional_number(key, any.clone(), out));
+        let at = table.number("at", 0.0, any, out);
+        let tolerance = table.optional_number("tolerance", f64::MIN_POSITIVE..=f64::INFINITY, out);
+        let scopes = [
+            ("curve", GoalScope::Curve),
+            ("value", GoalScope::Value),
+            ("gradient", GoalScope::Gradient),
+        ];
+        let stated = table.choice("limits", GoalScope::Curve, &scopes, out);
+        let minimax = table.flag("minimax", out);
+        let mut wrong = Vec::new();
+        for (key, there) in [
+            ("test", test.is_some()),
+            ("of", of.is_some()),
+            ("tolerance", tolerance.is_some()),
+        ] {
+            if !there {
+                wrong.push(format!("a goal needs `{}`", table.name(key)));
+            }
+        }
+        let limited = least.is_some() || most.is_some();
+        let count = [file.is_some(), value.is_some(), gradient.is_some(), limited];
+        if count.iter().filter(|given| **given).count() != 1 {
+            wrong.push(
+                "a goal has one of `curve`, `value`, `gradient`, or the limits `least` and `most`"
+                    .to_string(),
+            );
+        }
+        let limits = [
+            least.unwrap_or(f64::NEG_INFINITY),
+            most.unwrap_or(f64::INFINITY),
+        ];
+        if limits[0] > limits[1] {
+            wrong.push("`least` is more than `most`".to_string());
+        }
+        if limited && minimax {
+            wrong.push("limits have no `minimax`: they hold everywhere".to_string());
+        }
+        let (scope, wanted) = match (file, value, gradient) {
+            (Some(file), ..) => {
+                let source = if table.is_inquiry() {
+                    None
+                } else {
+                    open(&file, out)
+                };
+                let curve = source.map(|source| Wanted::Curve(Table::read(source, out)));
+                (GoalScope::Curve, curve)
+            }
+            (_, Some(value), _) => (GoalScope::Value, Some(Wanted::Number(value))),
+            (_, _, Some(slope)) => (GoalScope::Gradient, Some(Wanted::Number(slope))),
+            _ => (stated, Some(Wanted::Limits(limits))),
+        };
+        let (file, span, inquiry) = (table.file().to_string(), table.span(), table.is_inquiry());
+        table.finish(out);
+        if inquiry {
+            return None;
+        }
+        let is_right = wrong.is_empty();
+        out.extend(wrong.into_iter().map(|message| {
+            Diagnostic::error(Code::BadSetting, message)
+                .label(&*file, span, "")
+                .help("`admire guide tune` shows every key")
+        }));
+        if !is_right {
+            return None;
+        }
+        Some(Self {
+            span,
+            test: test?,
+            of: of?,
+            scope,
+            at,
+            wanted: wanted?,
+            tolerance: tolerance?,
+            minimax,
+        })
+    }
+}

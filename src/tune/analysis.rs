@@ -1,0 +1,179 @@
+//! What a solution depends on: gradients at the bounds, conflicts of goals, and sensitivities.
+
+use std::ops::Range;
+
+use crate::evaluation::Evaluation;
+use crate::goal::GoalKind;
+use crate::settings::{AT_BOUND, CONFLICT_COSINE};
+use crate::tuning::Tuning;
+use admire_study::UnknownForm;
+use nalgebra::DVector;
+use serde::Serialize;
+
+/// Two goals of which each is improved only at the cost of the other.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Conflict {
+    /// Names of the goals.
+    pub goals: [String; 2],
+    /// Cosine of the angle between the directions in which their costs fall fastest, within the bounds.
+    pub cosine: f64,
+}
+
+/// Returns the gradient of the cost of each goal by the coordinates. The cost of a minimax goal or limit is replaced by its pull on the rows.
+fn goal_gradients(tuning: &Tuning, end: &Evaluation, pulls: &[f64]) -> Vec<DVector<f64>> {
+    let mut row = 0;
+    let mut all = Vec::new();
+    for goal in &tuning.goals {
+        let mut sum = DVector::zeros(tuning.unknowns.len());
+        for own in &goal.rows {
+            let miss = own.miss(end.values[row]) / goal.tolerance;
+            let pull = match goal.kind {
+                GoalKind::Squares => miss / goal.rows.len() as f64,
+                GoalKind::Minimax | GoalKind::Limit => {
+                    let middle = 0.5 * (own.wanted[0] + own.wanted[1]);
+                    let side = if middle.is_finite() {
+                        end.values[row] - middle
+                    } else if own.wanted[0].is_finite() {
+                        -1.0
+                    } else {
+                        1.0
+                    };
+                    pulls.get(row).copied().unwrap_or(0.0) * side.signum()
+                }
+            };
+            sum += end.jacobian.row(row).transpose() * (pull / goal.tolerance);
+            row += 1;
+        }
+        all.push(sum);
+    }
+    all
+}
+
+/// Returns the gradient of the whole cost by the coordinates, limits included with their multipliers.
+pub(crate) fn gradient(
+    tuning: &Tuning,
+    end: &Evaluation,
+    pulls: &[f64],
+    x: &[f64],
+) -> DVector<f64> {
+    let mut sum = DVector::from_iterator(
+        x.len(),
+        tuning.unknowns.iter().zip(x).map(|(unknown, x)| {
+            let sd = unknown.sd;
+            (x - unknown.mean) / (sd * sd)
+        }),
+    );
+    for own in goal_gradients(tuning, end, pulls) {
+        sum += own;
+    }
+    sum
+}
+
+/// Returns the pairs of goals that are missed and of which each is improved only at the cost of the other, within the bounds.
+pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Conflict> {
+    // A limit pulls wherever it is reached, so that it counts by the sign of its side alone.
+    let reached: Vec<f64> = vec![1.0; end.values.len()];
+    let scale = tuning.scale();
+    let mut row = 0;
+    let mut directions = Vec::new();
+    for (goal, gradient) in tuning
+        .goals
+        .iter()
+        .zip(goal_gradients(tuning, end, &reached))
+    {
+        let rows = row..row + goal.rows.len();
+        row = rows.end;
+        let worst = goal
+            .rows
+            .iter()
+            .zip(&end.values[rows])
+            .map(|(own, value)| match goal.kind {
+                // A limit that is reached stands in the way, though it is met.
+                GoalKind::Limit => {
+                    let [least, most] = own.wanted;
+                    let room = (value - least).min(most - value) / goal.tolerance;
+                    if room < 0.1 { 2.0 } else { 0.0 }
+                }
+                GoalKind::Squares | GoalKind::Minimax => own.miss(*value).abs() / goal.tolerance,
+            })
+            .fold(0.0, f64::max);
+        if worst <= 1.0 {
+            continue;
+        }
+        let along = DVector::from_fn(x.len(), |k, _| {
+            let down = -gradient[k] * scale[k];
+            let [least, most] = tuning.unknowns[k].bounds;
+            let near = AT_BOUND * (most - least);
+            let blocked =
+                (x[k] <= least + near && down < 0.0) || (x[k] >= most - near && down > 0.0);
+            if blocked { 0.0 } else { down }
+        });
+        directions.push((format!("{} {}", goal.test, goal.of), along));
+    }
+    let mut found = Vec::new();
+    for (k, (name, own)) in directions.iter().enumerate() {
+        for (other, theirs) in &directions[k + 1..] {
+            let size = own.norm() * theirs.norm();
+            let cosine = if size > 0.0 {
+                own.dot(theirs) / size
+            } else {
+                0.0
+            };
+            if cosine < CONFLICT_COSINE {
+                found.push(Conflict {
+                    goals: [name.clone(), other.clone()],
+                    cosine,
+                });
+            }
+        }
+    }
+    found.sort_by(|a, b| a.cosine.total_cmp(&b.cosine));
+    found
+}
+
+/// Returns the change of a goal's value per unit of each unknown: root mean square over its rows, or with its sign for a single row. A factor
+/// counts per percent.
+pub(crate) fn sensitivities(
+    tuning: &Tuning,
+    end: &Evaluation,
+    rows: Range<usize>,
+    x: &[f64],
+) -> Vec<f64> {
+    let each = tuning.unknowns.iter().zip(x).enumerate();
+    each.map(|(k, (unknown, x))| {
+        let per = match unknown.form {
+            UnknownForm::Factor => 0.01,
+            UnknownForm::Change | UnknownForm::Value => 1.0 / unknown.shown_rate(*x),
+        };
+        let column = end.jacobian.column(k);
+        let own = column.rows(rows.start, rows.len());
+        if rows.len() == 1 {
+            return per * own[0];
+        }
+        per * (own.norm_squared() / rows.len() as f64).sqrt()
+    })
+    .collect()
+}
+
+/// Returns how much each unknown's own move changes the values of the goals, as a part of what all moves change: the root mean square over all
+/// rows in units of their tolerances, of the linear model at the end.
+pub(crate) fn contributions(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<f64> {
+    let mut weights = Vec::new();
+    for goal in &tuning.goals {
+        let weight = 1.0 / (goal.tolerance * (goal.rows.len() as f64).sqrt());
+        weights.extend(std::iter::repeat_n(weight, goal.rows.len()));
+    }
+    let size = |k: usize| {
+        let moved = x[k] - tuning.unknowns[k].deck();
+        let column = end.jacobian.column(k);
+        let squares = column.iter().zip(&weights).map(|(entry, weight)| {
+            let change = entry * moved * weight;
+            change * change
+        });
+        squares.sum::<f64>().sqrt()
+    };
+    let sizes: Vec<f64> = (0..x.len()).map(size).collect();
+    let all: f64 = sizes.iter().sum();
+    let share = |size: &f64| if all > 0.0 { size / all } else { 0.0 };
+    sizes.iter().map(share).collect()
+}

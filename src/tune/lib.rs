@@ -1,0 +1,34 @@
+//! Design to a target: numbers of a deck that give wanted kinematics and compliance.
+//!
+//! [`Tuning`] is a study with a section `[target]`, with all names resolved. [`Tuning::search`] looks for the numbers, from the start of the
+//! study and from Sobol points within the bounds. [`Outcome`] says what moved, what is met, what stands against it and which numbers matter.
+//!
+//! The misses of all goals form a least-squares problem, which the trust-region Gauss-Newton method of `admire-identify` solves within the
+//! bounds. The derivatives of places, angles and wheel loads are exact. Limits and minimax goals are constraints, held by the method of
+//! multipliers.
+#![warn(unreachable_pub)]
+// The documentation of private modules links to private items.
+#![allow(rustdoc::private_intra_doc_links)]
+#![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
+
+mod analysis;
+#[cfg(test)]
+mod bench;
+mod cost;
+mod evaluation;
+mod found;
+mod goal;
+mod outcome;
+mod problem;
+mod search;
+pub mod settings;
+mod tune_error;
+mod tuning;
+
+pub use analysis::Conflict;
+pub use evaluation::Evaluation;
+pub use goal::{Goal, GoalKind, Row};
+pub use outcome::{GoalOutcome, NumberOutcome, Outcome, RowOutcome, StartOutcome, UnknownOutcome};
+pub use problem::Watch;
+pub use tune_error::TuneError;
+pub use tuning::{Refused, Tuning};

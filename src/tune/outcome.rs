@@ -1,0 +1,378 @@
+use serde::Serialize;
+
+use crate::analysis::{self, Conflict};
+use crate::evaluation::{Evaluation, Evaluator};
+use crate::found::Found;
+use crate::goal::GoalKind;
+use crate::settings::{AGREEING_COST, AGREEING_SHARE, AT_BOUND, LIMIT_SLACK};
+use crate::tune_error::TuneError;
+use crate::tuning::Tuning;
+use admire_identify::DeckUnknown;
+use admire_kc::{BenchError, KcRun};
+use admire_study::{GoalScope, UnknownForm};
+
+/// A number of the deck that moved.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct NumberOutcome {
+    /// Address of the number.
+    pub address: String,
+    /// Value in the deck of the study, in its units and radians.
+    pub before: f64,
+    /// Value in the tuned deck.
+    pub after: f64,
+}
+
+/// An unknown at the end of a search. Its values are changes, factors or values, as its form says; angles are in radians.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct UnknownOutcome {
+    /// Name of the unknown.
+    pub name: String,
+    /// `change`, `factor` or `value`.
+    pub form: &'static str,
+    /// Unit of the values; empty without one.
+    pub unit: String,
+    /// Value that the search began with.
+    pub start: f64,
+    /// Value found.
+    pub value: f64,
+    /// Lower and upper bound.
+    pub bounds: [f64; 2],
+    /// `lower` or `upper` if the bound stops the search there.
+    pub at_bound: Option<&'static str>,
+    /// Decrease of the cost per unit of the value by which the bound is moved outwards; zero away from bounds.
+    pub pull: f64,
+    /// Decrease of the cost of the misses that this unknown's own move makes, of the decrease that all moves make; from the linear model.
+    pub matters: f64,
+    /// True if the solver has derivatives by this unknown; otherwise they are differences.
+    pub exact_derivatives: bool,
+    /// Numbers of the deck that the unknown sets.
+    pub numbers: Vec<NumberOutcome>,
+}
+
+/// One compared value. Values are in the unit of the goal.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct RowOutcome {
+    /// Value of the test's variable.
+    pub at: f64,
+    /// Least value that is wanted; `None` without a limit.
+    pub least: Option<f64>,
+    /// Greatest value that is wanted; `None` without a limit.
+    pub most: Option<f64>,
+    /// Value of the deck of the study.
+    pub before: f64,
+    /// Value of the tuned deck.
+    pub after: f64,
+}
+
+/// A goal at the end of a search.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct GoalOutcome {
+    /// Name: test and characteristic.
+    pub name: String,
+    /// Name of the test.
+    pub test: String,
+    /// Characteristic.
+    pub of: String,
+    /// `curve`, `value` or `gradient`.
+    pub scope: &'static str,
+    /// `squares`, `minimax` or `limit`.
+    pub kind: &'static str,
+    /// Unit of values, misses and tolerance.
+    pub unit: String,
+    /// Unit of the test's variable.
+    pub at_unit: String,
+    /// Miss up to which the goal is met.
+    pub tolerance: f64,
+    /// Root mean square of the misses of the deck of the study.
+    pub rms_before: f64,
+    /// Root mean square of the misses of the tuned deck.
+    pub rms_after: f64,
+    /// Largest miss of the tuned deck.
+    pub largest_after: f64,
+    /// True if no miss is larger than the tolerance; a limit has no miss at all.
+    pub is_met: bool,
+    /// Sum of the multipliers of a limit or of a minimax goal: how strongly it holds the others back. Zero where it does not bind.
+    pub multiplier: f64,
+    /// True if the derivatives of the values come from the solver; otherwise they are differences.
+    pub exact_derivatives: bool,
+    /// Change of the value per unit of each unknown, in their order: root mean square over a curve, with its sign for a single value. A factor
+    /// counts per percent.
+    pub sensitivities: Vec<f64>,
+    /// The compared values.
+    pub rows: Vec<RowOutcome>,
+}
+
+/// A search from one start.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct StartOutcome {
+    /// Values of the unknowns at the start.
+    pub start: Vec<f64>,
+    /// Values of the unknowns at the end.
+    pub end: Vec<f64>,
+    /// Cost at the end; `None` without an equilibrium at the start.
+    pub cost: Option<f64>,
+    /// Largest miss of a limit, in units of its tolerance.
+    pub violation: f64,
+    /// Number of evaluations with derivatives.
+    pub evaluations: usize,
+    /// True if the search converged.
+    pub converged: bool,
+    /// True if all goals are met at the end.
+    pub met: bool,
+    /// True if the end is as good as the best one.
+    pub agrees: bool,
+}
+
+/// Result of a search, as written to `tuning.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outcome {
+    /// True if the best search converged.
+    pub converged: bool,
+    /// True if all goals are met.
+    pub met: bool,
+    /// Largest miss of a limit, in units of its tolerance; more than a thousandth if no numbers within the bounds keep all limits.
+    pub violation: f64,
+    /// True if no miss of a limit counts.
+    pub keeps_limits: bool,
+    /// Cost of the deck of the study.
+    pub cost_before: f64,
+    /// Cost of the tuned deck.
+    pub cost: f64,
+    /// Number of evaluations with derivatives, over all starts.
+    pub evaluations: usize,
+    /// Number of runs of the tests, those for differences included.
+    pub runs: usize,
+    /// Number of starts whose end is as good as the best.
+    pub agreeing: usize,
+    /// The unknowns.
+    pub unknowns: Vec<UnknownOutcome>,
+    /// The goals.
+    pub goals: Vec<GoalOutcome>,
+    /// Goals that conflict.
+    pub conflicts: Vec<Conflict>,
+    /// The searches, that of the study first.
+    pub starts: Vec<StartOutcome>,
+    /// Text of the tuned deck.
+    #[serde(skip)]
+    pub deck: Vec<u8>,
+    /// Results of the tests on the tuned deck.
+    #[serde(skip)]
+    pub after: KcRun,
+}
+
+impl Tuning {
+    /// Returns true if values of all rows meet all goals.
+    fn meets(&self, values: &[f64]) -> bool {
+        let mut values = values.iter();
+        self.goals.iter().all(|goal| {
+            let allowed = match goal.kind {
+                GoalKind::Limit => LIMIT_SLACK,
+                GoalKind::Squares | GoalKind::Minimax => 1.0,
+            };
+            // All values are taken, so that the next goal begins with its own.
+            let rows: Vec<_> = goal.rows.iter().zip(&mut values).collect();
+            rows.iter()
+                .all(|(row, value)| row.miss(**value).abs() <= allowed * goal.tolerance)
+        })
+    }
+}
+
+impl Outcome {
+    pub(crate) fn of(
+        tuning: &Tuning,
+        evaluator: &mut Evaluator<'_>,
+        found: Vec<Found>,
+    ) -> Result<Self, TuneError> {
+        let feasible = |found: &Found| found.violation <= LIMIT_SLACK;
+        let rank = |found: &Found| {
+            let miss = if feasible(found) {
+                0.0
+            } else {
+                found.violation
+            };
+            (miss, found.cost)
+        };
+        let with_end = found.iter().filter(|found| found.end.is_some());
+        let best = with_end.min_by(|a, b| {
+            let ((m, c), (n, d)) = (rank(a), rank(b));
+            m.total_cmp(&n).then(c.total_cmp(&d))
+        });
+        let nowhere = || TuneError {
+            unknowns: shown(tuning, &tuning.start()),
+            why: BenchError::Deck(Vec::new()),
+        };
+        let best = best.ok_or_else(nowhere)?;
+        let refuse = |why| TuneError {
+            unknowns: shown(tuning, &best.x),
+            why,
+        };
+        let deck = tuning
+            .deck(&best.x)
+            .map_err(|wrong| refuse(BenchError::Deck(vec![*wrong])))?;
+        let end = best.end.as_ref().ok_or_else(nowhere)?;
+        let near = AGREEING_COST.max(AGREEING_SHARE * best.cost);
+        let agrees =
+            |other: &Found| other.cost <= best.cost + near && (feasible(other) || !feasible(best));
+        let starts: Vec<StartOutcome> = found
+            .iter()
+            .map(|own| StartOutcome {
+                start: shown(tuning, &own.start),
+                end: shown(tuning, &own.x),
+                cost: own.end.is_some().then_some(own.cost),
+                violation: if own.end.is_some() {
+                    own.violation
+                } else {
+                    0.0
+                },
+                evaluations: own.evaluations,
+                converged: own.is_converged,
+                met: own
+                    .end
+                    .as_ref()
+                    .is_some_and(|end| tuning.meets(&end.values)),
+                agrees: agrees(own),
+            })
+            .collect();
+        let before = tuning.values_before();
+        let gradient = analysis::gradient(tuning, end, &best.pulls, &best.x);
+        let matters = analysis::contributions(tuning, end, &best.x);
+        let unknowns = tuning.unknowns.iter().enumerate().map(|(k, unknown)| {
+            let x = best.x[k];
+            let at_bound = stopped(unknown, x, gradient[k]);
+            let pull = match at_bound {
+                Some(_) => gradient[k].abs() / unknown.shown_rate(x),
+                None => 0.0,
+            };
+            UnknownOutcome {
+                name: unknown.name.clone(),
+                form: unknown.form.word(),
+                unit: match unknown.form {
+                    UnknownForm::Factor => String::new(),
+                    _ => tuning.model.units.name(unknown.dimension),
+                },
+                start: unknown.shown(unknown.start),
+                value: unknown.shown(x),
+                bounds: unknown.bounds.map(|bound| unknown.shown(bound)),
+                at_bound,
+                pull,
+                matters: matters[k],
+                exact_derivatives: evaluator.is_exact[k],
+                numbers: numbers(unknown, &deck),
+            }
+        });
+        Ok(Self {
+            converged: best.is_converged,
+            met: tuning.meets(&end.values),
+            violation: best.violation,
+            keeps_limits: feasible(best),
+            cost_before: tuning.cost(&before, &vec_of_deck(tuning)),
+            cost: best.cost,
+            evaluations: found.iter().map(|own| own.evaluations).sum(),
+            runs: evaluator.runs + 1,
+            agreeing: starts.iter().filter(|start| start.agrees).count(),
+            unknowns: unknowns.collect(),
+            goals: goals(tuning, &before, best, end),
+            conflicts: analysis::conflicts(tuning, end, &best.x),
+            starts,
+            deck: deck.bytes().to_vec(),
+            after: end.run.clone(),
+        })
+    }
+}
+
+/// Returns the coordinates that leave the deck as it is.
+fn vec_of_deck(tuning: &Tuning) -> Vec<f64> {
+    tuning.unknowns.iter().map(DeckUnknown::deck).collect()
+}
+
+fn shown(tuning: &Tuning, x: &[f64]) -> Vec<f64> {
+    let each = tuning.unknowns.iter().zip(x);
+    each.map(|(unknown, x)| unknown.shown(*x)).collect()
+}
+
+/// Returns which bound stops an unknown: it is there, and the cost would fall beyond.
+fn stopped(unknown: &DeckUnknown, x: f64, gradient: f64) -> Option<&'static str> {
+    let [least, most] = unknown.bounds;
+    let near = AT_BOUND * (most - least);
+    if x <= least + near && gradient > 0.0 {
+        Some("lower")
+    } else if x >= most - near && gradient < 0.0 {
+        Some("upper")
+    } else {
+        None
+    }
+}
+
+fn numbers(unknown: &DeckUnknown, deck: &admire_syntax::text::Source) -> Vec<NumberOutcome> {
+    let tuned = admire_syntax::Dataset::parse(deck.clone()).value;
+    let each = unknown.numbers.iter().map(|number| NumberOutcome {
+        address: number.address.to_string(),
+        before: number.deck,
+        after: tuned.value_at(&number.address).unwrap_or(number.deck),
+    });
+    each.collect()
+}
+
+fn goals(tuning: &Tuning, before: &[f64], best: &Found, end: &Evaluation) -> Vec<GoalOutcome> {
+    let mut first = 0;
+    let mut all = Vec::new();
+    for goal in &tuning.goals {
+        let range = first..first + goal.rows.len();
+        first = range.end;
+        let (old, new) = (&before[range.clone()], &end.values[range.clone()]);
+        let rms = |values: &[f64]| {
+            let squares = goal.rows.iter().zip(values).map(|(row, value)| {
+                let miss = row.miss(*value);
+                miss * miss
+            });
+            (squares.sum::<f64>() / goal.rows.len() as f64).sqrt()
+        };
+        let largest = goal
+            .rows
+            .iter()
+            .zip(new)
+            .map(|(row, value)| row.miss(*value).abs())
+            .fold(0.0, f64::max);
+        let (allowed, kind) = match goal.kind {
+            GoalKind::Squares => (1.0, "squares"),
+            GoalKind::Minimax => (1.0, "minimax"),
+            GoalKind::Limit => (LIMIT_SLACK, "limit"),
+        };
+        let rows = goal.rows.iter().zip(old).zip(new);
+        let finite = |bound: f64| bound.is_finite().then_some(bound);
+        all.push(GoalOutcome {
+            name: format!("{} {}", goal.test, goal.of),
+            test: goal.test.clone(),
+            of: goal.of.clone(),
+            scope: match goal.scope {
+                GoalScope::Curve => "curve",
+                GoalScope::Value => "value",
+                GoalScope::Gradient => "gradient",
+            },
+            kind,
+            unit: goal.unit.clone(),
+            at_unit: goal.at_unit.clone(),
+            tolerance: goal.tolerance,
+            rms_before: rms(old),
+            rms_after: rms(new),
+            largest_after: largest,
+            is_met: largest <= allowed * goal.tolerance,
+            multiplier: best
+                .pulls
+                .get(range.clone())
+                .map_or(0.0, |own| own.iter().sum()),
+            exact_derivatives: goal.is_exact,
+            sensitivities: analysis::sensitivities(tuning, end, range, &best.x),
+            rows: rows
+                .map(|((row, before), after)| RowOutcome {
+                    at: row.at,
+                    least: finite(row.wanted[0]),
+                    most: finite(row.wanted[1]),
+                    before: *before,
+                    after: *after,
+                })
+                .collect(),
+        });
+    }
+    all
+}

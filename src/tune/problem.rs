@@ -1,0 +1,222 @@
+//! The least-squares problem of a search: misses of goals, cost of moves, and constraints by the method of multipliers.
+
+use crate::evaluation::{Evaluation, Evaluator};
+use crate::goal::GoalKind;
+use crate::settings::FIRST_PENALTY;
+use admire_identify::global::Evaluation as Residuals;
+use admire_identify::global::gauss_newton::{LeastSquares, Prior};
+use nalgebra::{DMatrix, DVector};
+
+/// Receives the number of evaluations of the present start, and returns false to stop the search.
+pub type Watch<'a> = dyn FnMut(usize) -> bool + 'a;
+
+/// A constraint `sign (value - bound) / tolerance - t <= 0` on a value; `t` is zero for limits and the largest miss of a minimax goal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constraint {
+    /// Index of the value among all rows of all goals.
+    pub row: usize,
+    /// Index of the goal.
+    pub goal: usize,
+    sign: f64,
+    bound: f64,
+    /// Index of the unknown `t` among those of minimax goals.
+    largest: Option<usize>,
+}
+
+/// Least squares over the coordinates of the unknowns, followed by the largest miss of each minimax goal.
+///
+/// A constraint `c <= 0` adds `max(0, c + lambda / rho)^2 rho / 2` to the cost, with the multiplier `lambda` and the penalty `rho`. Source: the
+/// augmented Lagrangian for inequalities (Rockafellar 1973; Conn, Gould and Toint, Trust-Region Methods, section 14.4).
+pub(crate) struct Problem<'a, 'b> {
+    pub evaluator: &'b mut Evaluator<'a>,
+    pub constraints: Vec<Constraint>,
+    /// Multiplier of each constraint.
+    pub multipliers: Vec<f64>,
+    /// Penalty on the constraints.
+    pub penalty: f64,
+    /// Number of evaluations with derivatives.
+    pub evaluations: usize,
+    /// Number of evaluations after which the search stops.
+    pub most: usize,
+    /// Last evaluations, the newest at the end: the last of the search and the one it stands at.
+    kept: Vec<Evaluation>,
+    /// Number of minimax goals.
+    pub largest: usize,
+    /// Start and number of the evaluations, told to whoever watches.
+    pub watch: &'b mut Watch<'b>,
+    /// True once the watcher has stopped the search.
+    pub is_stopped: bool,
+}
+
+impl<'a, 'b> Problem<'a, 'b> {
+    pub(crate) fn new(evaluator: &'b mut Evaluator<'a>, watch: &'b mut Watch<'b>) -> Self {
+        let mut constraints = Vec::new();
+        let (mut row, mut largest) = (0, 0);
+        for (goal, own) in evaluator.tuning.goals.iter().enumerate() {
+            let t = (own.kind == GoalKind::Minimax).then_some(largest);
+            for at in &own.rows {
+                let [least, most] = at.wanted;
+                let both = [(-1.0, least), (1.0, most)].into_iter();
+                let held =
+                    both.filter(|(_, bound)| own.kind != GoalKind::Squares && bound.is_finite());
+                constraints.extend(held.map(|(sign, bound)| Constraint {
+                    row,
+                    goal,
+                    sign,
+                    bound,
+                    largest: t,
+                }));
+                row += 1;
+            }
+            largest += usize::from(t.is_some());
+        }
+        let most = evaluator.tuning.target.evaluations;
+        Self {
+            multipliers: vec![0.0; constraints.len()],
+            penalty: FIRST_PENALTY,
+            constraints,
+            evaluations: 0,
+            most,
+            kept: Vec::new(),
+            largest,
+            evaluator,
+            watch,
+            is_stopped: false,
+        }
+    }
+
+    /// Returns the number of coordinates of the deck's unknowns.
+    pub(crate) fn count(&self) -> usize {
+        self.evaluator.tuning.unknowns.len()
+    }
+
+    /// Returns the evaluation at coordinates of the deck's unknowns. The last two are kept, because rounds of multipliers begin where the last
+    /// one ended.
+    pub(crate) fn at(&mut self, x: &[f64]) -> Option<&Evaluation> {
+        if let Some(k) = self.kept.iter().position(|kept| kept.x == x) {
+            let found = self.kept.remove(k);
+            self.kept.push(found);
+        } else {
+            if self.evaluations >= self.most || self.is_stopped {
+                return None;
+            }
+            self.evaluations += 1;
+            self.is_stopped = !(self.watch)(self.evaluations);
+            let found = self.evaluator.evaluate(x, true)?;
+            self.kept.push(found);
+            if self.kept.len() > 2 {
+                self.kept.remove(0);
+            }
+        }
+        self.kept.last()
+    }
+
+    /// Returns all constraint values for the values of all rows and the largest misses.
+    pub(crate) fn constraint_values(&self, values: &[f64], largest: &[f64]) -> Vec<f64> {
+        let goals = &self.evaluator.tuning.goals;
+        let of = |own: &Constraint| {
+            let miss = own.sign * (values[own.row] - own.bound) / goals[own.goal].tolerance;
+            miss - own.largest.map_or(0.0, |k| largest[k])
+        };
+        self.constraints.iter().map(of).collect()
+    }
+
+    /// Returns the largest miss of each minimax goal, in units of its tolerance.
+    pub(crate) fn largest_misses(&self, values: &[f64]) -> Vec<f64> {
+        let mut found = vec![0.0; self.largest];
+        let none = vec![0.0; self.largest];
+        for (own, value) in self
+            .constraints
+            .iter()
+            .zip(self.constraint_values(values, &none))
+        {
+            if let Some(k) = own.largest {
+                found[k] = f64::max(found[k], value);
+            }
+        }
+        found
+    }
+
+    /// Returns the priors of all coordinates: the cost of moves, and half the square of each largest miss.
+    pub(crate) fn priors(&self) -> Vec<Prior> {
+        let unknowns = &self.evaluator.tuning.unknowns;
+        let own = unknowns.iter().map(|unknown| Prior {
+            mean: unknown.mean,
+            sd: unknown.sd,
+        });
+        let largest = Prior { mean: 0.0, sd: 1.0 };
+        own.chain(std::iter::repeat_n(largest, self.largest))
+            .collect()
+    }
+}
+
+impl LeastSquares for Problem<'_, '_> {
+    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Residuals> {
+        let count = self.count();
+        let (own, largest) = x.split_at(count);
+        self.at(own)?;
+        let found = self.kept.last()?;
+        let goals = &self.evaluator.tuning.goals;
+        let constrained = self.constraint_values(&found.values, largest);
+        let squares = goals.iter().filter(|goal| goal.kind == GoalKind::Squares);
+        let height = squares.map(|goal| goal.rows.len()).sum::<usize>() + constrained.len();
+        let mut residual = DVector::zeros(height);
+        let mut jacobian = DMatrix::zeros(height, if with_jacobian { x.len() } else { 0 });
+        let (mut at, mut row) = (0, 0);
+        let mut fill = |at: usize, row: usize, factor: f64| {
+            if with_jacobian {
+                let scaled = found.jacobian.row(row) * factor;
+                jacobian.view_mut((at, 0), (1, count)).copy_from(&scaled);
+            }
+        };
+        for goal in goals {
+            let factor = 1.0 / (goal.tolerance * (goal.rows.len() as f64).sqrt());
+            for own in &goal.rows {
+                if goal.kind == GoalKind::Squares {
+                    residual[at] = factor * own.miss(found.values[row]);
+                    fill(at, row, factor);
+                    at += 1;
+                }
+                row += 1;
+            }
+        }
+        let root = self.penalty.sqrt();
+        let mut pulls = Vec::new();
+        for ((own, value), multiplier) in self
+            .constraints
+            .iter()
+            .zip(constrained)
+            .zip(&self.multipliers)
+        {
+            let shifted = value + multiplier / self.penalty;
+            if shifted > 0.0 {
+                residual[at] = root * shifted;
+                fill(at, own.row, root * own.sign / goals[own.goal].tolerance);
+                pulls.extend(own.largest.map(|k| (at, count + k)));
+            }
+            at += 1;
+        }
+        if with_jacobian {
+            for (at, column) in pulls {
+                jacobian[(at, column)] = -root;
+            }
+        }
+        Some(Residuals {
+            residual,
+            jacobian,
+            free: Vec::new(),
+        })
+    }
+
+    fn bounds(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let unknowns = self.evaluator.tuning.unknowns.iter();
+        let bounds = unknowns.map(|unknown| unknown.bounds);
+        let largest = std::iter::repeat_n([0.0, f64::INFINITY], self.largest);
+        let all = bounds.chain(largest).zip(x);
+        Some(all.map(|([least, most], x)| (least - x, most - x)).unzip())
+    }
+
+    fn progress(&mut self, _: usize, _: &[f64], _: f64) -> bool {
+        self.evaluations < self.most && !self.is_stopped
+    }
+}

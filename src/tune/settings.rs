@@ -1,0 +1,30 @@
+//! Settings of the search for a target. `admire explain priors` prints them.
+
+admire_study::constants! {
+    /// Step of the differences that replace derivatives which the solver does not have, in units of the natural size of an unknown.
+    DIFFERENCE_STEP: f64 = 1e-4, "";
+    /// Predicted decrease of the cost by the next step below which a search has converged. A goal that is missed by its tolerance costs 0.5.
+    CONVERGED_DECREMENT: f64 = 1e-7, "";
+    /// Step below which a search has converged, in units of the natural size of an unknown.
+    CONVERGED_STEP: f64 = 1e-7, "";
+    /// Miss of a limit that counts as none, in units of its tolerance.
+    LIMIT_SLACK: f64 = 1e-3, "";
+    /// First penalty on limits, in units of the cost of a goal.
+    FIRST_PENALTY: f64 = 10.0, "";
+    /// Factor of the penalty after a round of multipliers that reduced the misses of the limits too little.
+    PENALTY_GROWTH: f64 = 10.0, "";
+    /// Reduction of the largest miss of a limit in one round that counts as enough.
+    ENOUGH_REDUCTION: f64 = 0.25, "";
+    /// Largest penalty on limits.
+    MAX_PENALTY: f64 = 1e6, "";
+    /// Maximum number of rounds of multipliers.
+    MULTIPLIER_ROUNDS: usize = 30, "";
+    /// Excess of the cost of a start over the best cost, relative to it, up to which the start agrees with the best.
+    AGREEING_SHARE: f64 = 0.01, "";
+    /// Excess of the cost of a start over the best cost up to which the start agrees with the best, whatever the best cost is.
+    AGREEING_COST: f64 = 1e-4, "";
+    /// Distance from a bound, in units of the width between the bounds, up to which an unknown is at its bound.
+    AT_BOUND: f64 = 1e-6, "";
+    /// Cosine of the directions in which two goals are improved, below which they conflict.
+    CONFLICT_COSINE: f64 = -0.3, "";
+}

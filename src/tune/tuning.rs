@@ -1,0 +1,248 @@
+use std::path::Path;
+
+use crate::goal::{Goal, goals};
+use crate::tune_error::TuneError;
+use admire_identify::{DeckUnknown, Mirror, resolved, written_numbers};
+use admire_kc::{Bench, Config, KcRun, TestKind, run};
+use admire_session::{FilePolicy, folder_of, read_files};
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{MarkerIx, Model};
+use admire_study::{Study, TargetSettings};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::files::Files;
+use admire_syntax::text::{Source, apply_edits};
+use admire_syntax::{Address, Dataset};
+
+/// A study with a target, with all names resolved in its deck and in its tests.
+#[derive(Clone, Debug)]
+pub struct Tuning {
+    /// Settings of the study.
+    pub study: Study,
+    /// Settings of section `[target]`.
+    pub target: TargetSettings,
+    /// Deck of the study.
+    pub dataset: Dataset,
+    /// Files that the deck names.
+    pub files: Files,
+    /// Model of the deck.
+    pub model: Model,
+    /// Tests of `kc.toml` that the goals need.
+    pub config: Config,
+    /// Numbers that may move.
+    pub unknowns: Vec<DeckUnknown>,
+    /// What is wanted.
+    pub goals: Vec<Goal>,
+    /// Results of the tests on the deck of the study.
+    pub before: KcRun,
+}
+
+/// A study with a target that cannot be tuned: what is wrong, or why its deck has no equilibrium.
+#[derive(Clone, Debug)]
+pub enum Refused {
+    /// The diagnostics say it.
+    Input,
+    /// A test of the deck as it is has no equilibrium.
+    Start(TuneError),
+}
+
+impl Tuning {
+    /// Reads a study and resolves its target. The tests are run once on the deck of the study.
+    ///
+    /// # Errors
+    /// [`Refused`] if an input is wrong or the deck has no equilibrium on the rig. The diagnostics hold all that is to be said.
+    pub fn read(folder: &Path) -> (Result<Self, Refused>, Vec<Diagnostic>) {
+        let read = Study::read(folder);
+        let mut out = read.diagnostics;
+        let found = match read.value {
+            Some(study) if !has_errors(&out) => Self::of(study, &mut out),
+            _ => Err(Refused::Input),
+        };
+        (found, out)
+    }
+
+    fn of(study: Study, out: &mut Vec<Diagnostic>) -> Result<Self, Refused> {
+        let Some(target) = study.target.clone() else {
+            let message = "the study has no section [target]: what should the axle become?";
+            out.push(
+                Diagnostic::error(Code::MissingSetting, message)
+                    .label(study.source.name(), study.place(&[]), "")
+                    .help("`admire guide tune` shows one"),
+            );
+            return Err(Refused::Input);
+        };
+        let parsed = Dataset::parse(study.deck.clone());
+        let mut policy = FilePolicy::new(&study.folder);
+        policy.confine();
+        let files = read_files(&parsed.value, &folder_of(parsed.value.source()), &policy);
+        let lowered = Model::lower_with(&parsed.value, &files.value);
+        out.extend(parsed.diagnostics);
+        out.extend(files.diagnostics);
+        out.extend(lowered.diagnostics);
+        let (dataset, files, model) = (parsed.value, files.value, lowered.value);
+        let units = model.units;
+        let Checked { value, diagnostics } =
+            Config::read(&target.kc, 1e-3 / units.length.si, 1.0 / units.force.si);
+        out.extend(diagnostics);
+        let Some(config) = value.filter(|_| !has_errors(out)) else {
+            return Err(Refused::Input);
+        };
+        let config = config.with_tests(&tests(&target), model.frictions.is_empty());
+        let bench = Bench::new(&config, &dataset, &files, &model);
+        let mut bench = match bench {
+            Ok(bench) => bench,
+            Err(wrong) => {
+                out.extend(wrong);
+                return Err(Refused::Input);
+            }
+        };
+        let mirror = Mirror {
+            lateral: config.frame.to_deck(&Vec3::y()),
+        };
+        let further = named_markers(&config, &dataset, &model);
+        let unknowns = resolved(
+            &target.unknowns,
+            (&dataset, &model),
+            &study.source,
+            (mirror, &further),
+            out,
+        );
+        for unknown in &unknowns {
+            if unknown.bounds.iter().any(|bound| bound.is_infinite()) {
+                let message = format!("{} has no `bounds`: how far may it move?", unknown.name);
+                out.push(
+                    Diagnostic::error(Code::MissingSetting, message)
+                        .label(study.source.name(), unknown.span, "")
+                        .help("bounds = [\"-10 mm\", \"10 mm\"] are those of the change"),
+                );
+            }
+        }
+        for (key, missing) in [
+            ("unknown", target.unknowns.is_empty()),
+            ("goal", target.goals.is_empty()),
+        ] {
+            if missing {
+                let message = format!("a target needs at least one [[target.{key}]]");
+                let place = study.place(&["target"]);
+                let error = Diagnostic::error(Code::MissingSetting, message);
+                out.push(
+                    error
+                        .label(study.source.name(), place, "")
+                        .help("see `admire guide tune`"),
+                );
+            }
+        }
+        if has_errors(out) {
+            return Err(Refused::Input);
+        }
+        let before = run(&mut bench, &units).map_err(|why| {
+            Refused::Start(TuneError {
+                unknowns: Vec::new(),
+                why,
+            })
+        })?;
+        let found = goals(&target, &study.source, (&before, &config), &units, out);
+        if has_errors(out) {
+            return Err(Refused::Input);
+        }
+        Ok(Self {
+            study,
+            target,
+            dataset,
+            files,
+            model,
+            config,
+            unknowns,
+            goals: found,
+            before,
+        })
+    }
+
+    /// Returns the coordinates at which the search of the study begins.
+    pub fn start(&self) -> Vec<f64> {
+        self.unknowns.iter().map(|unknown| unknown.start).collect()
+    }
+
+    /// Returns the natural size of each coordinate: half the width between its bounds, or the standard deviation of its prior if that is less.
+    pub(crate) fn scale(&self) -> Vec<f64> {
+        let of = |unknown: &DeckUnknown| {
+            let [least, most] = unknown.bounds;
+            (0.5 * (most - least)).min(unknown.sd)
+        };
+        self.unknowns.iter().map(of).collect()
+    }
+
+    /// Returns the deck for coordinates of the unknowns, as edits of the user's own file. All other text is unchanged. Numbers have twelve
+    /// significant digits, more than any axle is built to.
+    ///
+    /// # Errors
+    /// A diagnostic if a number cannot be written into the deck, such as a negative stiffness.
+    pub fn deck(&self, x: &[f64]) -> Result<Source, Box<Diagnostic>> {
+        let numbers = written_numbers(&self.unknowns, x);
+        let beside = numbers.iter().map(|(address, _)| address).collect();
+        let old = |address: &Address| self.dataset.value_at(address);
+        let mut edits = Vec::new();
+        for (address, value) in &numbers {
+            let value = significant(*value);
+            // The digits of a number that stays are those of the user.
+            if old(address).is_none_or(|old| significant(old) != value) {
+                edits.extend(self.dataset.set_beside(address, value, &beside)?);
+            }
+        }
+        let name = self.dataset.source().name();
+        if let Ok(bytes) = apply_edits(self.dataset.bytes(), &edits) {
+            return Ok(Source::new(name, bytes));
+        }
+        // Missing arguments would all be inserted at the same place, so they are written one after the other.
+        let mut dataset = self.dataset.clone();
+        for (address, value) in &numbers {
+            let edits = dataset.set_beside(address, significant(*value), &beside)?;
+            dataset = dataset
+                .edited(&edits)
+                .map_err(|conflict| {
+                    Box::new(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
+                })?
+                .value;
+        }
+        Ok(dataset.source().clone())
+    }
+}
+
+/// Returns the tests that the goals name.
+fn tests(target: &TargetSettings) -> Vec<TestKind> {
+    let is_named = |kind: &TestKind| {
+        target
+            .goals
+            .iter()
+            .any(|goal| goal.test.text == kind.name())
+    };
+    TestKind::ALL.into_iter().filter(is_named).collect()
+}
+
+/// Returns the markers that `kc.toml` names for the wheels.
+fn named_markers(config: &Config, dataset: &Dataset, model: &Model) -> Vec<MarkerIx> {
+    let mut found = Vec::new();
+    for wheel in config.wheels.iter().flatten() {
+        let names = [
+            Some(&wheel.centre),
+            Some(&wheel.spin),
+            wheel.travel_lock.as_ref(),
+        ];
+        let axis = wheel.steer_axis.iter().flatten();
+        for name in names.into_iter().flatten().chain(axis) {
+            let address = Address::parse(&name.text, dataset).ok();
+            let address = address.filter(|address| address.kind == "MARKER");
+            found.extend(address.and_then(|address| model.marker(address.id?)));
+        }
+    }
+    found
+}
+
+pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    let error = |diagnostic: &Diagnostic| diagnostic.severity == Severity::Error;
+    diagnostics.iter().any(error)
+}
+
+/// Rounds a value to twelve significant digits.
+fn significant(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
