@@ -380,18 +380,16 @@ pub(super) fn sentence(run: &KcRun, side: Side, units: &Units) -> String {
         .filter_map(|line| {
             let found = line.value(run, side, units)?;
             let words = line.words(&found);
-            Some(match line.from {
-                From::Slope(..) => format!("{}: {words}", line.name),
-                _ => {
-                    let name = line.name;
-                    let text = format!(
-                        "{name} {} {} {words}",
-                        digits(found.value.abs()),
-                        found.unit
-                    );
-                    text.trim_end().to_string()
-                }
-            })
+            let name = line.name;
+            if matches!(line.from, From::Slope(..)) {
+                return Some(format!("{name}: {words}"));
+            }
+            let text = format!(
+                "{name} {} {} {words}",
+                digits(found.value.abs()),
+                found.unit
+            );
+            Some(text.trim_end().to_string())
         });
     let told: Vec<String> = told.collect();
     let mut text = told.join("; ");

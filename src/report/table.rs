@@ -120,9 +120,9 @@ impl Table {
         out.push_str("</tr></thead>\n<tbody>\n");
         for row in &self.rows {
             if let Some(cell) = row.first().filter(|cell| cell.class == Some(GROUP)) {
-                write!(
+                writeln!(
                     out,
-                    "<tr class=\"{GROUP}\"><th scope=\"colgroup\" colspan=\"{}\">{}</th></tr>\n",
+                    "<tr class=\"{GROUP}\"><th scope=\"colgroup\" colspan=\"{}\">{}</th></tr>",
                     self.columns.len(),
                     escape(&cell.text)
                 )
