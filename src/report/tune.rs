@@ -1,3 +1,5 @@
+use super::number::capitalised;
+use super::scene::Role;
 use super::{
     Align, Bars, Chart, DrawingError, Figure, HeatMap, Page, Series, SeriesStyle, Summary, Table,
 };
@@ -141,30 +143,30 @@ impl TuneReport<'_> {
     /// [`DrawingError`] if a picture cannot be drawn.
     pub fn page(&self, footer: &str) -> Result<String, DrawingError> {
         let outcome = self.outcome;
-        let title = format!("Target of {}", self.deck);
-        let mut page = Page::new(&title, &tune_summary(outcome).verdict);
-        page.heading("Goals").table(&self.goals());
-        page.note(
-            "A goal is met if no value misses it by more than its tolerance; a limit has no miss at all. Values are in the axes of Adams/Car.",
-        );
+        let summary = tune_summary(outcome);
+        let mut page = Page::new("Design to a target", self.deck, &summary.verdict);
+        page.origin(self.facts);
         let mut figures = Vec::new();
         for goal in outcome.goals.iter().filter(|goal| goal.rows.len() > 1) {
             figures.push(curve(goal)?);
         }
-        page.figures(&figures);
-        page.heading("What moved").table(&self.unknowns());
+        page.meaning().figures(&figures);
+        let lines = |all: Vec<String>| all.iter().map(|line| capitalised(line)).collect();
+        page.found(&[
+            ("What it gains", lines(summary.items)),
+            ("How sure", lines(vec![agreement(outcome)])),
+            ("To do next", lines(vec![summary.next])),
+        ]);
+        page.table(&self.goals());
+        page.note(
+            "A goal is met if no value misses it by more than its tolerance; a limit has no miss at all. Values are in the axes of Adams/Car.",
+        );
+        page.subheading("What moved").table(&self.unknowns());
         page.note(
             "Share: the change of the goals, in units of their tolerances, that the number's own move makes, as a part of the sum over all numbers. \
              Pull: decrease of the cost per unit by which the bound is moved outwards; a goal that is missed by its tolerance costs 0.5.",
         );
-        if outcome.conflicts.is_empty() {
-            page.note("No two goals that are missed stand against each other.");
-        } else {
-            page.subheading("Goals that conflict");
-            let all: Vec<String> = outcome.conflicts.iter().map(conflict).collect();
-            page.list(&all);
-        }
-        page.heading("Which numbers matter");
+        page.detail("Which numbers matter");
         page.figures(&self.shares());
         page.table(&self.sensitivities());
         page.add(&self.map());
@@ -172,11 +174,15 @@ impl TuneReport<'_> {
             "Change of each goal per unit of the number, at the tuned deck: root mean square over a curve, with its sign for a single value. \
              A factor counts per percent.",
         );
-        page.heading("Starts")
-            .paragraph(&agreement(outcome))
-            .table(&self.starts());
-        page.heading("Changes of the deck").verbatim(self.changes);
-        page.heading("Inputs and method").facts(self.facts);
+        page.detail("Goals that conflict");
+        if outcome.conflicts.is_empty() {
+            page.note("No two goals that are missed stand against each other.");
+        } else {
+            let all: Vec<String> = outcome.conflicts.iter().map(conflict).collect();
+            page.list(&all);
+        }
+        page.detail("Starts").table(&self.starts());
+        page.detail("What changes in the deck").verbatim(self.changes);
         Ok(page.finish(footer))
     }
 
@@ -371,37 +377,28 @@ fn curve(goal: &GoalOutcome) -> Result<Figure, DrawingError> {
         let rows = goal.rows.iter();
         rows.filter_map(|row| Some((row.at, value(row)?))).collect()
     };
-    let line = |name: &str, points: Vec<(f64, f64)>, mark| Series {
-        name: name.to_string(),
-        points,
-        mark,
-    };
     let mut series = vec![
-        line("before", points(&|row| Some(row.before)), SeriesStyle::Line),
-        line(
+        Series::of(Role::Given, points(&|row| Some(row.before))),
+        Series::new(
             "tuned",
-            points(&|row| Some(row.after)),
             SeriesStyle::LinePoints,
+            points(&|row| Some(row.after)),
         ),
     ];
+    let bound = |name: &str, points| Series::new(name, SeriesStyle::Dashed, points);
     if goal.kind == "limit" {
-        series.push(line("least", points(&|row| row.least), SeriesStyle::Dashed));
-        series.push(line("most", points(&|row| row.most), SeriesStyle::Dashed));
+        series.push(bound("least", points(&|row| row.least)));
+        series.push(bound("most", points(&|row| row.most)));
         series.retain(|series| !series.points.is_empty());
     } else {
-        series.push(line(
-            "wanted",
-            points(&|row| row.least),
-            SeriesStyle::Dashed,
-        ));
+        series.push(bound("wanted", points(&|row| row.least)));
     }
     let chart = Chart {
         title: goal.name.clone(),
         x: format!("{} [{}]", goal.test, goal.at_unit),
         y: format!("{} [{}]", goal.of, goal.unit),
         series,
-        log_y: false,
-        level: None,
+        ..Chart::default()
     };
-    Figure::chart(&chart, &goal.name)
+    Figure::chart(&chart, "")
 }
