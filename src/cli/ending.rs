@@ -69,6 +69,9 @@ fn items(items: &[String], room: usize) -> String {
 
 /// Wraps a text as [`hanging`] does and cuts it behind a number of lines; the cut is marked by three points.
 fn shortened(head: &str, text: &str, lines: usize) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
     let whole = hanging(head, text);
     if whole.lines().count() <= lines {
         return whole;

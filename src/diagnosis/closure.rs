@@ -127,13 +127,15 @@ impl<'a> Sets<'a> {
         effect >= self.model.own && self.model.effects[effect].is_poorly_linearised()
     }
 
-    /// Returns the sets within Occam's window that are reached from `start` by adding, dropping and exchanging single effects. The effects of the
-    /// fit stay, because the linear model misjudges a set without them. If `with_pairs` is set, the best pairs of effects are start sets, too.
+    /// Returns the sets within Occam's window that are reached from `start` by adding, dropping and exchanging single effects. If `with_pairs` is
+    /// set, the best pairs of effects are start sets, too.
     pub(super) fn closure(&self, start: &EffectSet, with_pairs: bool) -> Pool {
         let mut pool = Pool::new();
         if let Some(score) = self.score(start) {
             pool.insert(start.clone(), score);
         }
+        // The empty set always serves as the reference.
+        pool.entry(Vec::new()).or_insert(0.0);
         let mut done = BTreeSet::new();
         if with_pairs {
             for (set, score) in self.pairs() {
@@ -169,12 +171,12 @@ impl<'a> Sets<'a> {
         all.filter(|(_, score)| *score > own).collect()
     }
 
-    /// Returns the sets that differ from `set` by one added, dropped or exchanged effect, with their log posterior odds. The effects of the fit stay.
-    /// Enlarged sets at or below `least` are left out.
+    /// Returns the sets that differ from `set` by one added, dropped or exchanged effect, with their log posterior odds. Enlarged sets at or
+    /// below `least` are left out.
     fn expanded(&self, set: &EffectSet, least: f64) -> Vec<(EffectSet, f64)> {
         let mut bases = vec![set.clone()];
         for effect in set {
-            if *effect >= self.model.own && self.may_leave(set, *effect) {
+            if self.may_leave(set, *effect) {
                 bases.push(set.iter().copied().filter(|k| k != effect).collect());
             }
         }

@@ -218,7 +218,7 @@ impl DiagnosisReport<'_> {
         page.figures(&figures);
         if self.outcome.baseline.states.len() <= MAPPED && self.marks() > 0 {
             for (role, map) in [
-                (Role::Given, self.map(false)),
+                (Role::Identified, self.map(false)),
                 (Role::Extended, self.map(true)),
             ] {
                 let caption = format!(
@@ -282,7 +282,7 @@ impl DiagnosisReport<'_> {
         let mut table = Table::new(&[
             ("number", Align::Left),
             ("unit", Align::Left),
-            (Role::Given.name(), Align::Right),
+            (Role::Identified.name(), Align::Right),
             (Role::Extended.name(), Align::Right),
             (picture.as_str(), Align::Left),
             ("bias", Align::Right),
@@ -323,7 +323,7 @@ impl DiagnosisReport<'_> {
             }
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);
-            let diamond = Some((before.0 / after.0, Role::Given.class()));
+            let diamond = Some((before.0 / after.0, Role::Identified.class()));
             let picture = scale.svg(low, Some(high), diamond, &shown(after));
             table.picture(4, picture);
             if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
@@ -356,7 +356,7 @@ impl DiagnosisReport<'_> {
             x: "case, in the order of application".to_string(),
             y: "rms residual [sigmas]".to_string(),
             series: vec![
-                series(Role::Given, &self.outcome.baseline),
+                series(Role::Identified, &self.outcome.baseline),
                 series(Role::Extended, &self.outcome.extended),
             ],
             level: Some(1.0),
@@ -385,7 +385,7 @@ impl DiagnosisReport<'_> {
                 trend.unit.as_deref().unwrap_or_default(),
             ),
             series: vec![
-                series(Role::Given, trend.before),
+                series(Role::Identified, trend.before),
                 series(Role::Extended, trend.after),
             ],
             level: Some(0.0),
@@ -496,7 +496,12 @@ impl DiagnosisReport<'_> {
         HeatMap {
             title: format!(
                 "Residuals, {}",
-                if after { Role::Extended } else { Role::Given }.name()
+                if after {
+                    Role::Extended
+                } else {
+                    Role::Identified
+                }
+                .name()
             ),
             rows: measurement
                 .cases

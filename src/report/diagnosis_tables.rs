@@ -54,7 +54,7 @@ pub(super) fn missed(channels: &[ChannelMiss]) -> Table {
     let mut table = Table::new(&[
         ("channel", Align::Left),
         ("unit", Align::Left),
-        ("error, rms: model as given", Align::Right),
+        ("error, rms: identified", Align::Right),
         ("extended", Align::Right),
         ("noise of a reading", Align::Right),
     ]);

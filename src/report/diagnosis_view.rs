@@ -13,7 +13,7 @@ use admire_solver::model::Model;
 /// Returns the positions of the original model and of the extended model in all cases.
 pub(super) fn both_models(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> [Positions; 2] {
     [
-        (Role::Given, &outcome.baseline),
+        (Role::Identified, &outcome.baseline),
         (Role::Extended, &outcome.extended),
     ]
     .map(|(role, fitted)| positions(role, &loaded.model, fitted))
@@ -64,7 +64,7 @@ pub(super) fn runs(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Vec<LoadRun> 
         load: load_axis(loaded, &run.load),
         series: vec![
             Series::of(Role::Measured, run.read),
-            Series::of(Role::Given, run.before),
+            Series::of(Role::Identified, run.before),
             Series::of(Role::Extended, run.after),
         ],
         unseen: run.unseen,

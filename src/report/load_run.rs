@@ -43,18 +43,15 @@ impl LoadRun {
         }
     }
 
-    /// Returns by how much the error of the best model is less than that of the model as given, relative to the range of the reading. NaN
-    /// without readings or without a model to compare.
+    /// Returns by how much the error of the last model is less than that of the first, relative to the range of the reading. NaN without readings
+    /// or without a model to compare.
     pub(super) fn gain(&self) -> f64 {
-        let of = |role: Role| {
-            let series = self.series.iter().find(|series| series.role == Some(role));
-            series.map(|series| series.points.as_slice())
-        };
-        let (Some(read), Some(given), Some(best)) =
-            (of(Role::Measured), of(Role::Given), self.series.last())
-        else {
+        let is_read = |series: &&Series| series.role == Some(Role::Measured);
+        let (read, models): (Vec<_>, Vec<_>) = self.series.iter().partition(is_read);
+        let ([read], [first, .., last]) = (read.as_slice(), models.as_slice()) else {
             return f64::NAN;
         };
+        let read = &read.points;
         let [low, high] = read
             .iter()
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
@@ -72,7 +69,7 @@ impl LoadRun {
             });
             (squares.sum::<f64>() / read.len() as f64).sqrt()
         };
-        (error(given) - error(&best.points)) / (high - low)
+        (error(&first.points) - error(&last.points)) / (high - low)
     }
 }
 

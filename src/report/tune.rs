@@ -114,7 +114,7 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
         items.push(format!("bounds reached: {}", bounds.join(", ")));
     }
     let next = if outcome.met {
-        "tuned.adm is the deck; `admire diff` shows what changed".to_string()
+        "go on with tuned.adm; `admire diff` shows what changed".to_string()
     } else if bounds.is_empty() {
         "more numbers that may move, or larger tolerances of the goals that conflict".to_string()
     } else {
@@ -182,7 +182,8 @@ impl TuneReport<'_> {
             page.list(&all);
         }
         page.detail("Starts").table(&self.starts());
-        page.detail("What changes in the deck").verbatim(self.changes);
+        page.detail("What changes in the deck")
+            .verbatim(self.changes);
         Ok(page.finish(footer))
     }
 
@@ -394,7 +395,10 @@ fn curve(goal: &GoalOutcome) -> Result<Figure, DrawingError> {
         series.push(bound("wanted", points(&|row| row.least)));
     }
     let chart = Chart {
-        title: goal.name.clone(),
+        title: match goal.kind {
+            "limit" => format!("{}, limits", goal.name),
+            _ => goal.name.clone(),
+        },
         x: format!("{} [{}]", goal.test, goal.at_unit),
         y: format!("{} [{}]", goal.of, goal.unit),
         series,

@@ -1,6 +1,6 @@
 //! Fuzz targets for tables of laboratories and their mappings.
 
-use admire_lab::{Block, CurveTable, FileOptions, Mapping, Sheet, blocks, sheets};
+use admire_lab::{Block, CurveTable, FileOptions, Mapping, blocks, sheets};
 use admire_syntax::text::Source;
 
 use crate::harness::{assert_inside, fuzz};
