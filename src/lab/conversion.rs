@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::block::Block;
 use super::characteristic::{Characteristic, Target};
 use super::mapping::Mapping;
+use super::named_test::NamedTest;
 use super::quantity::Quantity;
 use super::resolved::{Resolved, find, resolve};
 use super::sheet::{Sheet, is_missing};
@@ -56,7 +57,7 @@ pub(crate) fn converted(
     let mut result = Converted::default();
     for (number, block) in blocks.iter().enumerate() {
         let test = mapping.test_of_block(block, sheets);
-        if test == Some(None) {
+        if test == Some(NamedTest::Skipped) {
             continue;
         }
         let mut columns = Vec::new();
@@ -86,7 +87,7 @@ pub(crate) fn converted(
             mapping,
             sheet: &sheets[block.sheet],
             columns,
-            test: test.flatten(),
+            test: test.and_then(NamedTest::test),
         };
         reader.read(block, &mut result.series, out);
     }
@@ -195,7 +196,7 @@ impl RowReader<'_> {
 
     fn test_of(&self, line: &[Cell]) -> Option<TestKind> {
         match self.cell_of(line, Target::Test) {
-            Some(cell) => self.mapping.test(&cell.text).flatten(),
+            Some(cell) => self.mapping.test(&cell.text)?.test(),
             None => self.test,
         }
     }
@@ -270,18 +271,20 @@ impl RowReader<'_> {
             .rows
             .windows(2)
             .find(|two| two[0].time == two[1].time);
-        out.push(match twice {
-            Some([_, second]) => {
-                let message = format!("the rows of the test `{name}` are not in the order of time, and a time occurs twice");
-                let help = "give each run a file of its own, or take the column of time out of the mapping if the rows stand in the order driven";
-                let wrong = self.sheet.error(Code::DuplicateReading, message, second.span);
-                wrong.help(help)
-            }
-            _ => {
-                let message = format!("rows of the test `{name}` are put in the order of time");
-                Diagnostic::note(Code::CsvDialect, message).label(self.sheet.source.name(), first, "")
-            }
-        });
+        if let Some([_, second]) = twice {
+            let message = format!(
+                "the rows of the test `{name}` are not in the order of time, and a time occurs twice"
+            );
+            let help = "give each run a file of its own, or take the column of time out of the mapping if the rows stand in the order driven";
+            let wrong = self
+                .sheet
+                .error(Code::DuplicateReading, message, second.span);
+            out.push(wrong.help(help));
+            return;
+        }
+        let message = format!("rows of the test `{name}` are put in the order of time");
+        let note = Diagnostic::note(Code::CsvDialect, message);
+        out.push(note.label(self.sheet.source.name(), first, ""));
     }
 }
 

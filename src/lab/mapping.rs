@@ -10,6 +10,7 @@ use super::characteristic::{Characteristic, Target};
 use super::column::Column;
 use super::file_options::FileOptions;
 use super::heading::folded;
+use super::named_test::NamedTest;
 use super::quantity::Quantity;
 use super::sheet::Sheet;
 use super::words;
@@ -25,8 +26,8 @@ pub struct Mapping {
     pub file: FileOptions,
     /// Columns to import. All others are left out.
     pub columns: Vec<Column>,
-    /// Words of the laboratory for tests. They stand in a column, in a title or as the name of a sheet. The rows of a word with `None` are left out.
-    pub tests: Vec<(String, Option<TestKind>)>,
+    /// Words of the laboratory for tests. They stand in a column, in a title or as the name of a sheet.
+    pub tests: Vec<(String, NamedTest)>,
     /// Words of the laboratory for the sides of the vehicle, in a column.
     pub sides: Vec<(String, Side)>,
 }
@@ -117,19 +118,8 @@ pub(crate) fn side_named(word: &str) -> Option<Side> {
     Side::BOTH.into_iter().find(|side| side.word() == word)
 }
 
-/// Word for rows that are left out, in the section `[tests]`.
-pub(crate) const SKIP: &str = "skip";
-
-/// Returns the test with this name, or `None` for [`SKIP`]. The outer `None` means that the word is unknown.
-pub(crate) fn test_or_skip(word: &str) -> Option<Option<TestKind>> {
-    if word == SKIP {
-        return Some(None);
-    }
-    test_named(word).map(Some)
-}
-
 /// Returns the test with this name.
-pub(crate) fn test_named(word: &str) -> Option<TestKind> {
+fn test_named(word: &str) -> Option<TestKind> {
     TestKind::ALL.into_iter().find(|kind| kind.name() == word)
 }
 
@@ -162,7 +152,7 @@ impl Mapping {
             all: Vec::new(),
         };
         let tests = TestKind::ALL.map(TestKind::name);
-        let known: Vec<&str> = tests.into_iter().chain([SKIP]).collect();
+        let known: Vec<&str> = tests.into_iter().chain([NamedTest::SKIP]).collect();
         let sides = Side::BOTH.map(Side::word);
         let mark = |text: &str| match *text.as_bytes() {
             [byte] if byte.is_ascii() => Some(byte),
@@ -196,10 +186,10 @@ impl Mapping {
             .iter()
             .map(|(name, table)| column(name, table, &mut out))
             .collect();
-        columns.sort_by_key(|column| column.span.map(|span| span.start()));
+        columns.sort_by_key(|column| column.span.map(Span::start));
         let named = |(word, value): (&Spanned<String>, &Spanned<String>),
                      out: &mut Complaints<'_>| {
-            let kind = out.choice(Some(value), "tests", &known, test_or_skip)?;
+            let kind = out.choice(Some(value), "tests", &known, NamedTest::named)?;
             Some((word.get_ref().clone(), kind))
         };
         let all_tests = file.tests.iter().filter_map(|pair| named(pair, &mut out));
@@ -223,13 +213,12 @@ impl Mapping {
         }
     }
 
-    /// Returns the test with this word of the laboratory, or with a name that is clear by itself. The inner `None` means that its rows are left
-    /// out, and the outer one that the word is unknown.
-    pub(crate) fn test(&self, word: &str) -> Option<Option<TestKind>> {
+    /// Returns the test with this word of the laboratory, or with a name that is clear by itself.
+    pub(crate) fn test(&self, word: &str) -> Option<NamedTest> {
         let asked = folded(word);
         let own = self.tests.iter().find(|(own, _)| folded(own) == asked);
         own.map(|(_, kind)| *kind)
-            .or_else(|| words::test(word).map(Some))
+            .or_else(|| words::test(word).map(NamedTest::Test))
     }
 
     /// Returns the side with this word of the laboratory, or with a name that is clear by itself.
@@ -240,23 +229,19 @@ impl Mapping {
     }
 
     /// Returns the test of a block: the test that was stated for it, that of the last of its titles that names one, of its sheet, or of the whole
-    /// file. `None` values mean the same as in [`Self::test`].
-    pub(crate) fn test_of_block(
-        &self,
-        block: &Block,
-        sheets: &[Sheet],
-    ) -> Option<Option<TestKind>> {
+    /// file.
+    pub(crate) fn test_of_block(&self, block: &Block, sheets: &[Sheet]) -> Option<NamedTest> {
         let sheet = sheets[block.sheet].name.as_deref();
         let of_title = |text: &str| {
             let behind = text.rsplit_once(':').map(|(_, name)| name.trim());
             self.test(text).or_else(|| self.test(behind?))
         };
         let mut titles = block.titles.iter().rev();
-        let stated = block.test.map(Some);
+        let stated = block.test.map(NamedTest::Test);
         stated
             .or_else(|| titles.find_map(|cell| of_title(&cell.text)))
             .or_else(|| self.test(sheet?))
-            .or_else(|| self.file.test.map(Some))
+            .or_else(|| self.file.test.map(NamedTest::Test))
     }
 }
 

@@ -1,7 +1,8 @@
 //! Text of a mapping: the whole TOML file.
 
 use super::column_text::{FILL_IN, filled, quoted};
-use super::mapping::{Mapping, SKIP};
+use super::mapping::Mapping;
+use super::named_test::NamedTest;
 use super::open_point::{OpenPoint, missing_of};
 use admire_kc::{Side, TestKind};
 
@@ -51,9 +52,8 @@ impl Mapping {
             columns.push(column.line(&missing_of(open, at)));
         }
         text += &format!("\n[columns]\n{}\n", columns.join("\n"));
-        let known = |(word, kind): &(String, Option<TestKind>)| {
-            let name = kind.map_or(SKIP, TestKind::name);
-            format!("{} = {}", quoted(word), quoted(name))
+        let known = |(word, kind): &(String, NamedTest)| {
+            format!("{} = {}", quoted(word), quoted(kind.word()))
         };
         let mut lines: Vec<String> = self.tests.iter().map(known).collect();
         lines.extend(open.iter().filter_map(OpenPoint::test_line));
@@ -81,7 +81,10 @@ mod tests {
         let text = "[file]\nheader = [2, 3]\nunits = 4\ndecimal = \",\"\ndelimiter = \"|\"\ntest = \"roll\"\nside = \"left\"\nevery = 5\nsheet = \"A\"\n[columns]\n\"Say \\\"toe\\\"\" = { is = \"toe_angle\", unit = \"mm\", positive = \"out\", over_mm = 406.4, side = \"right\" }\n\"F\" = { load = \"Fy\", load_sign = \"-\", unit = \"kN\" }\n[tests]\n\"Hub\" = \"bounce\"\n[sides]\nVL = \"left\"\n";
         let read = |text: &str| Mapping::read(&Source::new("m", text)).value.unwrap();
         let mapping = read(text);
-        assert_eq!(mapping.tests, [("Hub".to_string(), Some(TestKind::Bounce))]);
+        assert_eq!(
+            mapping.tests,
+            [("Hub".to_string(), NamedTest::Test(TestKind::Bounce))]
+        );
         assert_eq!(mapping.sides, [("VL".to_string(), Side::Left)]);
         let mut again = read(&mapping.text(&[]));
         for (own, before) in again.columns.iter_mut().zip(&mapping.columns) {

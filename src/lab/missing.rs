@@ -23,16 +23,16 @@ impl Missing {
     /// Returns the words that fill in what is missing for this column.
     pub(crate) fn wanted(self, column: &Column) -> String {
         match self {
-            Self::Unit => match column.is {
-                Some(Target::Characteristic(of)) => of.quantity().map_or_else(
-                    || "unit of the steering input".to_string(),
-                    |quantity| format!("unit: {}", quantity.described()),
-                ),
-                _ => {
-                    let all = Quantity::ALL.map(Quantity::described);
-                    format!("unit: {}", all.join("; "))
+            Self::Unit => {
+                if let Some(Target::Characteristic(of)) = column.is {
+                    return of.quantity().map_or_else(
+                        || "unit of the steering input".to_string(),
+                        |quantity| format!("unit: {}", quantity.described()),
+                    );
                 }
-            },
+                let all = Quantity::ALL.map(Quantity::described);
+                format!("unit: {}", all.join("; "))
+            }
             Self::OverMm => {
                 "over_mm: length over which the angle was measured, in mm, such as the diameter of the rim"
                     .to_string()

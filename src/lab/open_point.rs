@@ -1,12 +1,13 @@
 //! What a table and its mapping leave open: questions on a terminal, complaints elsewhere.
 
 use super::block::Block;
-use super::characteristic::Target;
+use super::characteristic::{Characteristic, Target};
 use super::column::Column;
 use super::column_text::{FILL_IN, filled, quoted};
 use super::heading::folded;
-use super::mapping::{Mapping, SKIP, side_named, test_named, test_or_skip};
+use super::mapping::{Mapping, side_named};
 use super::missing::Missing;
+use super::named_test::NamedTest;
 use super::quantity::Quantity;
 use super::resolved::{find, resolve};
 use super::sheet::Sheet;
@@ -76,7 +77,7 @@ impl Mapping {
     pub fn open(&self, blocks: &[Block], sheets: &[Sheet]) -> Vec<OpenPoint> {
         let mut found = Vec::new();
         for (number, block) in blocks.iter().enumerate() {
-            if self.test_of_block(block, sheets) == Some(None) {
+            if self.test_of_block(block, sheets) == Some(NamedTest::Skipped) {
                 continue;
             }
             let mut held: Vec<(Target, Option<Side>, usize, usize)> = Vec::new();
@@ -215,7 +216,7 @@ impl OpenPoint {
             return None;
         };
         let names = TestKind::ALL.map(TestKind::name).join(", ");
-        let remark = filled(&format!("{names}, or {SKIP}"));
+        let remark = filled(&format!("{names}, or {}", NamedTest::SKIP));
         Some(format!("{remark}{} = {}", quoted(word), quoted(FILL_IN)))
     }
 
@@ -261,7 +262,7 @@ impl OpenPoint {
             }
             Self::Test { word, .. } => {
                 let names = TestKind::ALL.map(TestKind::name).join(", ");
-                format!("which test is `{word}`: {names}, or {SKIP}?")
+                format!("which test is `{word}`: {names}, or {}?", NamedTest::SKIP)
             }
             Self::Side { cell, .. } => format!("which side is `{}`: left or right?", cell.text),
             Self::NoTest => {
@@ -290,7 +291,7 @@ impl OpenPoint {
                 true
             }
             Self::Test { word, .. } => {
-                let Some(kind) = test_or_skip(reply) else {
+                let Some(kind) = NamedTest::named(reply) else {
                     return false;
                 };
                 mapping.tests.push((word.clone(), kind));
@@ -304,7 +305,7 @@ impl OpenPoint {
                 true
             }
             Self::NoTest => {
-                mapping.file.test = test_named(reply);
+                mapping.file.test = NamedTest::named(reply).and_then(NamedTest::test);
                 mapping.file.test.is_some()
             }
         }
@@ -320,7 +321,7 @@ impl Column {
         };
         match missing {
             Missing::Unit => {
-                let quantity = of.and_then(|of| of.quantity());
+                let quantity = of.and_then(Characteristic::quantity);
                 let known = Quantity::of_unit(reply).map(|(quantity, _)| quantity);
                 let as_length =
                     quantity == Some(Quantity::Angle) && known == Some(Quantity::Length);

@@ -84,11 +84,8 @@ pub(crate) fn resolve(
         factor: 1.0,
         quantity: None,
     };
-    let is_number = match column.is {
-        Some(Target::Characteristic(_)) => true,
-        Some(_) => column.load.is_some(),
-        None => true,
-    };
+    let is_word = matches!(column.is, Some(Target::Test | Target::Side | Target::Time));
+    let is_number = !is_word || column.load.is_some();
     if !is_number {
         return Ok(resolved);
     }

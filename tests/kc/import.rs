@@ -165,7 +165,7 @@ fn same(a: &str, b: &str) {
         for (x, y) in x.iter().zip(y) {
             match (x.parse::<f64>(), y.parse::<f64>()) {
                 (Ok(x), Ok(y)) => {
-                    assert!((x - y).abs() < 1e-9 * (1.0 + x.abs()), "{head}: {x} {y}")
+                    assert!((x - y).abs() < 1e-9 * (1.0 + x.abs()), "{head}: {x} {y}");
                 }
                 _ => assert_eq!(x, y, "{head}"),
             }
