@@ -422,6 +422,12 @@ impl Deck {
         Ok((lowered.value, files.value))
     }
 
+    /// Builds the model of the deck, and forgets the files that the deck names.
+    #[cfg(feature = "python")]
+    pub(crate) fn lowered(&self) -> Result<Model, Error> {
+        Ok(self.model()?.0)
+    }
+
     fn compiled(&self) -> Result<(Model, System), Error> {
         let (model, _) = self.model()?;
         let compiled = System::compile(&model);

@@ -23,6 +23,8 @@ mod foreign;
 mod kc_measured;
 #[cfg(feature = "kc")]
 mod kc_page;
+#[cfg(feature = "python")]
+mod mechanism_page;
 pub(crate) mod permissions;
 mod persist;
 #[cfg(feature = "report")]
@@ -58,6 +60,8 @@ pub(crate) use foreign::foreign_parts;
 pub(crate) use kc_measured::measured;
 #[cfg(feature = "kc")]
 pub(crate) use kc_page::{KcDeck, kc_page};
+#[cfg(feature = "python")]
+pub(crate) use mechanism_page::compared;
 pub use results::{Results, Rows};
 pub use run::Run;
 pub(crate) use sensitivity::Unavailable;

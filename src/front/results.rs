@@ -144,7 +144,7 @@ impl Results {
     }
 }
 
-fn open(path: &Path) -> Result<AnyResults, Error> {
+pub(super) fn open(path: &Path) -> Result<AnyResults, Error> {
     let opened = open_any(path).map_err(|error| failed(path, error))?;
     Ok(opened.value)
 }

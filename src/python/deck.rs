@@ -32,7 +32,7 @@ impl Deck {
     }
 
     /// Returns a copy of the current deck, to work on without holding the lock.
-    fn now(&self, py: Python<'_>) -> front::Deck {
+    pub(super) fn now(&self, py: Python<'_>) -> front::Deck {
         py.detach(|| self.lock().clone())
     }
 
@@ -183,6 +183,19 @@ impl Deck {
         }
         let block = Block::new(rows, table.of.len());
         Ok((table.of, addresses, values, block))
+    }
+
+    /// Return a page that shows the mechanism, moving through the steps of a results file if one is given.
+    #[pyo3(signature = (results, highlight))]
+    fn page(
+        &self,
+        py: Python<'_>,
+        results: Option<PathBuf>,
+        highlight: Vec<String>,
+    ) -> PyResult<String> {
+        let deck = self.now(py);
+        let job = move || deck.mechanism_page(results.as_deref(), &highlight);
+        work(py, &SharedProgress::default(), None, job)
     }
 
     /// Run the K&C tests. Return `kc.json`, `curves.csv`, `gradients.csv`, the report, and the complaints as JSON.

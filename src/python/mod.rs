@@ -14,6 +14,7 @@ mod results;
 mod run;
 mod study;
 mod sweep;
+mod tools;
 mod work;
 
 use pyo3::prelude::*;
@@ -32,5 +33,9 @@ fn _admire(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::merge_shards, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::program_of_sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::compare_results, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::virtual_rig_run, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::study_files, module)?)?;
+    module.add_function(wrap_pyfunction!(tools::trust, module)?)?;
     Ok(())
 }

@@ -47,7 +47,7 @@ def test_the_results_file_is_the_same(study: str, commands: str, stem: str, corp
     done = command("solve", commands, cwd=folder)
     assert done.returncode == 0, done.stdout + done.stderr
     (theirs,) = folder.glob("*.res")
-    run = admire.read(folder / f"{stem}.adm").solve(folder / commands)
+    run = admire.read(folder / f"{stem}.adm").solve(file=folder / commands)
     run.write(tmp_path / "ours.res")
     assert without_dates((tmp_path / "ours.res").read_bytes()) == without_dates(theirs.read_bytes())
     for extension in run.files:

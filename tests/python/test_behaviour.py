@@ -38,7 +38,7 @@ print("ended by itself")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-@pytest.mark.parametrize("work", ["deck.solve(commands)", "admire.diagnose('corpus/kc-experiment')"])
+@pytest.mark.parametrize("work", ["deck.solve(commands=commands)", "admire.diagnose('corpus/kc-experiment')"])
 def test_ctrl_c_is_heard_within_a_second(work: str) -> None:
     done = subprocess.run([sys.executable, "-c", LONG.format(work=work)], capture_output=True, text=True, timeout=120)
     after, _ = map(float, done.stdout.split())
@@ -57,7 +57,7 @@ def test_other_threads_run_meanwhile(deck: admire.Deck) -> None:
 
     counter = threading.Thread(target=count)
     counter.start()
-    deck.solve("SIMULATE/STATICS, END=1, STEPS=1000\n")
+    deck.solve(commands="SIMULATE/STATICS, END=1, STEPS=1000\n")
     done.set()
     counter.join()
     assert counted > 10
@@ -102,7 +102,7 @@ def test_dask_is_bitwise_a_serial_loop(deck: admire.Deck) -> None:
 
 
 def test_the_documents_of_every_module_run() -> None:
-    for name in ("admire", "admire._deck", "admire._run", "admire._study"):
+    for name in ("admire", "admire._deck", "admire._run", "admire._study", "admire._tools"):
         found = doctest.testmod(importlib.import_module(name))
         assert found.attempted and not found.failed, name
 

@@ -111,7 +111,7 @@ def test_decks_differ_by_what_was_set(deck: admire.Deck) -> None:
     other["BUSHING/1.K.2"] = 11000.0
     (change,) = deck.diff(other)
     assert (change.address, change.kind, change.before, change.after) == ("BUSHING/1.K.2", "number", 10000.0, 11000.0)
-    assert deck.diff(other, rel=0.2) == []
+    assert deck.diff(other, rtol=0.2) == []
 
 
 def test_decks_pickle_with_their_bytes(deck: admire.Deck) -> None:

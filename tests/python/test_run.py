@@ -28,7 +28,7 @@ def test_loads_are_given_without_changing_the_deck(deck: admire.Deck) -> None:
     before = bytes(deck)
     loaded = deck.solve({"SFORCE/3": 1000.0})
     assert bytes(deck) == before
-    by_commands = deck.solve(ACF)
+    by_commands = deck.solve(commands=ACF)
     assert by_commands.kinds == ["input", "static", "static"]
     other = deck.copy()
     other["SFORCE/3"] = 1000.0
@@ -42,14 +42,14 @@ def test_what_has_no_answer_raises_and_keeps_its_run(deck: admire.Deck) -> None:
         deck.solve({"SFORCE/3": 1e12})
     assert "converge" in str(caught.value)
     assert caught.value.run.exit_code == 3
-    run = deck.solve("SFORCE/3, FUNCTION=1e12\nSIMULATE/STATICS\n", check=False)
+    run = deck.solve(commands="SFORCE/3, FUNCTION=1e12\nSIMULATE/STATICS\n", check=False)
     assert run.exit_code == 3 and run.complaints
     with pytest.raises(admire.DeckError, match="NONSENSE"):
-        deck.solve("NONSENSE/3\nSIMULATE/STATICS\n")
+        deck.solve(commands="NONSENSE/3\nSIMULATE/STATICS\n")
 
 
 def test_runs_pickle_whole(deck: admire.Deck, tmp_path: Path) -> None:
-    run = deck.solve(ACF)
+    run = deck.solve(commands=ACF)
     again = pickle.loads(pickle.dumps(run))
     assert again.values.tobytes() == run.values.tobytes()
     assert (again.columns, again.units, again.kinds) == (run.columns, run.units, run.kinds)
@@ -60,7 +60,7 @@ def test_runs_pickle_whole(deck: admire.Deck, tmp_path: Path) -> None:
 
 
 def test_results_are_read_back(deck: admire.Deck, tmp_path: Path) -> None:
-    run = deck.solve(ACF)
+    run = deck.solve(commands=ACF)
     path = tmp_path / "run.res"
     run.write(path)
     with pytest.raises(FileExistsError):
@@ -80,7 +80,7 @@ def test_results_are_read_back(deck: admire.Deck, tmp_path: Path) -> None:
 
 def test_a_cut_off_file_is_read_up_to_its_last_step(deck: admire.Deck, tmp_path: Path) -> None:
     path = tmp_path / "run.res"
-    deck.solve(ACF).write(path)
+    deck.solve(commands=ACF).write(path)
     whole = path.read_bytes()
     path.write_bytes(whole[: whole.rindex(b"<Step") + 400])
     assert len(admire.results(path).time) == 2
@@ -91,7 +91,7 @@ def test_a_cut_off_file_is_read_up_to_its_last_step(deck: admire.Deck, tmp_path:
 
 def test_frames_have_time_and_kind(deck: admire.Deck) -> None:
     pandas = pytest.importorskip("pandas")
-    frame = deck.solve(ACF).to_pandas("BUSHING/1.F?")
+    frame = deck.solve(commands=ACF).to_pandas("BUSHING/1.F?")
     assert isinstance(frame, pandas.DataFrame)
     assert list(frame["step"]) == ["input", "static", "static"]
 

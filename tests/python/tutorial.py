@@ -15,7 +15,7 @@ run = deck.solve({"SFORCE/3": 4000.0})
 print(run.columns[:8])
 loads = np.linspace(0.0, 4000.0, 9)
 commands = "".join(f"SFORCE/3, FUNCTION={load}\nSIMULATE/STATICS\n" for load in loads)
-curve = deck.solve(commands)
+curve = deck.solve(commands=commands)
 forces = curve["BUSHING/3.FZ"][1:]
 assert forces.shape == loads.shape
 assert np.all(np.diff(forces) > 0.0) or np.all(np.diff(forces) < 0.0), "more load, more force in the top mount"

@@ -12,8 +12,10 @@ bit for bit. Long work releases the lock of the interpreter and ends within a se
 """
 
 from ._admire import __version__
-from ._deck import AxleTests, Change, Deck, Sensitivity, Values, read
+from ._axle import AxleTests
+from ._deck import Change, Deck, Sensitivity, Values, read
 from ._errors import AddressError, AdmireError, Complaint, DeckError, Place, SolveError
+from ._objects import Objects
 from ._run import Results, Run, results
 from ._study import (
     Candidate,
@@ -31,6 +33,7 @@ from ._study import (
     plan,
 )
 from ._sweep import Sweep, merge, sweep
+from ._tools import Comparison, RigRun, View, compare, new, rig, view
 
 __all__ = [
     "AddressError",
@@ -38,17 +41,20 @@ __all__ = [
     "AxleTests",
     "Candidate",
     "Change",
+    "Comparison",
     "Complaint",
     "Deck",
     "DeckError",
     "Diagnosis",
     "Finding",
     "Identification",
+    "Objects",
     "Parameter",
     "Place",
     "Plan",
     "Repeated",
     "Results",
+    "RigRun",
     "Rival",
     "Run",
     "Sensitivity",
@@ -56,13 +62,18 @@ __all__ = [
     "Study",
     "Sweep",
     "Values",
+    "View",
     "__version__",
+    "compare",
     "diagnose",
     "identify",
     "kc",
     "merge",
+    "new",
     "plan",
     "read",
     "results",
+    "rig",
     "sweep",
+    "view",
 ]

@@ -12,7 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _admire
-from ._errors import Complaint, SolveError, complaints_of
+from ._axle import AxleTests
+from ._errors import AddressError, Complaint, SolveError, complaints_of
+from ._frames import needed
+from ._objects import Objects
 from ._progress import Progress, shown
 from ._run import Run
 
@@ -72,50 +75,11 @@ class Sensitivity:
         return float(self.values[self.by.index(by), self.of.index(of)])
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """A frame with the numbers as index."""
-        import pandas
+        """Return a frame with the numbers of the deck as index."""
+        pd = needed("pandas", "to_pandas", "pandas")
 
-        return pandas.DataFrame(self.values, index=self.by, columns=self.of)
-
-
-@dataclass(frozen=True)
-class AxleTests:
-    """Characteristics of an axle under the standard K&C tests. ``values`` is ``kc.json``; in Jupyter the report is shown."""
-
-    values: dict[str, Any]
-    curves_csv: str
-    gradients_csv: str
-    html: str
-    complaints: list[Complaint]
-
-    def curves(self) -> "pandas.DataFrame":
-        """The curves, a row for each state of each test."""
-        return _table(self.curves_csv)
-
-    def gradients(self) -> "pandas.DataFrame":
-        """The gradients of each test."""
-        return _table(self.gradients_csv)
-
-    def _repr_html_(self) -> str:
-        return framed(self.html)
-
-    def __repr__(self) -> str:
-        return f"<admire.AxleTests: {', '.join(sorted(self.values))}>"
-
-
-def _table(text: str) -> "pandas.DataFrame":
-    import io
-
-    import pandas
-
-    return pandas.read_csv(io.StringIO(text), comment="#")
-
-
-def framed(page: str) -> str:
-    """A whole page inside of another, as Jupyter shows it."""
-    import html
-
-    return f'<iframe srcdoc="{html.escape(page)}" style="width:100%;height:80vh;border:0"></iframe>'
+        table: "pandas.DataFrame" = pd.DataFrame(self.values, index=self.by, columns=self.of)
+        return table
 
 
 class Deck:
@@ -135,6 +99,31 @@ class Deck:
 
     def __init__(self, inner: _admire.Deck) -> None:
         self._inner = inner
+
+    @classmethod
+    def from_string(cls, text: str | bytes, name: str = "deck.adm") -> "Deck":
+        """Make a deck of its text.
+
+        Parameters
+        ----------
+        text : str or bytes
+            Whole text of a dataset, title line included.
+        name : str
+            Name that complaints use, and path that :meth:`save` writes to. Files that the deck names are looked for beside it.
+
+        Returns
+        -------
+        Deck
+
+        Examples
+        --------
+        >>> import admire
+        >>> deck = admire.Deck.from_string("a block\\nPART/1, GROUND\\nPART/2, MASS = 3, CM = 20\\nMARKER/20, PART = 2\\nEND\\n")
+        >>> deck["PART/2.MASS"]
+        3.0
+        """
+        raw = text.encode() if isinstance(text, str) else bytes(text)
+        return cls(_admire.Deck.parse(name, raw))
 
     @property
     def name(self) -> str:
@@ -203,46 +192,159 @@ class Deck:
         """Everything there is to say of the deck, in the order of the file: what ``admire check`` tells."""
         return complaints_of(self._inner.check())
 
-    def diff(self, other: "Deck", *, rel: float = 0.0, abs: float = 0.0) -> list[Change]:
-        """What changed from this deck to another, whatever their layout. Numbers within the tolerances are the same."""
-        return [_change(item) for item in json.loads(self._inner.diff(other._inner, rel, abs))]
+    def diff(self, other: "Deck", *, rtol: float = 0.0, atol: float = 0.0) -> list[Change]:
+        """Return what changed from this deck to another, whatever their layout.
+
+        Parameters
+        ----------
+        other : Deck
+            The changed deck.
+        rtol, atol : float
+            Numbers within this relative or absolute tolerance are the same.
+
+        Returns
+        -------
+        list of Change
+            In the order of the decks.
+        """
+        return [_change(item) for item in json.loads(self._inner.diff(other._inner, rtol, atol))]
+
+    def objects(self, kind: str) -> Objects:
+        """Return the objects of a kind.
+
+        Parameters
+        ----------
+        kind : str
+            Keyword of a statement: ``"BUSHING"``, ``"beam"``.
+
+        Returns
+        -------
+        Objects
+            Addresses in the order of the deck; empty if there are none.
+
+        Examples
+        --------
+        >>> import admire
+        >>> admire.read("corpus/pseudo-mcpherson/model.adm").bushings
+        Objects(['BUSHING/1', 'BUSHING/2', 'BUSHING/3'])
+        """
+        try:
+            return Objects(self, [address for address, _ in self._inner.values(f"{kind.upper()}/*")])
+        except AddressError:
+            return Objects(self, [])
+
+    @property
+    def parts(self) -> Objects:
+        """Parts, ground included."""
+        return self.objects("PART")
+
+    @property
+    def markers(self) -> Objects:
+        """Markers."""
+        return self.objects("MARKER")
+
+    @property
+    def bushings(self) -> Objects:
+        """Bushings."""
+        return self.objects("BUSHING")
+
+    @property
+    def joints(self) -> Objects:
+        """Joints."""
+        return self.objects("JOINT")
+
+    @property
+    def springs(self) -> Objects:
+        """Spring-dampers, translational and torsional."""
+        return self.objects("SPRINGDAMPER")
+
+    @property
+    def forces(self) -> Objects:
+        """Forces with a function: SFORCE, GFORCE, VFORCE and VTORQUE."""
+        kinds = ("SFORCE", "GFORCE", "VFORCE", "VTORQUE")
+        return Objects(self, [address for kind in kinds for address in self.objects(kind)])
+
+    @property
+    def motions(self) -> Objects:
+        """Motions."""
+        return self.objects("MOTION")
+
+    @property
+    def requests(self) -> Objects:
+        """Requests."""
+        return self.objects("REQUEST")
+
+    def _ipython_key_completions_(self) -> list[str]:
+        found = [address for address, _ in self._inner.values("*")] if self.parts else []
+        for kind in ("BUSHING", "JOINT", "SPRINGDAMPER", "SFORCE", "GFORCE", "VFORCE", "VTORQUE", "MOTION", "REQUEST"):
+            found.extend(address for address in self.objects(kind) if address not in found)
+        for bushing in self.bushings:
+            found.extend(f"{bushing}.{name}" for name in ("K", "KT", "C", "CT", "FORCE", "TORQUE"))
+        return found
+
+    def _repr_html_(self) -> str:
+        from ._tools import view
+
+        return view(self)._repr_html_()
 
     def solve(
         self,
-        what: str | os.PathLike[str] | Mapping[str, Value] | None = None,
+        values: Mapping[str, Value] | None = None,
         *,
+        file: str | os.PathLike[str] | None = None,
+        commands: str | None = None,
         check: bool = True,
         progress: Progress = False,
     ) -> Run:
-        """Executes a command file, or finds an equilibrium.
+        """Find an equilibrium, or execute commands. The deck stays as it is, and nothing is written.
 
-        ``what`` is the path of a command file (.acf), which is executed on this deck whatever model it names; a text with a line end:
-        the commands themselves; or values for addresses, ``{"SFORCE/3": 4500.0}``, with which the static equilibrium is found, the
-        deck being left as it is. Without it the equilibrium of the deck is found. Nothing is written.
+        Parameters
+        ----------
+        values : mapping, optional
+            Values for addresses, ``{"SFORCE/3": 4500.0}``, that count in this run alone.
+        file : path, optional
+            Command file (.acf), executed on this deck whatever model it names.
+        commands : str, optional
+            The commands themselves, one a line. Without ``file`` and ``commands``, the static equilibrium is found.
+        check : bool
+            Raise if the run did not succeed.
+        progress : bool or callable
+            Show progress on standard error, or call a function with stage, remark, count and total.
 
-        With ``check`` a run that did not succeed raises: :class:`DeckError` for errors of the deck or the commands,
-        :class:`SolveError` where there is no answer. Its attribute ``run`` holds what there is.
+        Returns
+        -------
+        Run
 
+        Raises
+        ------
+        DeckError
+            If the deck or the commands have errors.
+        SolveError
+            If there is no answer. Its attribute ``run`` holds what there is.
+        TypeError
+            If both ``file`` and ``commands`` are given, or a path or text without its keyword.
+
+        Examples
+        --------
         >>> import admire
         >>> deck = admire.read("corpus/pseudo-mcpherson/model.adm")
-        >>> run = deck.solve({"SFORCE/3": 1000.0})
-        >>> run.exit_code
+        >>> deck.solve({"SFORCE/3": 1000.0}).exit_code
         0
+        >>> deck.solve(commands="SIMULATE/STATICS").kinds
+        ['input', 'static']
         """
-        values: list[tuple[str, Any]] = []
-        path: str | None = None
-        commands = "SIMULATE/STATICS\n"
-        if isinstance(what, Mapping):
-            values = _given(what)
-        elif isinstance(what, str) and "\n" in what:
-            commands = what
-        elif what is not None:
-            path = os.fspath(what)
+        if values is not None and not isinstance(values, Mapping):
+            raise TypeError("values must be a mapping; a path is file=..., a text of commands is commands=...")
+        if file is not None and commands is not None:
+            raise TypeError("give file= or commands=, not both")
+        given = _given(values) if values else []
+        path = None if file is None else os.fspath(file)
+        text = "SIMULATE/STATICS\n" if commands is None else commands.rstrip("\n") + "\n"
         if progress is False:
-            run = Run(self._inner.run(values, path, commands, None))
+            run = Run(self._inner.run(given, path, text, None))
         else:
             with shown(progress) as told:
-                run = Run(self._inner.run(values, path, commands, told))
+                run = Run(self._inner.run(given, path, text, told))
         if check and run.exit_code != 0:
             try:
                 run._inner.succeeded()
@@ -254,10 +356,21 @@ class Deck:
     def sensitivity(
         self, *, of: str | Iterable[str], by: str | Iterable[str] = (), time: float = 0.0
     ) -> Sensitivity:
-        """How the equilibrium changes with the numbers of the deck.
+        """Return how the equilibrium changes with the numbers of the deck.
 
-        ``of``: parts (their motion along x, y, z and about them), forces and joints (their force and torque on I), ``REQUEST/1.F2``.
-        ``by``: numbers such as ``BUSHING/1.K``; all that have an effect if there are none.
+        Parameters
+        ----------
+        of : str or iterable of str
+            Parts (their motion along x, y, z and about them), forces and joints (their force and torque on I), ``REQUEST/1.F2``.
+        by : str or iterable of str
+            Numbers such as ``BUSHING/1.K``; all that have an effect if there are none.
+        time : float
+            Time at which functions are taken, in the deck's unit.
+
+        Returns
+        -------
+        Sensitivity
+            Exact derivatives, in the deck's units.
         """
         names = [of] if isinstance(of, str) else list(of)
         numbers = [by] if isinstance(by, str) else list(by)
@@ -272,11 +385,26 @@ class Deck:
         compare: "Deck | Iterable[Deck] | Mapping[str, Deck]" = (),
         measured: str | os.PathLike[str] | None = None,
     ) -> AxleTests:
-        """Drives the axle through the K&C tests that ``config`` (kc.toml) asks for. ``convention``: adams-car, iso or sae.
+        """Drive the axle through the K&C tests that a configuration asks for.
 
-        ``compare``: other decks in the same units, shown beside in the report; a mapping gives them names of your own. ``measured``: a
-        CSV of measured curves with the columns test, value and characteristics such as ``toe_angle.left [deg]``, shown beside too.
+        Parameters
+        ----------
+        config : path
+            The configuration, kc.toml.
+        convention : str
+            Axes of the answer: ``adams-car``, ``iso`` or ``sae``.
+        compare : Deck, iterable or mapping of Deck
+            Other decks in the same units, shown beside in the report; a mapping gives them names of your own.
+        measured : path, optional
+            CSV of measured curves with the columns test, value and characteristics such as ``toe_angle.left [deg]``: what
+            ``admire import-kc`` writes.
 
+        Returns
+        -------
+        AxleTests
+
+        Examples
+        --------
         >>> import admire
         >>> deck = admire.read("corpus/multilink/model.adm")
         >>> stiffer = deck.copy()

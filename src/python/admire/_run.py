@@ -3,36 +3,24 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _admire
 from ._errors import Complaint, complaints_of
+from ._frames import Column, dataset, frame, plot_columns
 
 if TYPE_CHECKING:
     import pandas
-
-Column = NDArray[np.float64]
+    import xarray
 
 
 def _numbers(block: _admire.Block | _admire.Run) -> Column:
     """The numbers of the library as an array, without a copy."""
     found: Column = np.asarray(block, dtype=np.float64)
     return found
-
-
-def _frame(columns: Mapping[str, Column], kinds: list[str]) -> "pandas.DataFrame":
-    try:
-        import pandas
-    except ImportError as error:
-        raise ImportError("to_pandas needs pandas: pip install admire[pandas]") from error
-    time = next((name for name in columns if name.lower() in ("time", "time.time")), None)
-    frame = pandas.DataFrame(dict(columns))
-    frame.insert(0, "step", kinds)
-    return frame if time is None else frame.set_index(time)
 
 
 class Run:
@@ -135,12 +123,70 @@ class Run:
         """The columns that any of the patterns names: ``*`` stands for any text, ``?`` for one character; an entity for all its components."""
         return {name: self.values[:, at] for name, at in self._inner.select(list(patterns))}
 
-    def to_pandas(self, *patterns: str) -> "pandas.DataFrame":
-        """A frame with a row for each step, its kind in the column ``step``, and the time as index. Without patterns all columns."""
+    def _chosen(self, patterns: tuple[str, ...]) -> dict[str, Column]:
         if patterns:
-            return _frame({"time.TIME": self.time, **self.select(*patterns)}, self.kinds)
-        positions = self._inner.positions()
-        return _frame({name: self.values[:, at] for name, at in zip(self.columns, positions)}, self.kinds)
+            return {"time.TIME": self.time, **self.select(*patterns)}
+        return {name: self.values[:, at] for name, at in zip(self.columns, self._inner.positions())}
+
+    def to_pandas(self, *patterns: str) -> "pandas.DataFrame":
+        """Return a frame with a row for each step.
+
+        Parameters
+        ----------
+        *patterns : str
+            Names of columns, as in :meth:`select`; all columns without any.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` holds the units.
+        """
+        return frame(self._chosen(patterns), self.kinds, self.units)
+
+    def to_xarray(self, *patterns: str) -> "xarray.Dataset":
+        """Return a dataset with the dimension ``step``.
+
+        Parameters
+        ----------
+        *patterns : str
+            Names of columns, as in :meth:`select`; all columns without any.
+
+        Returns
+        -------
+        xarray.Dataset
+            Time and kind of each step are coordinates; ``attrs["units"]`` of each variable is its unit.
+        """
+        return dataset(self._chosen(patterns), self.kinds, self.units, repr(self))
+
+    def plot(self, *patterns: str, x: str = "time.TIME", ax: Any = None, **options: Any) -> Any:
+        """Plot columns over time or over another column, a chart for each unit.
+
+        Parameters
+        ----------
+        *patterns : str
+            Names of columns, as in :meth:`select`.
+        x : str
+            Column of the horizontal axis.
+        ax : matplotlib.axes.Axes or a sequence of them, optional
+            Where to plot: one axes for each unit.
+        **options
+            Passed to ``Axes.plot``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes or numpy.ndarray of Axes
+            One axes if all columns have the same unit.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        """
+        over = next(iter(self.select(x)))
+        return plot_columns(self.select(over, *patterns), self.units, over, ax, options)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self.columns
 
     def write(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
         """Writes ``.res``, or by the extension ``.msg``, ``.req``, ``.gra``, ``.out``: the bytes that ``admire solve`` writes."""
@@ -221,10 +267,46 @@ class Results:
         kind: str | Iterable[str] = (),
         times: tuple[float, float] = (-np.inf, np.inf),
     ) -> "pandas.DataFrame":
-        """The same as a frame, with the kind of each step and the time as index."""
+        """Return the same as a frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` holds the units.
+        """
+        columns, kinds = self._chosen(patterns, steps, kind, times)
+        return frame(columns, kinds, self.units)
+
+    def to_xarray(
+        self,
+        *patterns: str,
+        steps: str = "",
+        kind: str | Iterable[str] = (),
+        times: tuple[float, float] = (-np.inf, np.inf),
+    ) -> "xarray.Dataset":
+        """Return the same as a dataset with the dimension ``step``; each variable has its unit in ``attrs["units"]``."""
+        columns, kinds = self._chosen(patterns, steps, kind, times)
+        return dataset(columns, kinds, self.units, self.title)
+
+    def plot(self, *patterns: str, x: str = "time.TIME", ax: Any = None, **options: Any) -> Any:
+        """Plot columns over time or over another column, a chart for each unit: as :meth:`Run.plot`."""
+        over = next(iter(self.select(x)))
+        columns = self.select(over, *patterns)
+        return plot_columns(columns, self.units, over, ax, options)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self.columns
+
+    def _chosen(
+        self,
+        patterns: tuple[str, ...],
+        steps: str,
+        kind: str | Iterable[str],
+        times: tuple[float, float],
+    ) -> tuple[dict[str, Column], list[str]]:
         wanted = ("time.TIME", *patterns) if patterns else ()
         names, kinds, values = self._rows(wanted, steps, kind, times)
-        return _frame({name: values[:, at] for at, name in enumerate(names)}, kinds)
+        return {name: values[:, at] for at, name in enumerate(names)}, kinds
 
     def _rows(
         self,

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _admire
-from ._deck import AxleTests, Deck, framed, read
+from ._axle import AxleTests, framed
+from ._deck import Deck, read
 from ._errors import Complaint, complaints_of
+from ._frames import needed, plot_bars
 from ._progress import Progress, shown
 
 if TYPE_CHECKING:
@@ -112,11 +114,45 @@ class Identification:
         raise KeyError(address)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """A frame with a row for each number."""
-        import pandas
-
+        """Return a frame with a row for each number; the column ``unit`` and ``attrs["units"]`` state the units."""
+        pd = needed("pandas", "to_pandas", "pandas")
         rows = [vars(parameter) for parameter in self.parameters]
-        return pandas.DataFrame(rows).set_index("address")
+        found: "pandas.DataFrame" = pd.DataFrame(rows).set_index("address")
+        found.attrs["units"] = {parameter.address: parameter.unit for parameter in self.parameters}
+        return found
+
+    def plot(self, *, ax: Any = None) -> Any:
+        """Plot the identified numbers with their 95 percent intervals, each over its start value.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to plot.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        """
+        shown = [parameter for parameter in self.parameters if parameter.initial]
+        values = [parameter.value / parameter.initial for parameter in shown]
+
+        def error(parameter: Parameter, side: int) -> float:
+            bound = parameter.interval95[side]
+            return 0.0 if bound is None else abs((bound - parameter.value) / parameter.initial)
+
+        errors = [(error(parameter, 0), error(parameter, 1)) for parameter in shown]
+        names = [parameter.address for parameter in shown]
+        own = plot_bars(names, values, errors, "identified / start value", ax)
+        own.axvline(1.0, color="grey", linewidth=0.8)
+        return own
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [parameter.address for parameter in self.parameters]
 
     def _repr_html_(self) -> str:
         return framed(self.html)
@@ -172,14 +208,32 @@ class Diagnosis:
     remarks: list[str] = field(repr=False, default_factory=list)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """A frame with a row for each finding."""
-        import pandas
-
+        """Return a frame with a row for each finding."""
+        pd = needed("pandas", "to_pandas", "pandas")
         rows = [
             {"cause": f.cause, "address": f.address, "probability": f.probability, "minor": f.minor, **f.parameters}
             for f in self.findings
         ]
-        return pandas.DataFrame(rows)
+        table: "pandas.DataFrame" = pd.DataFrame(rows)
+        return table
+
+    def plot(self, *, ax: Any = None) -> Any:
+        """Plot the probability of each finding, and that of none of the known causes.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to plot.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        names = [f"{found.cause} {found.address}" for found in self.findings] + ["none of these"]
+        values = [found.probability for found in self.findings] + [self.none_of_these]
+        own = plot_bars(names, values, None, "probability", ax)
+        own.set_xlim(0.0, 1.0)
+        return own
 
     def _repr_html_(self) -> str:
         return framed(self.html)
@@ -220,14 +274,32 @@ class Plan:
     json: dict[str, Any] = field(repr=False)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """A frame with a row for each candidate; ``fall_K1`` is the part by which the first standard deviation falls."""
-        import pandas
+        """Return a frame with a row for each candidate; ``fall_K1`` is the part by which the first standard deviation falls."""
+        pd = needed("pandas", "to_pandas", "pandas")
 
         def row(found: Candidate) -> dict[str, Any]:
             falls = {f"fall_K{k + 1}": 1 - after / before for k, (before, after) in enumerate(zip(self.sd_log, found.sd_log))}
             return {"kind": found.kind, "what": found.what, "score": found.score, "information": found.information, **falls}
 
-        return pandas.DataFrame([row(found) for found in self.candidates])
+        table: "pandas.DataFrame" = pd.DataFrame([row(found) for found in self.candidates])
+        return table
+
+    def plot(self, *, count: int = 10, ax: Any = None) -> Any:
+        """Plot the scores of the first candidates.
+
+        Parameters
+        ----------
+        count : int
+            Number of candidates.
+        ax : matplotlib.axes.Axes, optional
+            Where to plot.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        first = self.candidates[:count]
+        return plot_bars([found.what for found in first], [found.score for found in first], None, "score", ax)
 
 
 def _opened(study: Study | str | os.PathLike[str]) -> Study:
@@ -250,17 +322,45 @@ def identify(
     force: bool = False,
     allow_command: bool = False,
 ) -> Identification:
-    """Identifies the stiffnesses of a study: what ``admire identify`` does, without files.
+    """Identify the stiffnesses of a study: what ``admire identify`` does, without files.
 
-    ``method``: gauss-newton, regression or direct, in place of the study's own. ``progress=True`` shows a line on standard error, a
-    function is called in its place. ``force`` fits a study that cannot be meant, too. ``allow_command`` starts the program that a study
-    of somebody else names; one of a study that ``admire new`` began here, or that was allowed once, is started anyway.
+    Parameters
+    ----------
+    study : Study or path
+        The study, or its folder.
+    method : str, optional
+        ``gauss-newton``, ``regression`` or ``direct``, in place of the study's own.
+    bootstrap : int, optional
+        Number of fits to readings drawn anew from the fit and its residuals: intervals that do not take the noise as stated.
+    posterior : int, optional
+        Number of draws from the posterior: intervals that do not take the model as linear. Both are for ``gauss-newton`` and the
+        built-in solver.
+    seed : int
+        Another seed gives other random numbers.
+    jobs : int, optional
+        Number of fits at a time; as many as there are cores if absent.
+    progress : bool or callable
+        Show a line on standard error, or call a function with stage, remark, count and total.
+    force : bool
+        Fit an implausible study, too.
+    allow_command : bool
+        Start the program that a study of somebody else names. One of a study that ``admire new`` began here, or that was allowed
+        once, is started anyway.
 
-    ``bootstrap=1000`` fits so many times again, readings drawn anew from the fit and its residuals: intervals that do not take the noise
-    as stated. ``posterior=1000`` draws so many times from the posterior: intervals that do not take the model as linear. Both are
-    for gauss-newton and the built-in solver. ``jobs`` run at a time, as many as there are cores if ``None``; another ``seed`` gives other
-    random numbers. The answers are those of ``admire identify --bootstrap N --posterior N``, bit for bit.
+    Returns
+    -------
+    Identification
+        The answers of ``admire identify --bootstrap N --posterior N``, bit for bit.
 
+    Raises
+    ------
+    DeckError
+        If the study has errors.
+    SolveError
+        If there is no equilibrium or no fit.
+
+    Examples
+    --------
     >>> import admire
     >>> found = admire.identify("corpus/pseudo-mcpherson", method="direct")
     >>> found["BUSHING/1.K.1"].unit
@@ -310,10 +410,20 @@ def diagnose(
     force: bool = False,
     allow_command: bool = False,
 ) -> Diagnosis:
-    """Says what a model still gets wrong after its best fit: what ``admire diagnose`` does, without files.
+    """Say what a model still gets wrong after its best fit: what ``admire diagnose`` does, without files.
 
-    ``check_gain`` says how much is done to learn what the causes gain in cases that were not used: ``quick``, ``held-out``, ``folds``.
-    ``allow_command``: as :func:`identify`.
+    Parameters
+    ----------
+    study : Study or path
+        The study, or its folder.
+    check_gain : str
+        How much is done to learn what the causes gain in cases that were not used: ``quick``, ``held-out`` or ``folds``.
+    progress, force, allow_command
+        As of :func:`identify`.
+
+    Returns
+    -------
+    Diagnosis
     """
     opened = _opened(study)
     with shown(progress) as told:
@@ -358,11 +468,25 @@ def plan(
     progress: Progress = False,
     force: bool = False,
 ) -> Plan:
-    """Ranks measurements that could be added to a study by what each would gain: what ``admire plan`` does, without files.
+    """Rank measurements that could be added to a study by what each would gain: what ``admire plan`` does, without files.
 
-    ``aim``: ``stiffnesses``, ``curves``, ``causes`` or ``all``; the last two take as long as a diagnosis. Load cases among the first
-    ``count`` candidates are ``suggested``. The built-in solver plans, whatever the study names.
+    Parameters
+    ----------
+    study : Study or path
+        The study, or its folder. The built-in solver plans, whatever the study names.
+    aim : str
+        ``stiffnesses``, ``curves``, ``causes`` or ``all``; the last two take as long as a diagnosis.
+    count : int
+        Number of candidates among which load cases are ``suggested``.
+    progress, force
+        As of :func:`identify`.
 
+    Returns
+    -------
+    Plan
+
+    Examples
+    --------
     >>> import admire
     >>> found = admire.plan("corpus/pseudo-mcpherson", aim="stiffnesses")
     >>> found.candidates[0].sd_log[0] < found.sd_log[0]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import _admire
-from ._deck import framed
+from ._axle import framed
 from ._progress import Progress, shown
 
 if TYPE_CHECKING:
