@@ -395,8 +395,8 @@ fn every_complaint_points_at_its_place() {
             format!("{unknown}{}", good.replace("gradient = 1\n", "")),
             "[[target.goal]]",
         ),
-        (format!("{unknown}{}value = 1\n", good), "[[target.goal]]"),
-        (format!("{unknown}{}weight = 1\n", good), "weight"),
+        (format!("{unknown}{good}value = 1\n"), "[[target.goal]]"),
+        (format!("{unknown}{good}weight = 1\n"), "weight"),
         (unknown.to_string(), "target"),
         (
             format!(
@@ -420,9 +420,6 @@ fn every_complaint_points_at_its_place() {
             .collect();
         let is_there =
             |span: &&str| *span == place || (place.starts_with("[[") && span.starts_with("[["));
-        assert!(
-            spans.iter().any(|span| is_there(span)),
-            "{place}: {spans:?} {said:#?}"
-        );
+        assert!(spans.iter().any(is_there), "{place}: {spans:?} {said:#?}");
     }
 }
