@@ -147,7 +147,7 @@ def test_an_axle_beside_others_is_the_same(corpus: Path, command: Command, tmp_p
     assert without_time(found.html) == without_time(report)
     assert "softer" in admire.kc(deck, config, compare={"softer": admire.read(other)}).html
     (tmp_path / "wrong.csv").write_text("a,b\n1,2\n")
-    with pytest.raises(admire.DeckError, match="`test` and `value`"):
+    with pytest.raises(admire.DeckError, match="column `test`"):
         admire.kc(deck, config, measured=tmp_path / "wrong.csv")
     assert command("convert-units", other, "--to", "mks", "-o", tmp_path / "metres.adm").returncode == 0
     scaled = admire.read(tmp_path / "metres.adm")
