@@ -10,6 +10,7 @@ use admire_syntax::lint::Options;
 use admire_syntax::property::PropertyFile;
 use admire_syntax::text::Source;
 use admire_syntax::{CommandFile, Dataset};
+use admire_tune::Tuning;
 
 use super::Outcome;
 use super::check_settings::{AllSettings, Flags};
@@ -98,6 +99,23 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let (mut studies, mut steps) = (Vec::new(), Vec::new());
     for folder in &arguments.files {
         if !folder.join("study.toml").is_file() {
+            continue;
+        }
+        let study = Study::read(folder).value;
+        if let Some(study) =
+            study.filter(|study| study.target.is_some() && study.columns.is_empty())
+        {
+            // Its tests take the place of load cases and readings.
+            let deck = study.deck.name().to_string();
+            let (_, said) = Tuning::read(folder);
+            let settings = all.of(&folder.join("study.toml"), shell)?;
+            let is_of_deck = |d: &Diagnostic| d.labels.first().is_some_and(|l| *l.file == *deck);
+            shell.sources.add(study.source);
+            found.extend(
+                said.into_iter()
+                    .filter(|d| !is_of_deck(d) && settings.shows(d)),
+            );
+            checked += 1;
             continue;
         }
         let read = read_study(folder, shell);

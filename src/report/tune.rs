@@ -95,9 +95,8 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
     }
     let miss = |goal: &GoalOutcome| {
         format!(
-            "{} {}: off by {} rms before, {} now{}",
+            "{}: off by {} rms before, {} now{}",
             goal.name,
-            goal.scope,
             with_unit(goal.rms_before, &goal.unit),
             with_unit(goal.rms_after, &goal.unit),
             if goal.is_met { "" } else { ", not met" }

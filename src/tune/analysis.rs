@@ -108,7 +108,7 @@ pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Con
                 (x[k] <= least + near && down < 0.0) || (x[k] >= most - near && down > 0.0);
             if blocked { 0.0 } else { down }
         });
-        directions.push((format!("{} {}", goal.test, goal.of), along));
+        directions.push((goal.name(), along));
     }
     let mut found = Vec::new();
     for (k, (name, own)) in directions.iter().enumerate() {

@@ -54,6 +54,23 @@ pub struct Row {
     parts: Vec<(Option<(usize, usize)>, f64)>,
 }
 
+impl Goal {
+    /// Returns the name: the test, the characteristic, and which part of it unless it is a whole curve.
+    pub fn name(&self) -> String {
+        let part = match self.scope {
+            GoalScope::Curve => "",
+            GoalScope::Value => ", value",
+            GoalScope::Gradient => ", gradient",
+        };
+        let limits = if self.kind == GoalKind::Limit {
+            ", limits"
+        } else {
+            ""
+        };
+        format!("{} {}{part}{limits}", self.test, self.of)
+    }
+}
+
 impl Row {
     /// Returns how far a value misses the row: positive above, negative below, zero where nothing is missed.
     pub fn miss(&self, value: f64) -> f64 {

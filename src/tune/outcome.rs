@@ -67,7 +67,7 @@ pub struct RowOutcome {
 /// A goal at the end of a search.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct GoalOutcome {
-    /// Name: test and characteristic.
+    /// Name: test, characteristic, and which part of it.
     pub name: String,
     /// Name of the test.
     pub test: String,
@@ -341,7 +341,7 @@ fn goals(tuning: &Tuning, before: &[f64], best: &Found, end: &Evaluation) -> Vec
         let rows = goal.rows.iter().zip(old).zip(new);
         let finite = |bound: f64| bound.is_finite().then_some(bound);
         all.push(GoalOutcome {
-            name: format!("{} {}", goal.test, goal.of),
+            name: goal.name(),
             test: goal.test.clone(),
             of: goal.of.clone(),
             scope: match goal.scope {

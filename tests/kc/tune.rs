@@ -128,3 +128,23 @@ fn faults_have_their_exit_codes() {
         "mine"
     );
 }
+
+/// `admire check` takes a study with a target alone for whole, and finds what is wrong with its target.
+#[test]
+fn a_study_with_a_target_alone_is_checked() {
+    let ran = admire(&["check", "corpus/double-wishbone"]);
+    assert_eq!(ran.status.code(), Some(0), "{}", text(&ran.stdout));
+    let folder = tempfile::tempdir().unwrap();
+    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/double-wishbone");
+    for name in ["model.adm", "kc.toml", "wanted.csv", "study.toml"] {
+        std::fs::copy(study.join(name), folder.path().join(name)).unwrap();
+    }
+    let toml = std::fs::read_to_string(study.join("study.toml")).unwrap();
+    let wrong = toml.replace("MARKER/141.QP", "MARKER/941.QP");
+    std::fs::write(folder.path().join("study.toml"), wrong).unwrap();
+    let ran = admire(&["check", &folder.path().display().to_string()]);
+    assert_eq!(ran.status.code(), Some(1));
+    let said = text(&ran.stdout);
+    assert!(said.contains("MARKER/941 is not in this dataset"), "{said}");
+    assert!(said.contains("did you mean MARKER/141?"), "{said}");
+}
