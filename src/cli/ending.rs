@@ -21,11 +21,7 @@ const MAX_NEXT_LINES: usize = 4;
 /// the report.
 pub(super) fn ending(summary: &Summary, written: &[(&str, &Path)]) -> String {
     let verdict = shortened("", &summary.verdict, MAX_VERDICT_LINES);
-    let gain = if summary.held_out.is_empty() {
-        String::new()
-    } else {
-        shortened("held out: ", &summary.held_out, MAX_GAIN_LINES)
-    };
+    let gain = shortened("held out: ", &summary.held_out, MAX_GAIN_LINES);
     let next = shortened("next: ", &summary.next, MAX_NEXT_LINES);
     let paths = written
         .iter()

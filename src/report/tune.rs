@@ -394,10 +394,7 @@ fn curve(goal: &GoalOutcome) -> Result<Figure, DrawingError> {
         series.push(bound("wanted", points(&|row| row.least)));
     }
     let chart = Chart {
-        title: match goal.kind {
-            "limit" => format!("{}, limits", goal.name),
-            _ => goal.name.clone(),
-        },
+        title: goal.name.clone(),
         x: format!("{} [{}]", goal.test, goal.at_unit),
         y: format!("{} [{}]", goal.of, goal.unit),
         series,
