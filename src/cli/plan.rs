@@ -2,7 +2,9 @@ use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
-use crate::front::plan_page::{LITTLE, fall, name, percent, plan_page, without_loads};
+use crate::front::plan_page::{
+    MIN_PROBABILITY_GAIN, fall, name, percent, plan_page, without_loads,
+};
 use crate::front::{foreign_parts, suggested};
 use admire_design::{Aim, Combination, Plan, Ranked, plan};
 use admire_diagnosis::Progress as Watched;
@@ -282,7 +284,7 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
     }
     if let (Some(undecided), Some(causes)) = (&found.causes, best.causes) {
         let [a, b] = &undecided.between;
-        gains.push(if causes.probability_shift < LITTLE {
+        gains.push(if causes.probability_shift < MIN_PROBABILITY_GAIN {
             format!("does not tell {a} from {b}")
         } else {
             let word = if causes.at_least { "at least " } else { "" };

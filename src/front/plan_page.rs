@@ -8,7 +8,7 @@ use admire_results::Timestamp;
 /// Largest number of candidates in a bar chart.
 const MAX_BARS: usize = 10;
 /// Smallest increase of a probability that counts as a gain.
-pub(crate) const LITTLE: f64 = 0.005;
+pub(crate) const MIN_PROBABILITY_GAIN: f64 = 0.005;
 
 /// Says that no available load separates two explanations, and what would.
 pub(crate) fn without_loads(undecided: &Undecided) -> String {
@@ -97,7 +97,7 @@ fn gains(found: &Plan, best: &Ranked) -> Vec<String> {
         }
     }
     if let (Some(undecided), Some(causes)) = (&found.causes, best.causes)
-        && causes.probability_shift >= LITTLE
+        && causes.probability_shift >= MIN_PROBABILITY_GAIN
     {
         let [a, b] = &undecided.between;
         out.push(format!("it helps to tell {a} from {b}"));

@@ -8,6 +8,7 @@ use toml::Spanned;
 use super::test_kind::TestKind;
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
 use super::{AxlePlace, Convention, Direction, Frame, Side, Tyre, Vehicle, VerticalLoad};
+use admire_session::read_toml;
 use admire_solver::system::SlidingWith;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
@@ -323,24 +324,12 @@ pub(super) fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
 impl Config {
     /// Reads the file. The defaults are converted to units of the deck: `length` is one millimetre and `force` one newton in these units.
     pub fn read(source: &Source, length: f64, force: f64) -> Checked<Option<Self>> {
-        let parsed = source
-            .utf8()
-            .map_err(|span| (span, "this is not UTF-8 text".to_string()))
-            .and_then(|text| {
-                toml::from_str(text).map_err(|error| {
-                    let span = error.span().map_or(Span::at(0), Span::from);
-                    (span, error.message().to_string())
-                })
-            });
-        let file: File = match parsed {
+        let file: File = match read_toml(source, Code::BadSetting) {
             Ok(file) => file,
-            Err((span, message)) => {
-                let diagnostic = Diagnostic::error(Code::BadSetting, message)
-                    .label(source.name(), span, "")
-                    .help("`admire guide kc` shows every key");
+            Err(wrong) => {
                 return Checked {
                     value: None,
-                    diagnostics: vec![diagnostic],
+                    diagnostics: vec![wrong.help("`admire guide kc` shows every key")],
                 };
             }
         };

@@ -31,7 +31,7 @@ pub struct Block {
 }
 
 /// Largest number of columns of a table.
-const MOST_COLUMNS: usize = 4096;
+const MAX_COLUMNS: usize = 4096;
 
 /// Kind of a line, judged by its cells.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -95,8 +95,8 @@ pub fn blocks(
                 );
                 return found;
             };
-            if block.headings.len() > MOST_COLUMNS {
-                let message = format!("the table has more than {MOST_COLUMNS} columns");
+            if block.headings.len() > MAX_COLUMNS {
+                let message = format!("the table has more than {MAX_COLUMNS} columns");
                 out.push(sheet.error(Code::BadReading, message, span_of(line)));
                 return found;
             }

@@ -257,10 +257,11 @@ impl RowReader<'_> {
     /// Puts rows in the order of their time if an export has sorted them otherwise, and says so. Long runs that each begin anew keep their order.
     fn put_in_order(&self, series: &mut Series, out: &mut Vec<Diagnostic>) {
         /// Least mean number of rows between two steps back in time for which rows count as several runs.
-        const RUN: usize = 4;
+        const MIN_RUN_ROWS: usize = 4;
         let times: Vec<f64> = series.rows.iter().filter_map(|row| row.time).collect();
         let back = times.windows(2).filter(|two| two[1] < two[0]).count();
-        if times.len() < series.rows.len() || back == 0 || RUN * (back + 1) <= times.len() {
+        if times.len() < series.rows.len() || back == 0 || MIN_RUN_ROWS * (back + 1) <= times.len()
+        {
             return;
         }
         let time = |row: &Row| row.time.unwrap_or_default();

@@ -16,7 +16,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
 /// Largest difference of the variables of two rows that are joined, as a fraction of the range of the test.
-const JOINED_WITHIN: f64 = 0.02;
+const MAX_JOINED_DIFFERENCE: f64 = 0.02;
 
 /// How a column was read.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -292,7 +292,7 @@ fn belong_together(a: &Series, b: &Series) -> bool {
             .collect()
     };
     let near = |(x, y): (&Option<f64>, &Option<f64>)| match (x, y) {
-        (Some(x), Some(y)) => (x - y).abs() <= JOINED_WITHIN * range,
+        (Some(x), Some(y)) => (x - y).abs() <= MAX_JOINED_DIFFERENCE * range,
         _ => false,
     };
     keys(a).is_disjoint(&keys(b)) && x.iter().zip(&y).all(near)

@@ -15,6 +15,7 @@ use super::quantity::Quantity;
 use super::sheet::Sheet;
 use super::words;
 use admire_kc::{Side, TestKind};
+use admire_session::read_toml;
 use admire_study::did_you_mean;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
@@ -126,24 +127,12 @@ fn test_named(word: &str) -> Option<TestKind> {
 impl Mapping {
     /// Reads a mapping. Unknown keys and words are reported with their places; the value is then `None`.
     pub fn read(source: &Source) -> Checked<Option<Self>> {
-        let parsed = source
-            .utf8()
-            .map_err(|span| (span, "this is not UTF-8 text".to_string()))
-            .and_then(|text| {
-                toml::from_str(text).map_err(|error| {
-                    let span = error.span().map_or(Span::at(0), Span::from);
-                    (span, error.message().to_string())
-                })
-            });
-        let file: MappingFile = match parsed {
+        let file: MappingFile = match read_toml(source, Code::BadSetting) {
             Ok(file) => file,
-            Err((span, message)) => {
-                let wrong = Diagnostic::error(Code::BadSetting, message)
-                    .label(source.name(), span, "")
-                    .help("`admire guide kc` shows every key of a mapping");
+            Err(wrong) => {
                 return Checked {
                     value: None,
-                    diagnostics: vec![wrong],
+                    diagnostics: vec![wrong.help("`admire guide kc` shows every key of a mapping")],
                 };
             }
         };

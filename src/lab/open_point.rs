@@ -367,7 +367,7 @@ pub fn complaints(
     sheets: &[Sheet],
 ) -> Vec<Diagnostic> {
     /// Largest number of places that one complaint labels.
-    const LABELLED: usize = 12;
+    const MAX_LABELS: usize = 12;
     let mut found = Vec::new();
     let name = |block: usize| sheets[blocks[block].sheet].source.name();
     for kind in [
@@ -388,7 +388,7 @@ pub fn complaints(
             } = point
                 && *missing == kind
             {
-                if lines.len() < LABELLED {
+                if lines.len() < MAX_LABELS {
                     let span = blocks[*block].headings[*at].span;
                     complaint = complaint.label(name(*block), span, "");
                 }

@@ -11,7 +11,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 
 /// Largest number of cells that are read from one sheet, and the largest row and column.
-const MOST_CELLS: usize = 20_000_000;
+const MAX_CELLS: usize = 20_000_000;
 const LAST_ROW: u32 = 1_048_575;
 const LAST_COLUMN: u32 = 4_095;
 
@@ -59,9 +59,9 @@ pub(crate) fn sheets_of(
                 Err(error) => return Err(refused(format!("sheet `{name}`: {error}"))),
             };
             let (row, column) = cell.get_position();
-            if text.count >= MOST_CELLS || row > LAST_ROW || column > LAST_COLUMN {
+            if text.count >= MAX_CELLS || row > LAST_ROW || column > LAST_COLUMN {
                 let why = format!(
-                    "sheet `{name}` has more than {MOST_CELLS} cells or {LAST_COLUMN} columns"
+                    "sheet `{name}` has more than {MAX_CELLS} cells or {LAST_COLUMN} columns"
                 );
                 return Err(refused(why));
             }

@@ -333,7 +333,7 @@ impl DiagnosisReport<'_> {
         table
     }
 
-    /// Draws the rms residual of each case, by the original and by the extended model.
+    /// Draws the rms residual of each case, by the identified and by the extended model.
     fn by_case(&self) -> Chart {
         let rows = &self.outcome.subject.rows;
         let series = |role: Role, fit: &FittedModel| {

@@ -10,7 +10,7 @@ use admire_diagnosis::{Cause, Finding, FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;
 
-/// Returns the positions of the original model and of the extended model in all cases.
+/// Returns the positions of the identified and of the extended model in all cases.
 pub(super) fn both_models(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> [Positions; 2] {
     [
         (Role::Identified, &outcome.baseline),
@@ -56,7 +56,7 @@ fn positions(role: Role, model: &Model, fitted: &FittedModel) -> Positions {
     }
 }
 
-/// Returns wheel and sensor readings of a rig over each load, along the whole loop: by measurement, original model and extended model.
+/// Returns wheel and sensor readings of a rig over each load, along the whole loop: by measurement, identified model and extended model.
 pub(super) fn runs(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Vec<LoadRun> {
     let of = |run: admire_diagnosis::WheelRun| LoadRun {
         what: run.what,
@@ -64,7 +64,7 @@ pub(super) fn runs(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Vec<LoadRun> 
         load: load_axis(loaded, &run.load),
         series: vec![
             Series::of(Role::Measured, run.read),
-            Series::of(Role::Identified, run.before),
+            Series::before(run.before),
             Series::of(Role::Extended, run.after),
         ],
         unseen: run.unseen,
@@ -137,11 +137,15 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
             rivals.collect::<Vec<_>>().join(", or from ")
         );
     }
-    let gain = main.first().map(|finding| &finding.gain);
-    let of_marks = gain.and_then(|g| Some([g.held_out_rms_before?, g.held_out_rms_after?]));
-    if let Some([before, after]) = of_marks {
+    // The sentence is about all causes together. The gain of a finding is that of one cause beside the others.
+    let after = main
+        .first()
+        .and_then(|finding| finding.gain.held_out_rms_after);
+    let of_marks = diagnosis.baseline.held_out_rms.zip(after);
+    if let Some((before, after)) = of_marks {
+        let what = if main.len() == 1 { "it" } else { "them" };
         text += &format!(
-            " With it the error on load cases that the fit did not see {} {}.",
+            " With {what} in the model, the error on load cases that the fit did not see {} {}.",
             change(before, after),
             loaded.model.units.length.word
         );

@@ -37,6 +37,14 @@ impl Series {
         }
     }
 
+    /// Creates the series of the identified model that an extended model is compared with. It is dashed, so that both can be told apart.
+    pub fn before(points: Vec<(f64, f64)>) -> Self {
+        Self {
+            mark: SeriesStyle::Dashed,
+            ..Self::of(Role::Identified, points)
+        }
+    }
+
     /// Creates the series of a role, which determines name, style and colour.
     pub fn of(role: Role, points: Vec<(f64, f64)>) -> Self {
         let mark = match role {

@@ -55,6 +55,7 @@ fn met(outcome: &Outcome) -> String {
         (0, 1) => "The goal is not met".to_string(),
         (count, all) if count == all => format!("All {all} goals are met"),
         (0, all) => format!("None of {all} goals is met"),
+        (1, all) => format!("1 of {all} goals is met"),
         (count, all) => format!("{count} of {all} goals are met"),
     }
 }

@@ -46,6 +46,7 @@ mod sensing;
 mod simulate;
 mod simulation;
 mod starting;
+mod toml_file;
 mod transient;
 mod trial;
 mod watching;
@@ -66,6 +67,7 @@ pub use on_deck::commands_for_other_model;
 pub use paths::find_file;
 pub(crate) use paths::native_spelling;
 pub use program::{own_program, started_by};
+pub use toml_file::read_toml;
 
 pub use recorded_commands::recorded_commands;
 pub use run_state::Session;

@@ -1,31 +1,7 @@
 //! `admire kc` as a user runs it.
-
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
 use serde_json::Value;
 
-fn admire(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_admire"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("admire runs")
-}
-
-fn corpus(name: &str) -> String {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("corpus")
-        .join(name);
-    path.to_string_lossy().into_owned()
-}
-
-#[track_caller]
-fn said(output: &Output, code: i32) -> String {
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{errors}");
-    errors
-}
+use crate::run::{admire, corpus, said};
 
 /// Values of one reading in a test of `kc.json`.
 fn values(json: &Value, test: &str, path: &str) -> Vec<f64> {

@@ -14,5 +14,6 @@ mod invariance;
 mod patch;
 mod real;
 mod rebuilt;
+mod run;
 mod tune;
 mod whole_rig;

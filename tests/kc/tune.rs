@@ -1,14 +1,13 @@
 //! `admire tune` as a user runs it.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
+use crate::run;
+
+/// Runs `admire` where the corpus is.
 fn admire(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_admire"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(arguments)
-        .output()
-        .expect("admire runs")
+    run::admire(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
 }
 
 /// Returns the text of a stream with one kind of line end.

@@ -4,7 +4,6 @@
 
 // The same colours as the charts of a page have for the same roles.
 const ROLE_COLOUR = { model: "--c1", measured: "--measured", "model as given": "--given", identified: "--identified", extended: "--extended" };
-const ROLE_DASH = { model: [], measured: [2, 3], "model as given": [7, 4], identified: [], extended: [] };
 // Yaw and pitch. At yaw 0 the camera looks along the axis of travel.
 const VIEWS = { "3-D": [0.65, 0.3], Front: [0, 0], Side: [Math.PI / 2, 0], Top: [Math.PI / 2, Math.PI / 2] };
 // Room in pixels for labels, the caption above and the axes below: left and right, top, bottom.
@@ -44,6 +43,7 @@ const element = (tag, attributes, ...children) => {
   node.append(...children);
   return node;
 };
+const DASHES = { solid: [], dotted: [2, 3], dashed: [7, 4] };
 const short = (value) => Number(value.toPrecision(4)).toString();
 
 function start(root) {
@@ -51,6 +51,8 @@ function start(root) {
   const full = root.classList.contains("full");
   const main = scene.sets.length - 1;
   const measured = scene.sets.indexOf("measured");
+  // The last set is the result. Other models are dashed, whatever their role.
+  const styles = scene.sets.map((_, s) => (s === main ? "solid" : s === measured ? "dotted" : "dashed"));
   const state = {
     yaw: 0, pitch: 0, zoom: 1, pan: [0, 0], frameOf: null, frame: 0, factor: 1, mode: "design",
     sets: scene.sets.map(() => true), labels: scene.objects.length <= 24, shapes: true, hidden: new Set(),
@@ -159,13 +161,13 @@ function start(root) {
       ...(measured >= 0 && main !== measured ? [element("option", { value: "measured" }, "difference from the measurement")] : []));
     bar.append(group(element("label", {}, "Enlarge ", ...(what.options.length > 1 ? [what] : ["motion"]), " ", range), shown));
   }
-  const swatch = (role) => {
+  const swatch = (role, s) => {
     const line = element("span", { class: "scene-swatch" });
-    line.style.borderTop = `3px ${role === "measured" ? "dotted" : role === "model as given" ? "dashed" : "solid"} var(${ROLE_COLOUR[role]})`;
+    line.style.borderTop = `3px ${styles[s]} var(${ROLE_COLOUR[role]})`;
     return line;
   };
   const boxes = scene.sets.length > 1
-    ? scene.sets.map((role, k) => check(role, true, (on) => { state.sets[k] = on; }, swatch(role))) : [];
+    ? scene.sets.map((role, k) => check(role, true, (on) => { state.sets[k] = on; }, swatch(role, k))) : [];
   boxes.push(check("labels", state.labels, (on) => { state.labels = on; }));
   if (scene.parts.some((part) => part.lines.length)) boxes.push(check("graphics", true, (on) => { state.shapes = on; }));
   bar.append(group(...boxes));
@@ -350,7 +352,7 @@ function start(root) {
       const carrier = state.sets[s] && !state.hidden.has(scene.parts[wheel.part]) && placed(s, wheel.part);
       if (!carrier) return;
       const m = compose(carrier, wheel.local), r = wheel.radius, w = 0.32 * r, sides = 36;
-      if (s !== main) { strokes(circle(m, r, 0, sides), colours[ROLE_COLOUR[set]], 1.2, ROLE_DASH[set]); return; }
+      if (s !== main) { strokes(circle(m, r, 0, sides), colours[ROLE_COLOUR[set]], 1.2, DASHES[styles[s]]); return; }
       // Tread, sidewalls down to the rim, and a disc with five spokes.
       const profile = [[0.62, -w], [0.95, -w], [1, -0.75 * w], [1, 0.75 * w], [0.95, w], [0.62, w]].map(([share, h]) => circle(m, share * r, h, sides));
       for (let ring = 0; ring + 1 < profile.length; ring++) for (let k = 0; k < sides; k++) {
@@ -374,7 +376,7 @@ function start(root) {
         if (!m) return;
         const lit = state.from === part || state.hover === part, culprit = culprits.has(part);
         const colour = culprit && s === main ? colours.bad : several ? colours[ROLE_COLOUR[set]] : colours["--c" + (1 + k % 8)];
-        const dash = ROLE_DASH[set], points = part.points.map((p) => apply(m, p));
+        const dash = DASHES[styles[s]], points = part.points.map((p) => apply(m, p));
         if (s === main) part.faces.forEach((f) => face(f.map((c) => points[c]), colour, lit ? 0.5 : part.edges.length > 60 ? 0.08 : 0.15));
         const bar = part.edges.length === 1 && s === main;
         const thick = (bar ? 4.5 : s === main ? 1.8 : 1.3) * (lit ? 1.7 : 1);

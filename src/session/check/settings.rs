@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::toml_file::read_toml;
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::grammar::nearest;
 use admire_syntax::text::{Source, Span};
@@ -68,16 +69,7 @@ impl Settings {
     /// # Errors
     /// Returns all faults of the file, with their positions.
     pub fn parse(source: &Source) -> Result<Self, Vec<Diagnostic>> {
-        let wrong = |message: String, span| {
-            vec![Diagnostic::error(Code::StudySyntax, message).label(source.name(), span, "")]
-        };
-        let text = source
-            .utf8()
-            .map_err(|span| wrong("this is not UTF-8 text".to_string(), span))?;
-        let table = toml::from_str::<Table>(text).map_err(|error| {
-            let span = error.span().map_or(Span::at(0), Span::from);
-            wrong(error.message().to_string(), span)
-        })?;
+        let table: Table = read_toml(source, Code::StudySyntax).map_err(|wrong| vec![wrong])?;
         let check = table.check;
         let mut wrong = Vec::new();
         let mut codes = |words: &[Spanned<String>]| -> Vec<Code> {
