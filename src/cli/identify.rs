@@ -8,7 +8,8 @@ use crate::front::fit_view::{changed_lines, positions};
 use admire_diagnosis::study_fit::{identify_with, not_repeatable, nothing_to_identify};
 use admire_identify::{Fit, LoadedStudy, Repeated};
 use admire_report::{
-    IdentificationReport, Positions, VERSION, identification_summary, number, status,
+    IdentificationReport, Positions, VERSION, identification_summary, number, parameter_name,
+    status,
 };
 use admire_study::settings::Method;
 use admire_study::{permission::NamedProgram, solver};
@@ -354,7 +355,7 @@ fn repeats_table(fit: &Fit) -> String {
     for parameter in &fit.parameters {
         let error = parameter.std_error;
         let mut cells = vec![
-            parameter.address.clone(),
+            parameter_name(parameter),
             short_unit(&parameter.unit),
             ends(parameter.profile95.unwrap_or_default(), error),
         ];
@@ -392,9 +393,8 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     head.push("");
     table.set_header(&head);
     for (parameter, reference) in fit.parameters.iter().zip(reference) {
-        let addresses = std::iter::once(&parameter.address).chain(&parameter.tied);
         let mut row = vec![
-            addresses.cloned().collect::<Vec<_>>().join(" = "),
+            parameter_name(parameter),
             short_unit(&parameter.unit),
             number(parameter.initial, None),
             number(parameter.value, parameter.std_error),
@@ -405,7 +405,9 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
         if compares {
             let ratio = |value: f64| format!("{:.3}", parameter.value / value);
             row.push(reference.map_or_else(String::new, |value| number(value, None)));
-            row.push(reference.map_or_else(String::new, ratio));
+            let is_ratio = parameter.form != Some("change");
+            let ratio = reference.filter(|_| is_ratio).map(ratio);
+            row.push(ratio.unwrap_or_default());
         }
         row.push(status(parameter.status).to_string());
         table.add_row(row);

@@ -9,8 +9,8 @@ use crate::settings::{AVERAGED_MIN_PROBABILITY, ONE_SIDED_HALF_WIDTH};
 use admire_identify::Status;
 use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
 
-/// Returns each stiffness averaged over the fitted models, weighted by the probabilities of the models. Mean and variance are computed for
-/// the logarithm of the stiffness. The 95 percent interval is symmetric in the stiffness itself: the posterior of a poorly determined
+/// Returns each unknown averaged over the fitted models, weighted by the probabilities of the models. Mean and variance are computed for
+/// its coordinate: the logarithm of a stiffness, a change itself. The 95 percent interval is symmetric in the stiffness itself: the posterior of a poorly determined
 /// stiffness is closer to a Gaussian in the stiffness than in its logarithm.
 pub(super) fn model_averaged_parameters(
     subject: &DiagnosisProblem<'_>,
@@ -42,26 +42,34 @@ pub(super) fn model_averaged_parameters(
             exact[k] += weight * without.get(k).copied().unwrap_or(variance);
         }
     }
+    let prior = |k: usize| {
+        let any = fitted.first();
+        any.map_or(0.0, |(model, _)| model.unknowns.list()[k].mean)
+    };
     let unknowns = subject.problem.unknowns.iter().enumerate();
     unknowns
         .map(|(k, unknown)| {
             let sd = (square[k] - mean[k] * mean[k]).max(0.0).sqrt();
-            let value: f64 = libm::exp(mean[k]);
+            let (value, rate) = (unknown.value(mean[k]), unknown.value_rate(mean[k]));
             let half = NORMAL_QUANTILE_975 * sd;
-            let low = (half < ONE_SIDED_HALF_WIDTH).then_some(value * (1.0 - half));
+            let is_closed = half < ONE_SIDED_HALF_WIDTH || !unknown.is_logarithm();
+            let low = is_closed.then_some(value - rate * half);
             Parameter {
                 address: unknown.address.to_string(),
+                form: unknown.form(),
                 unit: unknown.unit.clone(),
                 initial: unknown.initial,
                 value,
-                std_error: value * sd,
-                interval95: [low, Some(value * (1.0 + half))],
+                std_error: rate * sd,
+                interval95: [low, Some(value + rate * half)],
                 tolerance_share: if sd > 0.0 {
                     (1.0 - exact[k] / (sd * sd)).clamp(0.0, 1.0)
                 } else {
                     0.0
                 },
-                status: if sd > UNIDENTIFIABLE_LN_SD {
+                status: if unknown.is_at_bound(mean[k], prior(k)) {
+                    Status::Bound
+                } else if sd > UNIDENTIFIABLE_LN_SD {
                     Status::Unidentifiable
                 } else {
                     Status::Identified

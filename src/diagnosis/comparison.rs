@@ -13,8 +13,9 @@ impl Outcome<'_> {
     /// [`BackendError`] if one of the two solvers could not solve any case.
     pub fn compare(&mut self, other: &mut dyn Backend) -> Result<(), BackendError> {
         let problem = &self.subject.problem;
-        let values: Vec<f64> = (0..problem.unknowns.len())
-            .map(|k| self.baseline.stiffness(k).0)
+        let unknowns = problem.unknowns.iter().enumerate();
+        let values: Vec<f64> = unknowns
+            .map(|(k, unknown)| self.baseline.identified(k, unknown).0)
             .collect();
         let sweeps = [
             problem.sweep(&mut NativeBackend::new(), &values)?,

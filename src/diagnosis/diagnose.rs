@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use super::averaged::model_averaged_parameters;
 use super::candidate_effect::CandidateEffect;
+use super::corrected_number::{CorrectedNumber, corrected};
 use super::cross_validation::Folds;
 use super::deck_only::DeckOnlyPrediction;
 use super::diagnosis::{
@@ -20,7 +21,6 @@ use super::limits::{cause_limits, detection_limits};
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
 use super::selection::Selection;
-use super::stiffness::{CorrectedStiffness, corrected};
 use crate::settings::{HELD_OUT_LEVEL, HOLD_OUT_PERIOD};
 use admire_identify::tolerance::{EffectGroup, NoiseScale};
 use admire_identify::{IdentifyError, LackOfFitTest, Problem};
@@ -44,7 +44,7 @@ pub struct Outcome<'a> {
     /// Predictions of the held-out cases by models fitted without these cases. `None` without held-out cases or without findings.
     pub unseen: Option<HoldOutSelection>,
     /// Stiffnesses as estimated by the original and by the extended model.
-    pub stiffnesses: Vec<CorrectedStiffness>,
+    pub corrected: Vec<CorrectedNumber>,
     /// Fitted models that contain another cause in place of a finding, in the order of the findings. Some findings have no such model.
     pub rivals: Vec<Rival>,
     /// Number of candidate effects that the search tried.
@@ -270,7 +270,7 @@ pub fn diagnose_watched<'a>(
         rivals,
         structure: structures,
         unseen,
-        stiffnesses: corrected(problem, &none, &leading),
+        corrected: corrected(problem, &none, &leading),
         places: selected.places,
         cut_short,
         plain: DeckOnlyPrediction::new(&subject, &leading).ok_or_else(no_cases)?,

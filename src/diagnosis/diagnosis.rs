@@ -7,8 +7,8 @@ use super::cross_validation::CrossValidation;
 use super::hold_out::HoldOut;
 use super::remainder::Remainder;
 use super::solver_difference::SolverDifference;
-use admire_identify::Status;
 pub use admire_identify::{NoiseFound, ToleranceFound};
+use admire_identify::{Status, Unknown};
 
 /// Overall result of the diagnosis, in one word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -139,14 +139,17 @@ pub struct NextMeasurement {
     pub instead: Option<String>,
 }
 
-/// Identified stiffness, averaged over the probable models.
+/// Identified number, averaged over the probable models.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Parameter {
     /// Address in the deck, such as `BUSHING/1.K.1`.
     pub address: String,
-    /// Unit of the stiffness. Rotational stiffnesses KT are per radian.
+    /// `change` or `factor` if that of numbers of the deck is identified; `None` for a number itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<&'static str>,
+    /// Unit of the number. Rotational stiffnesses KT are per radian.
     pub unit: String,
-    /// Value in the deck before the fit.
+    /// Value at which the fit begins.
     pub initial: f64,
     /// Estimated value.
     pub value: f64,
@@ -156,17 +159,28 @@ pub struct Parameter {
     pub interval95: [Option<f64>; 2],
     /// Fraction of the variance that is due to tolerances.
     pub tolerance_share: f64,
-    /// Result of the identification of this stiffness.
+    /// Result of the identification of this number.
     pub status: Status,
 }
 
 impl Parameter {
-    /// Multiplies the estimate, its standard error and its interval by `factor`.
-    pub fn scale(&mut self, factor: f64) {
-        self.value *= factor;
-        self.std_error *= factor;
+    /// Moves the estimate and its interval from one coordinate of the unknown to another: by a factor, with the standard error, where the
+    /// coordinate is a logarithm.
+    pub fn move_to(&mut self, unknown: &Unknown, coordinates: [f64; 2]) {
+        let [from, to] = coordinates.map(|x| unknown.value(x));
+        let moved = |value: f64| {
+            if unknown.is_logarithm() {
+                value * (to / from)
+            } else {
+                value + (to - from)
+            }
+        };
+        self.value = moved(self.value);
         for side in self.interval95.iter_mut().flatten() {
-            *side *= factor;
+            *side = moved(*side);
+        }
+        if unknown.is_logarithm() {
+            self.std_error = moved(self.std_error);
         }
     }
 }

@@ -471,13 +471,14 @@ fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
 fn layer_of(problem: &Problem<'_>, load_errors: bool) -> RandomEffects {
     let is_sought = |address: &Address| {
         let mut unknowns = problem.unknowns.iter();
-        unknowns.any(|u| u.address == *address || u.tied.contains(address))
+        unknowns.any(|unknown| unknown.sets(address))
     };
     RandomEffects::of(&LayerOf {
         model: problem.model,
         programme: problem.programme,
         load_errors,
         is_sought: &is_sought,
+        is_sought_change: &|change| problem.seeks_change(change),
     })
 }
 

@@ -21,7 +21,7 @@ use admire_identify::global::{
 use admire_identify::tolerance::{
     LinearModel, Posterior, RowsByVarianceClass, VarianceComponents, Whitening,
 };
-use admire_identify::{Problem, tolerance};
+use admire_identify::{Problem, Unknown, tolerance};
 use admire_solver::system::{Parameters, State};
 
 /// Fitted model, linearised at the end of its fit, with its posterior.
@@ -168,13 +168,18 @@ impl FittedModel {
                 }
     }
 
-    /// Returns the estimate and the standard error of stiffness `k` of the study, in units of the deck.
-    pub fn stiffness(&self, k: usize) -> (f64, f64) {
-        let value = libm::exp(self.x[k]);
+    /// Returns the estimate and the standard error of unknown `k` of the study, which is `unknown`, in units of the deck.
+    pub fn identified(&self, k: usize, unknown: &Unknown) -> (f64, f64) {
+        let x = self.x[k];
         (
-            value,
-            value * self.posterior.covariance[(k, k)].max(0.0).sqrt(),
+            unknown.value(x),
+            unknown.value_rate(x) * self.coordinate_sd(k),
         )
+    }
+
+    /// Returns the standard error of the coordinate of an unknown: that of its logarithm, or of a change in units of its prior.
+    pub fn coordinate_sd(&self, k: usize) -> f64 {
+        self.posterior.covariance[(k, k)].max(0.0).sqrt()
     }
 
     /// Returns the effect of one cause on each residual row, including further terms of its law: the prediction minus the prediction without
@@ -301,11 +306,29 @@ pub(super) fn fit(
 }
 
 /// Fits the extended deck as [`fit`] does, but stops early under the condition of `stopping`. Variance components start from `warm`, if given,
-/// otherwise from the prior medians of the study.
+/// otherwise from the prior medians of the study. Unknowns that end beyond their bounds are held there, one after the other.
 pub(super) fn fit_with_early_stopping(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(CandidateEffect, Vec<f64>)],
     warm: Option<(&FittedModel, &[f64])>,
+    data: Data,
+    stopping: EarlyStopping,
+) -> Option<Arc<FittedModel>> {
+    let mut held = Vec::new();
+    loop {
+        let fitted = fit_within(subject, chosen, (warm, &held), data, stopping)?;
+        match fitted.unknowns.furthest_beyond_bounds(&fitted.x, &held) {
+            Some(beyond) => held.push(beyond),
+            None => return Some(fitted),
+        }
+    }
+}
+
+/// Fits the extended deck with the unknowns `held` at these coordinates.
+fn fit_within(
+    subject: &DiagnosisProblem<'_>,
+    chosen: &[(CandidateEffect, Vec<f64>)],
+    (warm, held): (Option<(&FittedModel, &[f64])>, &[(usize, f64)]),
     data: Data,
     stopping: EarlyStopping,
 ) -> Option<Arc<FittedModel>> {
@@ -328,7 +351,8 @@ pub(super) fn fit_with_early_stopping(
         places: &fitted.parameter_index,
         x,
     });
-    let unknowns = Unknowns::new(subject, &problem, &deck.prepared, chosen, known)?;
+    let mut unknowns = Unknowns::new(subject, &problem, &deck.prepared, chosen, known)?;
+    unknowns.hold(held);
     let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
     let whitening = subject.whitening(data);
     // Each start has its own predictor, because a predictor starts from its latest equilibria.

@@ -118,12 +118,12 @@ impl JointFit {
         }
         for (own, found) in fit.parameters.iter_mut().zip(self.parameters) {
             own.value = found.value;
-            own.std_error = Some(found.std_error);
-            own.interval95 = found.interval95;
+            // A number that a bound holds has no error of its own.
+            let is_free = found.status != Status::Bound;
+            own.std_error = is_free.then_some(found.std_error);
+            own.interval95 = if is_free { found.interval95 } else { [None; 2] };
             own.tolerance_share = Some(found.tolerance_share);
-            if own.status != Status::Bound {
-                own.status = found.status;
-            }
+            own.status = found.status;
         }
         if let (Some(declared), Some(estimated)) = (self.noise.declared, self.noise.estimated)
             && fit

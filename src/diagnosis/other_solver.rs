@@ -8,12 +8,12 @@
 use nalgebra::DVector;
 
 use super::candidate_effect::CandidateEffect;
+use super::corrected_number::corrected;
 use super::deck_only::DeckOnlyPrediction;
 use super::diagnose::Outcome;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::extension::driven;
 use super::fit::FittedModel;
-use super::stiffness::corrected;
 use crate::settings::{MAX_LN_STIFFNESS_STEP, OTHER_SOLVER_MAX_ROUNDS, OTHER_SOLVER_TOLERANCE_SD};
 use admire_identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};
 use admire_identify::meet_marks_of_all;
@@ -68,7 +68,8 @@ impl Outcome<'_> {
         let poses = solved(other, &extended, &plain, subject)?;
         self.diagnosis.baseline.chi2_per_dof = baseline.posterior.chi_square_per_dof();
         for (k, parameter) in self.diagnosis.parameters.iter_mut().enumerate() {
-            parameter.scale(libm::exp(extended.x[k] - self.extended.x[k]));
+            let unknown = &subject.problem.unknowns[k];
+            parameter.move_to(unknown, [self.extended.x[k], extended.x[k]]);
         }
         for finding in &mut self.diagnosis.findings {
             let mut chosen = extended.effects.iter();
@@ -88,7 +89,7 @@ impl Outcome<'_> {
             self.diagnosis.hold_out = unseen.hold_out(subject);
             self.diagnosis.baseline.held_out_rms = unseen.tests[0].marks_rms;
         }
-        self.stiffnesses = corrected(&subject.problem, &baseline, &extended);
+        self.corrected = corrected(&subject.problem, &baseline, &extended);
         if let Some(found) = &mut self.diagnosis.solver {
             found.refitted_rms = missed(subject, &poses);
         }

@@ -7,7 +7,7 @@ use crate::fit_with_random_effects;
 use admire_identify::global::gauss_newton::Tolerances;
 use admire_identify::global::{Marginal, Options, Prepared, Start, fit_study};
 use admire_identify::{
-    Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression, written,
+    Fit, IdentifyError, LoadedStudy, NumberFit, direct, estimate_noise, regression, written,
 };
 use admire_session::backend::Backend;
 use admire_study::settings::{BackendChoice, Method};
@@ -138,6 +138,9 @@ fn among_tolerances(
     };
     let marginal = wanted.then(|| found.marginal(problem.unknowns.len()));
     found.apply(&mut fit);
+    for (parameter, unknown) in fit.parameters.iter_mut().zip(&problem.unknowns) {
+        parameter.numbers = NumberFit::of(unknown, parameter.value);
+    }
     let decks = [problem.initial(), fit.values()].map(|values| problem.sweep(backend, &values));
     if let [Ok(before), Ok(after)] = &decks {
         written(&mut fit, &problem, before, after);

@@ -5,7 +5,7 @@ use super::candidate_effect::{CandidateEffect, Parametrisation, Sensitivity};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::frame::{centroid, motions};
 use crate::priors::COMPLIANCE_LN_SD;
-use crate::settings::ABSENT_COMPLIANCE;
+use crate::settings::{ABSENT_COMPLIANCE, HELD_UNKNOWN_SD};
 use admire_identify::global::{
     Component, FitUnknown, FitUnknowns, FrameMotions, HysteresisState, NuisanceLayout, Prepared,
     UnknownTarget, fit_unknowns,
@@ -285,6 +285,14 @@ impl Unknowns {
             start,
             priors,
         })
+    }
+
+    /// Holds unknowns of the study at these coordinates: their priors become so narrow that nothing moves them.
+    pub(super) fn hold(&mut self, held: &[(usize, f64)]) {
+        for (k, x) in held {
+            self.start[*k] = *x;
+            self.priors[*k] = own(*x, HELD_UNKNOWN_SD);
+        }
     }
 
     /// Returns true if the model contains any cause.

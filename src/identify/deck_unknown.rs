@@ -31,6 +31,8 @@ pub struct SetNumber {
 pub struct DeckUnknown {
     /// Name: the address as the user knows it, with the axis of a hardpoint.
     pub name: String,
+    /// Address that names the unknown: that of its first number, or of the coordinate of a hardpoint.
+    pub address: Address,
     /// What the unknown is.
     pub form: UnknownForm,
     /// Numbers that the unknown sets.
@@ -114,6 +116,7 @@ pub fn written_numbers(unknowns: &[DeckUnknown], x: &[f64]) -> Vec<(Address, f64
 /// A coordinate of a hardpoint, or a single number, before factors and bounds.
 struct Found {
     name: String,
+    address: Address,
     numbers: Vec<(Address, f64)>,
     markers: Vec<MarkerIx>,
     dimension: Dimension,
@@ -279,6 +282,7 @@ impl Deck<'_> {
         }
         Ok(Found {
             name: address.to_string(),
+            address: address.clone(),
             numbers,
             markers: Vec::new(),
             dimension: address.dimension(),
@@ -349,6 +353,7 @@ impl Deck<'_> {
         let axes = ["x", "y", "z"];
         Ok(Found {
             name: format!("MARKER/{} {}", address.id.unwrap_or_default(), axes[axis]),
+            address: address.clone(),
             numbers,
             markers,
             dimension: Dimension::LENGTH,
@@ -430,6 +435,7 @@ impl Deck<'_> {
         };
         let mut unknown = DeckUnknown {
             name,
+            address: first.address.clone(),
             form,
             numbers,
             markers: group

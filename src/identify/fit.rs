@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::Unknown;
 use super::goodness::FitTest;
 use super::lack_of_fit::LackOfFitTest;
 use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
@@ -23,14 +24,46 @@ pub enum Status {
     Bound,
 }
 
+/// A number of the deck that an identified change or factor sets.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct NumberFit {
+    /// Address of the number.
+    pub address: String,
+    /// Value in the deck, angles in radians.
+    pub before: f64,
+    /// Value by this parameter alone, angles in radians.
+    pub after: f64,
+}
+
+impl NumberFit {
+    /// Returns the numbers that an unknown with this value changes.
+    pub fn of(unknown: &Unknown, value: f64) -> Vec<Self> {
+        let changed = unknown.changed_numbers().iter();
+        changed
+            .zip(unknown.assign(value))
+            .map(|(own, (address, after))| Self {
+                address: address.to_string(),
+                before: own.deck,
+                after,
+            })
+            .collect()
+    }
+}
+
 /// One identified parameter, as `identification.json` shows it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ParameterFit {
     /// Address of the parameter, such as `BUSHING/1.K.1`.
     pub address: String,
+    /// `change` or `factor` if that of numbers of the deck is identified; `None` for a number itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub form: Option<&'static str>,
     /// Addresses of further parameters that symmetry makes equal to this one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tied: Vec<String>,
+    /// Numbers of the deck that a change or a factor sets; empty if the parameter is a number of the deck itself.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<NumberFit>,
     /// Unit of the parameter; rotational stiffnesses are per radian.
     pub unit: String,
     /// Value at which the identification started.

@@ -39,8 +39,8 @@ pub use deck_unknown::{DeckUnknown, SetNumber, resolved, written_numbers};
 pub use evaluation::{ReadingMisfit, compare};
 pub use evaluation::{marker_pose, written};
 pub use fit::{
-    CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,
-    ToleranceFound, UnidentifiableDirection, WheelFit, Written,
+    CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, NumberFit, OffsetFit,
+    ParameterFit, Status, ToleranceFound, UnidentifiableDirection, WheelFit, Written,
 };
 pub use free_motions::meet_marks;
 pub use free_motions::meet_marks_of_all;
@@ -52,4 +52,4 @@ pub use noise::estimate_noise;
 pub use problem::IdentifyError;
 pub use problem::{Problem, Progress};
 pub use repeated::{BootstrapMade, PosteriorMade, Repeated};
-pub use unknowns::{Place, Unknown, unknowns};
+pub use unknowns::{Assignment, Place, Unknown, unknowns};

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use super::stated_unknowns::add_stated;
+use super::unknowns::assigned;
 use super::{Problem, Unknown, unknowns};
 use admire_session::backend::{FreeMotions, LoadProgramme, Loads};
 use admire_session::{FilePolicy, folder_of, read_files};
@@ -150,7 +151,10 @@ impl LoadedStudy {
 
     /// Returns the value of each unknown in the reference deck; `None` without a reference deck or without a value there.
     pub fn reference_values(&self) -> Vec<Option<f64>> {
-        let of = |unknown: &Unknown| self.reference.as_ref()?.value_at(&unknown.address);
+        let of = |unknown: &Unknown| {
+            let reference = self.reference.as_ref()?;
+            unknown.value_in(|address| reference.value_at(address))
+        };
         self.unknowns.iter().map(of).collect()
     }
 
@@ -159,9 +163,9 @@ impl LoadedStudy {
     /// # Errors
     /// Fails if a value cannot be written into the deck.
     pub fn identified_deck(&self, values: &[f64]) -> Result<Vec<u8>, Diagnostic> {
-        let unknowns = self.unknowns.iter().zip(values);
-        let assigned: Vec<(Address, f64)> = unknowns
-            .flat_map(|(unknown, value)| unknown.assign(significant(*value)))
+        let assigned: Vec<(Address, f64)> = assigned(&self.unknowns, values.iter().copied())
+            .into_iter()
+            .map(|(address, value)| (address, significant(value)))
             .collect();
         let beside = assigned.iter().map(|(address, _)| address).collect();
         let mut edits = Vec::new();

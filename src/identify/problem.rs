@@ -2,6 +2,7 @@ use std::ops::ControlFlow;
 
 use super::Unknown;
 use super::free_motions::meet_marks_of_all;
+use super::unknowns::assigned;
 use admire_session::backend::{
     Backend, BackendError, FreeMotions, LoadProgramme, Sweep, SweepRequest,
 };
@@ -38,11 +39,7 @@ pub struct Problem<'a> {
 impl Problem<'_> {
     /// Returns the deck addresses to set, each with its value, for the given values of the unknowns.
     pub fn theta(&self, values: &[f64]) -> Vec<(Address, f64)> {
-        self.unknowns
-            .iter()
-            .zip(values)
-            .flat_map(|(unknown, value)| unknown.assign(*value))
-            .collect()
+        assigned(&self.unknowns, values.iter().copied())
     }
 
     /// Solves all load cases at the given values of the unknowns. Along free (zero-stiffness) motions, the parts are then moved to the best fit
@@ -59,6 +56,17 @@ impl Problem<'_> {
         })?;
         meet_marks_of_all(self.free, &mut sweep, self.measurement);
         Ok(sweep)
+    }
+
+    /// Returns true if an unknown is a change or a factor of numbers of the deck, not such a number itself.
+    pub(crate) fn changes_numbers(&self) -> bool {
+        let mut unknowns = self.unknowns.iter();
+        unknowns.any(|unknown| !unknown.changed_numbers().is_empty())
+    }
+
+    /// Returns true if an unknown makes this change of the deck. The change is then no error of the axle beside it.
+    pub fn seeks_change(&self, change: &[(Address, f64)]) -> bool {
+        self.unknowns.iter().any(|unknown| unknown.includes(change))
     }
 
     /// Returns the starting values of the unknowns.

@@ -208,6 +208,12 @@ pub fn identify_as(
             needs: "marks on the parts",
         });
     }
+    if problem.changes_numbers() {
+        return Err(IdentifyError::NotPossible {
+            method: Method::Regression.as_str(),
+            needs: "unknowns that are numbers of the deck themselves",
+        });
+    }
     let settings = problem.regression;
     let bushings = problem.bushings();
     let deltas = measured_deflections(problem, &bushings, reading.deflection);
@@ -435,7 +441,9 @@ fn parameters(
         };
         parameters.push(ParameterFit {
             address: unknown.address.to_string(),
-            tied: unknown.tied.iter().map(ToString::to_string).collect(),
+            tied: unknown.tied().iter().map(ToString::to_string).collect(),
+            numbers: Vec::new(),
+            form: None,
             unit: unknown.unit.clone(),
             initial: unknown.initial,
             value: values[at],

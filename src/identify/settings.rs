@@ -8,9 +8,11 @@ admire_study::constants! {
     pub NORMAL_QUANTILE_975: f64 = 1.959_963_984_540_054, "sd";
     /// Significance level of the chi-square test and of the lack-of-fit tests: probability of rejecting a correct model.
     pub LACK_OF_FIT_LEVEL: f64 = 1e-3, "";
-    /// Standard deviation of ln K above which an identified parameter K counts as unidentifiable.
+    /// Standard deviation of ln K above which an identified parameter K counts as unidentifiable. For a change, it counts in standard deviations
+    /// of the prior.
     pub UNIDENTIFIABLE_LN_SD: f64 = 0.5, "ln";
-    /// Standard deviation of ln K of an identified parameter K above which a profile-likelihood interval replaces the normal interval.
+    /// Standard deviation of ln K of an identified parameter K above which a profile-likelihood interval replaces the normal interval. For a
+    /// change, it counts in standard deviations of the prior.
     pub POOR_NORMAL_LN_SD: f64 = 0.3, "ln";
     /// Residual above which Huber's loss lowers the weight of a reading. This value gives 95 percent efficiency under Gaussian noise.
     pub HUBER_THRESHOLD_SIGMA: f64 = 1.345, "sigma";
@@ -76,6 +78,8 @@ admire_study::constants! {
     HOMOTOPY_STEP: f64 = 1e-2, "";
     /// Probability that Gaussian noise alone produces at least one reading of a study that is taken for an outlier.
     OUTLIER_FALSE_ALARM: f64 = 1e-3, "";
+    /// Distance from a stated bound at which an identified parameter counts as being there, as a share of the distance of the bounds.
+    AT_BOUND_SHARE: f64 = 1e-6, "1";
     /// Distance of ln K from its prior mean at which an identified parameter K counts as being at a bound.
     BOUND_LN_DISTANCE: f64 = 14.0, "ln";
     /// Difference between the direct solution and the fit above which a remark is made, in standard deviations of the direct solution.

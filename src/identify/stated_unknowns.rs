@@ -1,6 +1,6 @@
 //! Unknowns of an identification that tables `[[identify.unknown]]` name.
 
-use crate::{DeckUnknown, Mirror, Place, Unknown, resolved};
+use crate::{Assignment, DeckUnknown, Mirror, Place, Unknown, resolved};
 use admire_solver::model::Model;
 use admire_study::settings::Method;
 use admire_study::{Study, UnknownForm};
@@ -10,8 +10,8 @@ use admire_syntax::{Address, Dataset};
 /// Adds the unknowns of the tables `[[identify.unknown]]` to those of `identify.bushings` and `identify.stiffnesses`. A number that both name
 /// has the start, the prior and the bounds of the table.
 ///
-/// The fit seeks the logarithm of a number. A table whose numbers have none, or are not the same number, is reported in `out` at its place.
-/// `is_known` returns true for the address of a number that the solver can change.
+/// A table that the fit cannot seek is reported in `out` at its place. `is_known` returns true for the address of a number that the solver can
+/// change.
 pub(crate) fn add_stated(
     study: &Study,
     (dataset, model): (&Dataset, &Model),
@@ -30,11 +30,11 @@ pub(crate) fn add_stated(
     for own in &found {
         match of_table(study, (own, model), is_known) {
             Ok(unknown) => {
-                let addresses = |unknown: &Unknown| -> Vec<Address> {
-                    unknown.assign(0.0).map(|(address, _)| address).collect()
-                };
-                let named = addresses(&unknown);
-                unknowns.retain(|other| !addresses(other).iter().any(|one| named.contains(one)));
+                // Changes of one number add up, as those of a hardpoint along several axes.
+                let adds = |other: &Unknown| !(other.is_logarithm() || unknown.is_logarithm());
+                let is_named =
+                    |other: &Unknown| own.numbers.iter().any(|one| other.sets(&one.address));
+                unknowns.retain(|other| adds(other) || !is_named(other));
                 unknowns.push(unknown);
             }
             Err((message, help)) => out.push(
@@ -54,81 +54,130 @@ fn of_table(
     study: &Study,
     (own, model): (&DeckUnknown, &Model),
     is_known: &dyn Fn(&Address) -> bool,
-) -> Result<Unknown, (String, String)> {
-    let refuse = |message: String, help: &str| Err((message, help.to_string()));
-    if own.form == UnknownForm::Change {
-        return refuse(
-            format!("{} is sought as a change", own.name),
-            "a fit seeks the logarithm of a number: form = \"factor\" or \"value\"; hardpoints are among the [tolerances]",
-        );
-    }
-    let first = &own.numbers[0];
-    let deck = first.deck;
-    if own
-        .numbers
-        .iter()
-        .any(|number| number.factor != 1.0 || number.deck != deck)
-    {
-        return refuse(
-            format!("the numbers of {} are not equal", own.name),
-            "numbers that are identified together have one value in the deck, and no factors",
-        );
-    }
-    if own.form == UnknownForm::Factor && deck <= 0.0 {
-        return refuse(
-            format!("{} has no logarithm: it is {deck}", own.name),
-            "only numbers above 0 can be identified",
-        );
-    }
+) -> Result<Unknown, (String, &'static str)> {
     if let Some(number) = own.numbers.iter().find(|number| !is_known(&number.address)) {
-        return refuse(
+        return Err((
             format!("the solver keeps {} constant", number.address),
             "`admire sensitivity` lists the numbers that can be identified",
-        );
+        ));
     }
-    // Logarithm of the number for a coordinate of the unknown.
+    let unknown = match own.form {
+        UnknownForm::Change => change(own, model),
+        UnknownForm::Factor | UnknownForm::Value => logarithm(own, model),
+    }?;
+    let what = match &unknown.assignment {
+        _ if unknown.bounds.is_some() => "has bounds",
+        Assignment::Change { .. } => "is sought as a change",
+        Assignment::Factor(_) => "is a factor of several numbers",
+        Assignment::Equal(_) => return Ok(unknown),
+    };
+    if study.identify.method != Method::GaussNewton {
+        return Err((
+            format!("{} {what}", own.name),
+            "method = \"gauss-newton\" can do this",
+        ));
+    }
+    Ok(unknown)
+}
+
+/// Makes an unknown whose coordinate is a change in units of its prior's standard deviation.
+fn change(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static str)> {
+    let [least, most] = own.bounds;
+    // Between two bounds alone, all values are equally probable.
+    let uniform = (most - least) / libm::sqrt(12.0);
+    let sd = own.sd.min(uniform);
+    if !sd.is_finite() {
+        return Err((
+            format!("{} has neither `sd` nor `bounds`", own.name),
+            "sd = \"3 mm\" says by how much the number may differ from the deck; form = \"factor\" needs none",
+        ));
+    }
+    if sd <= 0.0 {
+        return Err((
+            format!("{} may not change: its `sd` is 0", own.name),
+            "sd = \"3 mm\" says by how much the number may differ from the deck",
+        ));
+    }
+    let mean = if own.sd.is_finite() {
+        own.mean
+    } else {
+        f64::midpoint(least, most)
+    };
+    Ok(Unknown {
+        address: own.address.clone(),
+        assignment: Assignment::Change {
+            numbers: own.numbers.clone(),
+            sd,
+        },
+        place: Place::Number,
+        unit: model.units.name(own.dimension),
+        initial: own.start,
+        deck: 0.0,
+        mean: Some(mean / sd),
+        sd: Some(1.0),
+        bounds: uniform
+            .is_finite()
+            .then(|| own.bounds.map(|bound| bound / sd)),
+    })
+}
+
+/// Makes an unknown whose coordinate is the logarithm of a value, or of a factor of several values.
+fn logarithm(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static str)> {
+    let first = &own.numbers[0];
+    let is_value = own.form == UnknownForm::Value;
+    if is_value && own.numbers.iter().any(|number| number.factor != 1.0) {
+        return Err((
+            format!("the numbers of {} have factors", own.name),
+            "numbers that have one value have no factors; form = \"factor\" keeps the ratios of the deck",
+        ));
+    }
+    let is_equal = own
+        .numbers
+        .iter()
+        .all(|number| number.factor == 1.0 && number.deck == first.deck);
+    // Equal numbers are known by their value, others by their factor.
+    let is_factor = !is_value && !(is_equal && first.deck > 0.0);
+    let deck = if is_factor { 1.0 } else { first.deck };
     let ln = |x: f64| match own.form {
         UnknownForm::Factor => x + libm::log(deck),
-        UnknownForm::Change | UnknownForm::Value => {
-            if x > 0.0 {
-                libm::log(x)
-            } else {
-                f64::NEG_INFINITY
-            }
-        }
+        UnknownForm::Change | UnknownForm::Value if x > 0.0 => libm::log(x),
+        UnknownForm::Change | UnknownForm::Value => f64::NEG_INFINITY,
     };
-    let bounds = own.bounds.map(ln);
-    let is_bounded = own.bounds.iter().any(|bound| bound.is_finite());
-    if is_bounded && study.identify.method != Method::GaussNewton {
-        return refuse(
-            format!("{} has bounds", own.name),
-            "method = \"gauss-newton\" keeps them",
-        );
-    }
     let (initial, mean) = (ln(own.start), ln(own.mean));
     if !(initial.is_finite() && mean.is_finite()) {
-        return refuse(
+        return Err((
             format!("{} begins at 0 or below", own.name),
-            "only numbers above 0 can be identified: give `start` and `mean`",
-        );
+            "a value is above 0: give `start` and `mean`, or form = \"change\" with an `sd`",
+        ));
     }
     // The standard deviation of a value counts relative to its mean.
     let sd = match own.form {
         UnknownForm::Factor => own.sd,
         UnknownForm::Change | UnknownForm::Value => own.sd / own.mean,
     };
+    let bounds = own.bounds.map(ln);
     Ok(Unknown {
         address: first.address.clone(),
-        tied: own.numbers[1..]
-            .iter()
-            .map(|number| number.address.clone())
-            .collect(),
+        assignment: if is_factor {
+            Assignment::Factor(own.numbers.clone())
+        } else {
+            let tied = own.numbers[1..].iter();
+            Assignment::Equal(tied.map(|number| number.address.clone()).collect())
+        },
         place: Place::Number,
-        unit: model.units.name(own.dimension),
+        unit: if is_factor {
+            String::new()
+        } else {
+            model.units.name(own.dimension)
+        },
         initial: libm::exp(initial),
         deck,
         mean: Some(mean),
         sd: sd.is_finite().then_some(sd),
-        bounds: is_bounded.then_some(bounds),
+        bounds: own
+            .bounds
+            .iter()
+            .any(|bound| bound.is_finite())
+            .then_some(bounds),
     })
 }

@@ -1,9 +1,14 @@
+use crate::SetNumber;
+use crate::settings::{AT_BOUND_SHARE, BOUND_LN_DISTANCE};
 use admire_solver::model::Model;
 use admire_study::settings::{IdentifySettings, Initial, Symmetry};
 use admire_study::{Study, did_you_mean};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
+
+/// Relative difference below which two changes of the deck have the same direction: round-off of the axes of markers.
+const SAME_DIRECTION: f64 = 1e-9;
 
 /// Location of an unknown in the deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -19,35 +24,185 @@ pub enum Place {
     Number,
 }
 
+/// How the numbers of the deck follow from the value of an unknown, and which coordinate the fit seeks.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Assignment {
+    /// The number at the address of the unknown has its value, and so have these, such as Ky of a round bushing beside its Kx. The coordinate
+    /// is the logarithm of the value.
+    Equal(Vec<Address>),
+    /// Each number is its value in the deck times a power of the unknown, whose exponent is the factor of the number. The coordinate is the
+    /// logarithm of the value.
+    Factor(Vec<SetNumber>),
+    /// Each number is its value in the deck plus the unknown times the factor of the number. The coordinate is the value in units of the
+    /// prior's standard deviation, `sd`.
+    Change {
+        /// Numbers that the unknown sets.
+        numbers: Vec<SetNumber>,
+        /// Standard deviation of the prior, in the unit of the unknown.
+        sd: f64,
+    },
+}
+
 /// A parameter of the deck to identify.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Unknown {
-    /// Address of the parameter.
+    /// Address of the parameter, as the study names it. `MARKER/7.QP.2` is a hardpoint along y of ground.
     pub address: Address,
-    /// Addresses of further parameters that symmetry makes equal to this one, such as Ky of a round bushing if `address` is its Kx.
-    pub tied: Vec<Address>,
+    /// Numbers of the deck that the unknown sets.
+    pub assignment: Assignment,
     /// Location of the parameter in the deck.
     pub place: Place,
-    /// Unit of the parameter, spelled as in the result files.
+    /// Unit of the parameter, spelled as in the result files; empty for a factor.
     pub unit: String,
     /// Value at which the identification starts.
     pub initial: f64,
-    /// Value of the parameter in the deck.
+    /// Value that leaves the deck as it is.
     pub deck: f64,
-    /// Mean of the logarithm in the prior; `None` for the logarithm of the initial value.
+    /// Mean of the coordinate in the prior; `None` for the coordinate of the initial value.
     pub mean: Option<f64>,
-    /// Standard deviation of the logarithm in the prior; `None` for that of the study.
+    /// Standard deviation of the coordinate in the prior; `None` for that of the study.
     pub sd: Option<f64>,
-    /// Lower and upper bound of the logarithm.
+    /// Lower and upper bound of the coordinate.
     pub bounds: Option<[f64; 2]>,
 }
 
 impl Unknown {
-    /// Iterates over the addresses that this unknown sets, each with `value`.
-    pub(crate) fn assign(&self, value: f64) -> impl Iterator<Item = (Address, f64)> + '_ {
-        std::iter::once(&self.address)
-            .chain(&self.tied)
-            .map(move |address| (address.clone(), value))
+    /// Returns the numbers that follow from the value of the unknown, each with its address.
+    pub(crate) fn assign(&self, value: f64) -> Vec<(Address, f64)> {
+        let each = |numbers: &[SetNumber], of: &dyn Fn(&SetNumber) -> f64| {
+            let numbers = numbers.iter();
+            numbers.map(|own| (own.address.clone(), of(own))).collect()
+        };
+        match &self.assignment {
+            Assignment::Equal(tied) => {
+                let all = std::iter::once(&self.address).chain(tied);
+                all.map(|address| (address.clone(), value)).collect()
+            }
+            Assignment::Factor(numbers) => {
+                each(numbers, &|own| own.deck * libm::pow(value, own.factor))
+            }
+            Assignment::Change { numbers, .. } => {
+                each(numbers, &|own| own.deck + own.factor * value)
+            }
+        }
+    }
+
+    /// Returns the value of the unknown at a coordinate of the fit.
+    pub fn value(&self, x: f64) -> f64 {
+        match self.assignment {
+            Assignment::Equal(_) | Assignment::Factor(_) => libm::exp(x),
+            Assignment::Change { sd, .. } => sd * x,
+        }
+    }
+
+    /// Returns the derivative of the value by the coordinate of the fit.
+    pub fn value_rate(&self, x: f64) -> f64 {
+        match self.assignment {
+            Assignment::Equal(_) | Assignment::Factor(_) => libm::exp(x),
+            Assignment::Change { sd, .. } => sd,
+        }
+    }
+
+    /// Returns the coordinate of the fit at a value of the unknown. A value that has no logarithm begins at 1 in its own unit.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        match self.assignment {
+            Assignment::Equal(_) | Assignment::Factor(_) if value > 0.0 => libm::log(value),
+            Assignment::Equal(_) | Assignment::Factor(_) => 0.0,
+            Assignment::Change { sd, .. } => value / sd,
+        }
+    }
+
+    /// Returns true if the coordinate of the fit is the logarithm of the value.
+    pub fn is_logarithm(&self) -> bool {
+        !matches!(self.assignment, Assignment::Change { .. })
+    }
+
+    /// Returns true if a coordinate lies at a bound that the study states, or so far from the mean of its prior that it is no number of an axle.
+    pub fn is_at_bound(&self, x: f64, mean: f64) -> bool {
+        let is_stated = self.bounds.is_some_and(|bounds| {
+            let near = AT_BOUND_SHARE * (bounds[1] - bounds[0]);
+            bounds.iter().any(|bound| (x - bound).abs() <= near)
+        });
+        is_stated || (self.is_logarithm() && (x - mean).abs() >= BOUND_LN_DISTANCE)
+    }
+
+    /// Returns what is identified: `change` or `factor` of numbers of the deck; `None` for a number itself.
+    pub const fn form(&self) -> Option<&'static str> {
+        match self.assignment {
+            Assignment::Equal(_) => None,
+            Assignment::Factor(_) => Some("factor"),
+            Assignment::Change { .. } => Some("change"),
+        }
+    }
+
+    /// Returns the addresses that symmetry makes equal to that of the unknown.
+    pub fn tied(&self) -> &[Address] {
+        match &self.assignment {
+            Assignment::Equal(tied) => tied,
+            Assignment::Factor(_) | Assignment::Change { .. } => &[],
+        }
+    }
+
+    /// Returns the numbers that the unknown changes from their values in the deck; empty if it sets their value itself.
+    pub fn changed_numbers(&self) -> &[SetNumber] {
+        match &self.assignment {
+            Assignment::Equal(_) => &[],
+            Assignment::Factor(numbers) | Assignment::Change { numbers, .. } => numbers,
+        }
+    }
+
+    /// Returns true if the unknown sets the number at this address.
+    pub fn sets(&self, address: &Address) -> bool {
+        match &self.assignment {
+            Assignment::Equal(tied) => self.address == *address || tied.contains(address),
+            Assignment::Factor(numbers) | Assignment::Change { numbers, .. } => {
+                numbers.iter().any(|own| own.address == *address)
+            }
+        }
+    }
+
+    /// Returns true if the unknown makes the same change of the deck as an error of the axle that changes these numbers by these amounts, or
+    /// a larger one that includes it.
+    pub fn includes(&self, change: &[(Address, f64)]) -> bool {
+        let Assignment::Change { numbers, .. } = &self.assignment else {
+            return false;
+        };
+        let mut ratios = change.iter().map(|(address, amount)| {
+            let own = numbers.iter().find(|own| own.address == *address)?;
+            Some(amount / own.factor)
+        });
+        let Some(Some(first)) = ratios.next() else {
+            return false;
+        };
+        let near = |ratio: f64| (ratio / first - 1.0).abs() < SAME_DIRECTION;
+        ratios.all(|ratio| ratio.is_some_and(near))
+    }
+
+    /// Returns the value of the unknown that sets the numbers of another deck best, in the sense of least squares; `None` if the deck lacks
+    /// a number, or the unknown has no such value.
+    pub fn value_in(&self, number: impl Fn(&Address) -> Option<f64>) -> Option<f64> {
+        let (mut above, mut below) = (0.0, 0.0);
+        match &self.assignment {
+            Assignment::Equal(_) => return number(&self.address),
+            Assignment::Factor(numbers) => {
+                for own in numbers {
+                    let ratio = number(&own.address)? / own.deck;
+                    if ratio <= 0.0 {
+                        return None;
+                    }
+                    above += own.factor * libm::log(ratio);
+                    below += own.factor * own.factor;
+                }
+                Some(libm::exp(above / below))
+            }
+            Assignment::Change { numbers, .. } => {
+                for own in numbers {
+                    above += own.factor * (number(&own.address)? - own.deck);
+                    below += own.factor * own.factor;
+                }
+                Some(above / below)
+            }
+        }
     }
 
     /// Returns the bushing stiffnesses that this unknown sets, as (bushing, axis) pairs. There are two pairs if x and y are tied, otherwise
@@ -55,11 +210,34 @@ impl Unknown {
     pub fn axes(&self) -> Vec<(usize, usize)> {
         match self.place {
             Place::Number => Vec::new(),
-            Place::Bushing { bushing, axis } => {
-                (0..=self.tied.len()).map(|k| (bushing, axis + k)).collect()
+            Place::Bushing { bushing, axis } => (0..=self.tied().len())
+                .map(|k| (bushing, axis + k))
+                .collect(),
+        }
+    }
+}
+
+/// Returns the numbers of the deck that follow from values of the unknowns, each with its address. Changes of one number by several unknowns
+/// add up.
+pub(crate) fn assigned(
+    unknowns: &[Unknown],
+    values: impl IntoIterator<Item = f64>,
+) -> Vec<(Address, f64)> {
+    let mut all: Vec<(Address, f64)> = Vec::new();
+    for (unknown, value) in unknowns.iter().zip(values) {
+        let own = unknown.assign(value);
+        let Assignment::Change { numbers, .. } = &unknown.assignment else {
+            all.extend(own);
+            continue;
+        };
+        for (number, (address, value)) in numbers.iter().zip(own) {
+            match all.iter_mut().find(|known| known.0 == address) {
+                Some(known) => known.1 += value - number.deck,
+                None => all.push((address, value)),
             }
         }
     }
+    all
 }
 
 /// Returns the address of a bushing parameter. The first of `words` is the argument for axes 0 to 2, the second for axes 3 to 5.
@@ -160,7 +338,7 @@ pub fn unknowns(
         match number(&name.text) {
             Some((address, deck, dimension)) => unknowns.push(Unknown {
                 address,
-                tied: Vec::new(),
+                assignment: Assignment::Equal(Vec::new()),
                 place: Place::Number,
                 unit: model.units.name(dimension),
                 initial: deck,
@@ -215,11 +393,11 @@ fn of_bushing(settings: &IdentifySettings, model: &Model, at: usize, round: bool
         let tied = round && axis % 3 == 0;
         Unknown {
             address: stiffness(bushing.header.id, axis),
-            tied: if tied {
+            assignment: Assignment::Equal(if tied {
                 vec![stiffness(bushing.header.id, axis + 1)]
             } else {
                 Vec::new()
-            },
+            }),
             place: Place::Bushing { bushing: at, axis },
             unit: model.units.name(dimension),
             initial: value,

@@ -1,5 +1,5 @@
 use super::{Chart, DrawingError, Figure, Series, SeriesStyle};
-use admire_identify::{Fit, LoadedStudy};
+use admire_identify::{Fit, LoadedStudy, ParameterFit};
 
 /// Draws the values of all parameters over the iterations of a fit. There is one chart per element, so that many parameters remain readable.
 /// `named` splits the address of a parameter into the name of the element and the name of the parameter in that element.
@@ -14,7 +14,9 @@ pub(super) fn convergence(
     let reference = loaded.reference_values();
     let known = reference.iter().any(Option::is_some);
     let mut groups: Vec<(String, Vec<Series>)> = Vec::new();
-    for (k, parameter) in fit.parameters.iter().enumerate() {
+    // A change that begins at zero has no ratio to its end.
+    let is_ratio = |(_, parameter): &(usize, &ParameterFit)| parameter.form != Some("change");
+    for (k, parameter) in fit.parameters.iter().enumerate().filter(is_ratio) {
         let over = reference
             .get(k)
             .copied()

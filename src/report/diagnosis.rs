@@ -13,6 +13,7 @@ use super::interval::IntervalScale;
 use super::limits;
 use super::load_run;
 use super::number::unbroken;
+use super::parameter_name::form_of;
 use super::ranking::{ranking, words};
 use super::scene::Role;
 use super::study_figures::StudyFigures;
@@ -20,7 +21,7 @@ use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Page, Scene, Series, SeriesStyle, Table, number,
     short_unit,
 };
-use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
+use admire_identify::settings::NORMAL_QUANTILE_975;
 use admire_identify::{LackOfFitTest, LoadedStudy};
 use admire_results::Timestamp;
 
@@ -266,13 +267,13 @@ impl DiagnosisReport<'_> {
     }
 
     fn stiffnesses(&self, scene: &Scene) -> Table {
-        let all = &self.outcome.stiffnesses;
+        let all = &self.outcome.corrected;
         let sides = |after: (f64, f64)| {
             [-1.0, 1.0].map(|side| 1.0 + side * NORMAL_QUANTILE_975 * after.1 / after.0)
         };
         let widest = all
             .iter()
-            .filter(|found| found.is_identified())
+            .filter(|found| found.is_identified() && !found.is_change)
             .flat_map(|found| {
                 let [low, high] = sides(found.after);
                 [low, high, found.before.0 / found.after.0]
@@ -287,10 +288,11 @@ impl DiagnosisReport<'_> {
             (picture.as_str(), Align::Left),
             ("bias", Align::Right),
         ]);
-        for stiffness in all {
-            let (before, after) = (stiffness.before, stiffness.after);
-            let shown = |(value, error): (f64, f64)| {
-                if error > UNIDENTIFIABLE_LN_SD * value {
+        for own in all {
+            let (before, after) = (own.before, own.after);
+            let unit = unbroken(&short_unit(&own.unit));
+            let shown = |(value, error): (f64, f64), is_identified: bool| {
+                if !is_identified {
                     return unbroken("not determined");
                 }
                 format!(
@@ -299,33 +301,32 @@ impl DiagnosisReport<'_> {
                     number(error, Some(error))
                 )
             };
-            let unit = self
-                .loaded
-                .unknowns
-                .iter()
-                .find(|unknown| unknown.address.to_string() == stiffness.address)
-                .map_or_else(String::new, |unknown| unbroken(&short_unit(&unknown.unit)));
+            let text = shown(after, own.identified[1]);
             table.row([
-                scene.named(&stiffness.address),
-                unit,
-                shown(before),
-                shown(after),
-                shown(after),
-                if stiffness.is_identified() {
-                    format!("{:+.1} %", (1e3 * stiffness.bias()).round() / 10.0 + 0.0)
-                } else {
+                form_of(own.is_change.then_some("change"), scene.named(&own.address)),
+                unit.clone(),
+                shown(before, own.identified[0]),
+                text.clone(),
+                text.clone(),
+                if !own.is_identified() {
                     "not determined".to_string()
+                } else if own.is_change {
+                    format!("{} {unit}", number(own.bias(), Some(after.1)))
+                } else {
+                    format!("{:+.1} %", (1e3 * own.bias()).round() / 10.0 + 0.0)
                 },
             ]);
-            if !stiffness.is_identified() {
+            if !own.is_identified() {
                 table.mark(5, "soft");
                 continue;
             }
-            let [low, high] = sides(after);
-            let low = Some(low).filter(|low| *low > 0.0);
-            let diamond = Some((before.0 / after.0, Role::Identified.class()));
-            let picture = scale.svg(low, Some(high), diamond, &shown(after));
-            table.picture(4, picture);
+            if !own.is_change {
+                let [low, high] = sides(after);
+                let low = Some(low).filter(|low| *low > 0.0);
+                let diamond = Some((before.0 / after.0, Role::Identified.class()));
+                let picture = scale.svg(low, Some(high), diamond, &text);
+                table.picture(4, picture);
+            }
             if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
                 table.mark(5, "bad");
             }

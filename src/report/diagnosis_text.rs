@@ -511,10 +511,11 @@ impl Text<'_> {
     fn biases(&self) -> Option<String> {
         let mut biased: Vec<_> = self
             .outcome
-            .stiffnesses
+            .corrected
             .iter()
             .filter(|s| {
                 s.is_identified()
+                    && !s.is_change
                     && (s.before.0 - s.after.0).abs()
                         > NOTABLE_BIAS_SD * libm::hypot(s.before.1, s.after.1)
             })

@@ -12,7 +12,7 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     let known: Vec<f64> = fit
         .parameters
         .iter()
-        .filter(|parameter| parameter.status == Status::Identified)
+        .filter(|parameter| parameter.status == Status::Identified && parameter.form.is_none())
         .filter_map(|parameter| Some(parameter.std_error? / parameter.value.abs()))
         .filter(|share| share.is_finite())
         .collect();
@@ -22,14 +22,26 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         .filter(|parameter| parameter.status == Status::Identified)
         .count();
     let misfit = |test: &FitTest| test.verdict == FitVerdict::Misfit;
+    let is_stiffness = |parameter: &ParameterFit| {
+        let (_, argument) = parameter.address.split_once('.').unwrap_or_default();
+        let name = argument.split('.').next();
+        parameter.form.is_none() && matches!(name, Some("K" | "KT"))
+    };
+    let what = if fit.parameters.iter().all(is_stiffness) {
+        "stiffnesses"
+    } else {
+        "numbers"
+    };
     if !fit.converged {
         return format!(
-            "The fit did not converge: the {all} stiffnesses below are where it stopped, and should not be used yet."
+            "The fit did not converge: the {all} {what} below are where it stopped, and should not be used yet."
         );
     }
     let mut shares = known;
     shares.sort_by(f64::total_cmp);
-    let half = shares.get(shares.len() / 2);
+    let half = shares
+        .get(shares.len() / 2)
+        .filter(|_| shares.len() == count);
     let precision = half.map_or_else(String::new, |share| {
         format!(
             ", half of them to {} % or better",
@@ -37,10 +49,10 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         )
     });
     let mut text = if count == all {
-        format!("The measurement determines all {all} stiffnesses that were sought{precision}.")
+        format!("The measurement determines all {all} {what} that were sought{precision}.")
     } else {
         format!(
-            "The measurement determines {count} of the {all} stiffnesses that were sought{precision}."
+            "The measurement determines {count} of the {all} {what} that were sought{precision}."
         )
     };
     let held = &fit.held_out;

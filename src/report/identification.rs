@@ -5,6 +5,7 @@ use super::headline::{found_lines, strained};
 use super::interval::IntervalScale;
 use super::load_run;
 use super::number::{number, rounded, unbroken};
+use super::parameter_name::form_of;
 use super::repeats::repeats;
 use super::scene::Role;
 use super::short_unit;
@@ -128,7 +129,10 @@ impl IdentificationReport<'_> {
     fn parameters(&self) -> Table {
         let reference = self.loaded.reference_values();
         let known = reference.iter().any(Option::is_some);
-        let ratios = self.fit.parameters.iter().flat_map(|parameter| {
+        // A change has no ratio to another.
+        let is_ratio = |parameter: &&ParameterFit| parameter.form != Some("change");
+        let ratios = self.fit.parameters.iter().filter(is_ratio);
+        let ratios = ratios.flat_map(|parameter| {
             let sides = parameter.interval95.into_iter().flatten();
             sides.map(move |side| side / parameter.value)
         });
@@ -164,7 +168,7 @@ impl IdentificationReport<'_> {
             ];
             if known {
                 cells.push(reference.map_or_else(String::new, |value| number(value, None)));
-                let ratio = reference.filter(|_| is_known);
+                let ratio = reference.filter(|_| is_known && is_ratio(&parameter));
                 cells.push(ratio.map_or_else(String::new, |value| {
                     format!("{:.3}", parameter.value / value)
                 }));
@@ -172,7 +176,7 @@ impl IdentificationReport<'_> {
             table.row(cells);
             let ratio = |value: Option<f64>| value.map(|value| value / parameter.value);
             let [low, high] = parameter.interval95;
-            if is_known && (low.is_some() || high.is_some()) {
+            if is_known && is_ratio(&parameter) && (low.is_some() || high.is_some()) {
                 let reference = ratio(reference).map(|at| (at, REFERENCE));
                 let text = interval(parameter);
                 table.picture(5, scale.svg(ratio(low), ratio(high), reference, &text));
@@ -186,11 +190,11 @@ impl IdentificationReport<'_> {
 
     /// Returns the name of a parameter, with view names where the deck has them: `A (BUSHING/1.K.1) = A (BUSHING/1.K.2)`.
     fn named(&self, parameter: &ParameterFit) -> String {
-        std::iter::once(&parameter.address)
+        let names = std::iter::once(&parameter.address)
             .chain(&parameter.tied)
             .map(|address| self.address_named(address))
-            .collect::<Vec<_>>()
-            .join(" = ")
+            .collect::<Vec<_>>();
+        form_of(parameter.form, names.join(" = "))
     }
 
     fn address_named(&self, address: &str) -> String {

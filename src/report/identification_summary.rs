@@ -3,6 +3,7 @@
 use admire_identify::{Fit, LoadedStudy, ParameterFit, Status};
 
 use super::headline::next_step;
+use super::parameter_name::parameter_name;
 use super::summary::{Summary, fall};
 use super::{lead, number, short_unit};
 
@@ -27,8 +28,6 @@ fn verdict(fit: &Fit) -> String {
 
 /// Returns an identified value with its standard error and unit.
 fn item(parameter: &ParameterFit) -> String {
-    let addresses = std::iter::once(&parameter.address).chain(&parameter.tied);
-    let names: Vec<&str> = addresses.map(String::as_str).collect();
     let value = number(parameter.value, parameter.std_error);
     let unit = short_unit(&parameter.unit);
     let size = match parameter.std_error {
@@ -53,7 +52,7 @@ fn item(parameter: &ParameterFit) -> String {
     });
     format!(
         "{} {size}{place}{}",
-        names.join(" = "),
+        parameter_name(parameter),
         again.collect::<String>()
     )
 }

@@ -38,6 +38,7 @@ mod mark_scatter;
 mod mirrored_marks;
 mod number;
 mod page;
+mod parameter_name;
 mod plausibility;
 mod ranking;
 mod repeats;
@@ -71,6 +72,7 @@ pub use kc::KcReport;
 pub use kc::MeasuredCurve;
 pub use number::number;
 pub use page::Page;
+pub use parameter_name::parameter_name;
 pub use plausibility::Plausibility;
 pub use ranking::sizes;
 pub use reproduction::{

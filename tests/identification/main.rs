@@ -23,6 +23,7 @@ mod repeats;
 mod reproduce;
 mod sensors;
 mod setup;
+mod stated_unknowns;
 mod study_folder;
 mod threads;
 mod verdict;

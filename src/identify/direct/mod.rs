@@ -95,6 +95,11 @@ pub fn solve(
     if problem.unknowns.is_empty() {
         return Err(IdentifyError::NoUnknowns);
     }
+    if problem.changes_numbers() {
+        return Err(not_possible(
+            "unknowns that are numbers of the deck themselves",
+        ));
+    }
     let system = compile(problem.model)?;
     if system.has_data_unknowns() {
         return Err(not_possible(
@@ -137,7 +142,7 @@ impl<'a> Direct<'a> {
     fn new(problem: &'a Problem<'a>, system: &'a System) -> Result<Self, IdentifyError> {
         let mut slots = Vec::new();
         for unknown in &problem.unknowns {
-            let tied = std::iter::once(&unknown.address).chain(&unknown.tied);
+            let tied = std::iter::once(&unknown.address).chain(unknown.tied());
             slots.push(
                 tied.map(|address| slot(system, address))
                     .collect::<Result<_, _>>()?,

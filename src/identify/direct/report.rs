@@ -79,7 +79,9 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
         let side = |factor: f64| (reach < 3.0 * LN_10).then_some(value * factor);
         ParameterFit {
             address: unknown.address.to_string(),
-            tied: unknown.tied.iter().map(ToString::to_string).collect(),
+            tied: unknown.tied().iter().map(ToString::to_string).collect(),
+            numbers: Vec::new(),
+            form: None,
             unit: unknown.unit.clone(),
             initial: unknown.initial,
             value,

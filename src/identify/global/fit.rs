@@ -12,31 +12,21 @@ use super::observation::{NuisanceLayout, Observations, Row};
 use super::predictor::{CasePrediction, Predictor};
 use super::problem::GlobalProblem;
 use super::profile::profile_interval;
-use super::unknown::{Component, FitUnknown, FitUnknowns, UnknownTarget};
+use super::unknown::{FitUnknowns, UnknownTarget};
 use crate::evaluation::fill;
 use crate::goodness::{FitTest, ReadingKind, Tally};
 use crate::lack_of_fit::{Residuals, lack_of_fit_tests};
 use crate::settings::{
-    BOUND_LN_DISTANCE, FAR_FIT_RMS_SIGMA, NORMAL_QUANTILE_975, OUTLIER_FALSE_ALARM,
-    POOR_NORMAL_LN_SD, UNIDENTIFIABLE_LN_SD,
+    FAR_FIT_RMS_SIGMA, NORMAL_QUANTILE_975, OUTLIER_FALSE_ALARM, POOR_NORMAL_LN_SD,
+    UNIDENTIFIABLE_LN_SD,
 };
-use crate::unknowns::{Place, bushing_number};
 use crate::{
-    Fit, IdentifyError, Marks, NOT_CONVERGED, OffsetFit, ParameterFit, Problem, Status,
+    Fit, IdentifyError, Marks, NOT_CONVERGED, NumberFit, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
 };
 use admire_session::backend::{CaseFailure, Sweep};
-use admire_solver::system::{Equilibrium, System};
+use admire_solver::system::Equilibrium;
 use admire_study::settings::{Loss, Method};
-
-/// Starting values of a fit.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct StartValues {
-    /// Starting values of the identified parameters, in the order of [`Problem::unknowns`].
-    pub values: Vec<f64>,
-    /// Starting values of assembly offsets, as (bushing, axis, delta0). Offsets that are not listed start at zero.
-    pub offsets: Vec<(usize, usize, f64)>,
-}
 
 /// Result of a fit, together with its least-squares problem.
 pub struct GlobalFit<'a> {
@@ -58,88 +48,6 @@ pub struct Found {
     pub minimum: Minimum,
     /// Posterior covariance of all unknowns.
     pub covariance: DMatrix<f64>,
-}
-
-/// Returns the unknowns of a study's fit: first the logarithm of each parameter to identify, then the assembly offsets of the bushings.
-pub fn fit_unknowns(
-    problem: &Problem<'_>,
-    system: &System,
-    start: Option<&StartValues>,
-) -> FitUnknowns {
-    let slot = |address: &admire_syntax::Address| system.catalogue().slot(address);
-    let settings = problem.settings;
-    let (mut list, mut offsets) = (Vec::new(), Vec::new());
-    for (k, unknown) in problem.unknowns.iter().enumerate() {
-        let preload = |axis: usize| match unknown.place {
-            Place::Bushing { bushing, .. } => slot(&bushing_number(
-                problem.model.bushings[bushing].header.id,
-                ["FORCE", "TORQUE"],
-                axis,
-            )),
-            Place::Number => None,
-        };
-        let addresses: Vec<_> = std::iter::once(&unknown.address)
-            .chain(&unknown.tied)
-            .cloned()
-            .collect();
-        let axes: Vec<Option<usize>> = match unknown.place {
-            Place::Bushing { .. } => unknown
-                .axes()
-                .into_iter()
-                .map(|(_, axis)| Some(axis))
-                .collect(),
-            Place::Number => vec![None; 1 + unknown.tied.len()],
-        };
-        let components: Vec<Component> = addresses
-            .iter()
-            .zip(&axes)
-            .filter_map(|(address, axis)| {
-                Some(Component {
-                    stiffness: slot(address)?,
-                    preload: axis.and_then(preload),
-                })
-            })
-            .collect();
-        // A stiffness of zero has no logarithm. It starts at 1 in its own unit.
-        let usable = |value: f64| if value > 0.0 { libm::log(value) } else { 0.0 };
-        let mean = usable(unknown.initial);
-        let within = |x: f64| {
-            unknown
-                .bounds
-                .map_or(x, |[least, most]| x.clamp(least, most))
-        };
-        for (component, axis) in components.iter().zip(&axes) {
-            let Some(axis) = axis else { continue };
-            let sd = (settings.offset_sd).of_axis(*axis, &problem.model.units);
-            if sd > 0.0 && component.preload.is_some() {
-                let known = start.into_iter().flat_map(|start| &start.offsets);
-                let found = known
-                    .filter(|(bushing, of, _)| {
-                        unknown.axes().contains(&(*bushing, *of)) && of == axis
-                    })
-                    .map(|(_, _, delta)| *delta)
-                    .next();
-                offsets.push(FitUnknown {
-                    addresses: vec![unknown.address.clone()],
-                    target: UnknownTarget::Offset(*component),
-                    start: found.unwrap_or(0.0),
-                    mean: 0.0,
-                    sd,
-                    bounds: None,
-                });
-            }
-        }
-        list.push(FitUnknown {
-            addresses,
-            target: UnknownTarget::Stiffness(components),
-            start: within(start.map_or(mean, |start| usable(start.values[k]))),
-            mean: unknown.mean.unwrap_or(mean),
-            sd: unknown.sd.unwrap_or(settings.prior_log_sd),
-            bounds: unknown.bounds,
-        });
-    }
-    list.append(&mut offsets);
-    FitUnknowns::new(list)
 }
 
 /// Assembles the least-squares problem of a study from its readings, unknowns and predictor.
@@ -237,9 +145,13 @@ pub fn identify<'a>(
         ));
     }
     let count = problem.unknowns.len();
+    let values = |x: &Vec<f64>| -> Vec<f64> {
+        let unknowns = problem.unknowns.iter().zip(x);
+        unknowns.map(|(unknown, x)| unknown.value(*x)).collect()
+    };
     fit.history = std::iter::once(&initial)
         .chain(&history)
-        .map(|x| x[..count].iter().map(|x| libm::exp(*x)).collect())
+        .map(values)
         .collect();
     fit.history.dedup();
     // The written deck contains the identified parameters and no other fitted unknowns.
@@ -371,11 +283,9 @@ fn answer(
     let mut unrefined = Vec::new();
     for (k, unknown) in problem.unknowns.iter().enumerate() {
         let (x, sd) = (minimum.x[k], covariance[(k, k)].max(0.0).sqrt());
-        let value = libm::exp(x);
-        let normal = [
-            Some(libm::exp(x - NORMAL_QUANTILE_975 * sd)),
-            Some(libm::exp(x + NORMAL_QUANTILE_975 * sd)),
-        ];
+        let value = unknown.value(x);
+        let normal =
+            [-1.0, 1.0].map(|side| Some(unknown.value(x + side * NORMAL_QUANTILE_975 * sd)));
         let poor = profile && sd > POOR_NORMAL_LN_SD;
         let refined = (poor && global.goes_on(minimum))
             .then(|| profile_interval(global, minimum, k, covariance, &priors, &scale, &held))
@@ -383,7 +293,9 @@ fn answer(
         if minimum.ending == Ending::Stopped || (poor && refined.is_none()) {
             unrefined.push(unknown.address.to_string());
         }
-        let interval95 = refined.map_or(normal, |sides| sides.map(|side| side.map(libm::exp)));
+        let interval95 = refined.map_or(normal, |sides| {
+            sides.map(|side| side.map(|x| unknown.value(x)))
+        });
         let correlation = (0..count)
             .filter(|&j| j != k)
             .map(|j| covariance[(k, j)] / (sd * covariance[(j, j)].max(0.0).sqrt()))
@@ -391,18 +303,20 @@ fn answer(
             .max_by(|a, b| a.abs().total_cmp(&b.abs()));
         parameters.push(ParameterFit {
             address: unknown.address.to_string(),
-            tied: unknown.tied.iter().map(ToString::to_string).collect(),
+            tied: unknown.tied().iter().map(ToString::to_string).collect(),
+            numbers: NumberFit::of(unknown, value),
+            form: unknown.form(),
             unit: unknown.unit.clone(),
             initial: unknown.initial,
             value,
-            std_error: Some(value * sd),
+            std_error: Some(unknown.value_rate(x) * sd),
             interval95,
             correlation,
             tolerance_share: None,
             profile95: None,
             bootstrap: None,
             posterior: None,
-            status: if (x - priors[k].mean).abs() >= BOUND_LN_DISTANCE {
+            status: if unknown.is_at_bound(x, priors[k].mean) {
                 Status::Bound
             } else if sd > UNIDENTIFIABLE_LN_SD {
                 Status::Unidentifiable
@@ -561,14 +475,14 @@ fn tested(
     }
     let (mut chi2, count) = tally.total();
     let mut dof = count as f64 - minimum.evaluation.free.len() as f64;
-    let stiffnesses = global
+    let identified = global
         .unknowns
         .list()
         .iter()
-        .map(|unknown| matches!(unknown.target, UnknownTarget::Stiffness(_)));
-    let stiffnesses = stiffnesses.chain(std::iter::repeat(false));
-    for ((k, prior), stiffness) in global.priors().iter().enumerate().zip(stiffnesses) {
-        if stiffness {
+        .map(|unknown| !matches!(unknown.target, UnknownTarget::Offset(_)));
+    let identified = identified.chain(std::iter::repeat(false));
+    for ((k, prior), is_identified) in global.priors().iter().enumerate().zip(identified) {
+        if is_identified {
             dof -= (1.0 - covariance[(k, k)] / prior.sd.powi(2)).clamp(0.0, 1.0);
         } else if prior.sd > 0.0 {
             chi2 += 2.0 * prior.cost(minimum.x[k]);

@@ -3,11 +3,12 @@
 use std::ops::ControlFlow;
 
 use super::differences::DifferencePredictor;
-use super::fit::{Found, GlobalFit, StartValues, fit_unknowns, global_problem, identify};
+use super::fit::{Found, GlobalFit, global_problem, identify};
 use super::gauss_newton::Ending;
 use super::observation::Observations;
 use super::prepared::Prepared;
 use super::problem::{GlobalProblem, Watch};
+use super::start_values::{StartValues, fit_unknowns};
 use crate::direct::{self, DirectSettings, DirectSolution};
 use crate::settings::{CONTRADICTION_SD, POOR_NORMAL_LN_SD};
 use crate::{Fit, IdentifyError, Problem};

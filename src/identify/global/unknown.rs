@@ -24,6 +24,8 @@ pub struct Component {
 pub enum UnknownTarget {
     /// Stiffness: `x = ln K` of these components. There are several if a symmetry makes stiffnesses equal.
     Stiffness(Vec<Component>),
+    /// Common factor: the parameter in each slot is multiplied by `exp(factor * x)`.
+    Factor(Vec<(Slot, f64)>),
     /// Assembly offset: `x = delta0` of equation 9 of the paper, in length units or radians. The two sides of the bushing are displaced by
     /// `delta0` in every load case, so `F = -K (delta - delta0)`. The preload in the deck becomes `FORCE + K delta0`.
     Offset(Component),
@@ -42,7 +44,7 @@ pub struct FitUnknown {
     pub addresses: Vec<Address>,
     /// Parameters that the unknown sets, and how they depend on it.
     pub target: UnknownTarget,
-    /// Starting value of the unknown; ln K for a stiffness.
+    /// Starting value of the unknown; the logarithm of a stiffness or a factor.
     pub start: f64,
     /// Mean of the prior.
     pub mean: f64,
@@ -216,6 +218,21 @@ impl FitUnknowns {
         Some(x.iter().enumerate().map(of).unzip())
     }
 
+    /// Returns the unknown that lies furthest beyond its bound, with that bound; `None` if all are within their bounds. The unknowns `held` are
+    /// left out.
+    pub fn furthest_beyond_bounds(&self, x: &[f64], held: &[(usize, f64)]) -> Option<(usize, f64)> {
+        let of = |(k, (unknown, x)): (usize, (&FitUnknown, &f64))| {
+            let [least, most] = unknown.bounds?;
+            let nearest = x.clamp(least, most);
+            let beyond = (x - nearest).abs() / unknown.sd;
+            let is_held = held.iter().any(|(own, _)| *own == k);
+            (beyond > 0.0 && !is_held).then_some((k, nearest, beyond))
+        };
+        let all = self.list.iter().zip(x).enumerate().filter_map(of);
+        let furthest = all.max_by(|a, b| a.2.total_cmp(&b.2))?;
+        Some((furthest.0, furthest.1))
+    }
+
     /// Returns the parameter values of the deck for the values `x` of the unknowns. `deck` holds the values in the deck itself.
     pub fn numbers(&self, deck: &Parameters, x: &[f64]) -> Numbers {
         let mut theta = deck.clone();
@@ -225,6 +242,11 @@ impl FitUnknowns {
                 UnknownTarget::Stiffness(components) => {
                     for component in components {
                         theta.set(component.stiffness, libm::exp(*value));
+                    }
+                }
+                UnknownTarget::Factor(slots) => {
+                    for (slot, factor) in slots {
+                        theta.set(*slot, theta.get(*slot) * libm::exp(factor * value));
                     }
                 }
                 UnknownTarget::Number(slots) => {
@@ -291,6 +313,10 @@ impl FitUnknowns {
             UnknownTarget::Offset(Component { stiffness, preload }) => preload
                 .iter()
                 .map(|slot| (*slot, theta.get(*stiffness)))
+                .collect(),
+            UnknownTarget::Factor(slots) => slots
+                .iter()
+                .map(|(slot, factor)| (*slot, factor * theta.get(*slot)))
                 .collect(),
             UnknownTarget::Number(slots) => slots.clone(),
             UnknownTarget::PerCase(_) | UnknownTarget::Turn(_) => Vec::new(),

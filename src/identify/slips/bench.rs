@@ -301,13 +301,14 @@ impl Bench {
     fn members(&self, problem: &Problem<'_>, sizes: &VarianceComponents) -> Vec<FitUnknown> {
         let is_sought = |address: &Address| {
             let mut unknowns = problem.unknowns.iter();
-            unknowns.any(|u| u.address == *address || u.tied.contains(address))
+            unknowns.any(|unknown| unknown.sets(address))
         };
         let layer = RandomEffects::of(&LayerOf {
             model: problem.model,
             programme: problem.programme,
             load_errors: false,
             is_sought: &is_sought,
+            is_sought_change: &|change| problem.seeks_change(change),
         });
         let members = layer.members.iter();
         members

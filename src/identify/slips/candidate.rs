@@ -200,7 +200,7 @@ fn exchanges(study: &LoadedStudy) -> Vec<Family> {
 /// Returns true if the parameter at this address is identified.
 fn is_sought(study: &LoadedStudy, address: &Address) -> bool {
     let mut unknowns = study.unknowns.iter();
-    unknowns.any(|unknown| unknown.address == *address || unknown.tied.contains(address))
+    unknowns.any(|unknown| unknown.sets(address))
 }
 
 fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {

@@ -64,6 +64,8 @@ pub struct LayerOf<'a> {
     pub load_errors: bool,
     /// Function that returns true for the address of an identified parameter.
     pub is_sought: &'a dyn Fn(&Address) -> bool,
+    /// Function that returns true for a change of the deck that is identified, such as that of a hardpoint along an axis.
+    pub is_sought_change: &'a dyn Fn(&[(Address, f64)]) -> bool,
 }
 
 /// All random effects of a deck and its loads.
@@ -87,6 +89,10 @@ impl RandomEffects {
         layer.bushings(study);
         layer.joints(study.model);
         layer.springs(study);
+        layer.members.retain(|member| match &member.effect {
+            Effect::Always(pairs) => !(study.is_sought_change)(pairs),
+            Effect::PerCase(_) | Effect::Turn(_) | Effect::Offset { .. } => true,
+        });
         layer.driven(study.programme);
         if study.load_errors {
             layer.load_errors(study);

@@ -88,7 +88,7 @@ impl<'a> Bootstrap<'a> {
         if found.ending != Ending::Converged {
             return Err("the fit did not converge".to_string());
         }
-        let mut outputs: Vec<f64> = found.x.iter().map(|x| libm::exp(*x)).collect();
+        let mut outputs = self.estimate.values(&found.x);
         outputs.push(found.objective);
         Ok(outputs)
     }

@@ -3,7 +3,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use admire_identify::global::confidence::covariance;
 use admire_identify::global::gauss_newton::{Minimum, Prior, Tolerances};
 use admire_identify::global::{Marginal, MarginalProblem, profile_interval};
-use admire_identify::{IdentifyError, Problem};
+use admire_identify::{IdentifyError, Problem, Unknown};
 
 /// Fit to be repeated: the estimate of the unknowns and their covariance.
 pub(crate) struct Estimate<'a> {
@@ -43,6 +43,20 @@ impl<'a> Estimate<'a> {
         }))
     }
 
+    /// Returns the values of the unknowns at their coordinates.
+    pub(crate) fn values(&self, x: &[f64]) -> Vec<f64> {
+        let unknowns = self.problem.unknowns.iter().zip(x);
+        unknowns.map(|(unknown, x)| unknown.value(*x)).collect()
+    }
+
+    /// Returns the coordinates of the unknowns at their values.
+    pub(crate) fn coordinates(&self, values: &[f64]) -> Vec<f64> {
+        let unknowns = self.problem.unknowns.iter().zip(values);
+        unknowns
+            .map(|(unknown, value)| unknown.coordinate(*value))
+            .collect()
+    }
+
     /// Returns a fresh fit of the same problem, independent of the state of earlier fits.
     ///
     /// # Errors
@@ -59,7 +73,7 @@ impl<'a> Estimate<'a> {
         let priors = self.marginal.priors();
         let (scale, held) = (self.marginal.scale(), held(priors));
         let mut fit = self.again()?;
-        let of = |k: usize| {
+        let of = |(k, unknown): (usize, &Unknown)| {
             let sides = profile_interval(
                 &mut fit,
                 &self.minimum,
@@ -69,9 +83,10 @@ impl<'a> Estimate<'a> {
                 &scale,
                 &held,
             );
-            sides.map(|side| side.map(libm::exp))
+            sides.map(|side| side.map(|x| unknown.value(x)))
         };
-        Ok((0..self.marginal.len()).map(of).collect())
+        let unknowns = self.problem.unknowns.iter().enumerate();
+        Ok(unknowns.map(of).collect())
     }
 
     /// Returns the leverage of each reading: the derivative of its prediction with respect to the reading itself.

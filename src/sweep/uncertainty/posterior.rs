@@ -102,10 +102,7 @@ impl<'a> Posterior<'a> {
         // The next draw starts from the values in the table, so that an interrupted chain continues exactly as an uninterrupted chain
         // would.
         let x: Vec<f64> = if let Some(row) = before {
-            row.outputs[..count]
-                .iter()
-                .map(|value| libm::log(*value))
-                .collect()
+            self.estimate.coordinates(&row.outputs[..count])
         } else {
             let mut x = self.scattered(&stream);
             for draw in 0..WARM_UP {
@@ -114,7 +111,7 @@ impl<'a> Posterior<'a> {
             x
         };
         let end = self.draw(&x, &stream, 1 + WARM_UP + draw);
-        let mut outputs: Vec<f64> = end.x.iter().map(|x| libm::exp(*x)).collect();
+        let mut outputs = self.estimate.values(&end.x);
         outputs.extend([end.energy, end.probability]);
         Row {
             case,

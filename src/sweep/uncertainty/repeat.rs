@@ -122,7 +122,8 @@ pub fn repeat(
     let away: Vec<&str> = away
         .filter(|(k, (_, parameter))| {
             let sd = estimate.covariance[(*k, *k)].sqrt();
-            (estimate.minimum.x[*k] - libm::log(parameter.value)).abs() > sd
+            let reported = problem.unknowns[*k].coordinate(parameter.value);
+            (estimate.minimum.x[*k] - reported).abs() > sd
         })
         .map(|(_, (address, _))| address.as_str())
         .collect();
@@ -164,7 +165,7 @@ pub fn repeat(
             }
         };
         let Some(made) = made else { return Ok(None) };
-        take(&work, (kind, count, asked.seed), &made, fit)?;
+        take(&work, (kind, count, asked.seed), &made, (problem, fit))?;
         done.push((kind, made));
     }
     Ok(Some(done))
@@ -274,7 +275,7 @@ fn take(
     work: &Work<'_>,
     (kind, count, seed): (Kind, u64, u64),
     made: &RepeatOutput,
-    fit: &mut Fit,
+    (problem, fit): (&Problem<'_>, &mut Fit),
 ) -> Result<(), RepeatError> {
     let mut values: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new()]; fit.parameters.len()];
     let (mut without, mut why, mut acceptance) = (0, String::new(), 0.0);
@@ -296,9 +297,11 @@ fn take(
     if count - without < 2 {
         return Err(RepeatError::NoReplicate(why));
     }
-    for (parameter, chains) in fit.parameters.iter_mut().zip(&values) {
+    let unknowns = problem.unknowns.iter().zip(&values);
+    for (parameter, (unknown, chains)) in fit.parameters.iter_mut().zip(unknowns) {
         let profile = parameter.profile95.unwrap_or_default();
-        let found = spread(chains, parameter.value, profile, kind == Kind::Posterior);
+        let is_chained = kind == Kind::Posterior;
+        let found = spread(chains, unknown, (parameter.value, profile), is_chained);
         match kind {
             Kind::Bootstrap => parameter.bootstrap = Some(found),
             Kind::Posterior => parameter.posterior = Some(found),
