@@ -2,11 +2,11 @@ use std::collections::BTreeMap;
 
 use super::{ResultsError, ResultsReader, Selection, StepKind};
 
-/// Floor of differences: a difference that is small against the largest value of its unit is round-off.
+/// Largest differences that count as round-off, by unit.
 ///
-/// The floor of a unit is a share of the largest magnitude in that unit, over all columns and steps that were looked at. A torque is a force
-/// times a length: the largest force times the largest length counts, too. A quantity counts as at least 1e-12 of its unit. Columns
-/// without a unit have only this smallest floor, because they may hold different quantities.
+/// The floor of a unit is a share of the largest magnitude in that unit, over all columns and steps read so far. A torque is a force times a
+/// length, so the product of the largest force and the largest length counts as a torque, too. Every magnitude counts as at least 1e-12 of
+/// its unit. Columns without a unit may hold different quantities, so their floor is computed from this minimum alone.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct DifferenceFloor {
     share: f64,
@@ -14,12 +14,12 @@ pub struct DifferenceFloor {
 }
 
 impl DifferenceFloor {
-    /// Default share of the largest value up to which a difference is round-off.
+    /// Default share of the largest magnitude up to which a difference counts as round-off.
     pub const DEFAULT_SHARE: f64 = 1e-12;
-    /// Lower bound of the largest value of a quantity, in the unit of the column.
+    /// Minimum of the largest magnitude, in the unit of the column.
     const MIN_LARGEST: f64 = 1e-12;
 
-    /// Creates a floor with this share of the largest values. The share 0 compares exactly.
+    /// Creates a floor with this share of the largest magnitudes. With a share of 0, values are compared exactly.
     pub fn new(share: f64) -> Self {
         Self {
             share,
@@ -61,7 +61,7 @@ impl DifferenceFloor {
         Ok(())
     }
 
-    /// Returns the largest difference that does not count, in the unit of the column.
+    /// Returns the largest difference that counts as round-off, in the unit of the column.
     pub fn of(&self, unit: Option<&str>) -> f64 {
         let unit = unit.unwrap_or(NO_UNIT).to_ascii_lowercase();
         let of = |unit: &str| self.largest.get(unit).copied().unwrap_or(0.0);
@@ -73,7 +73,7 @@ impl DifferenceFloor {
     }
 }
 
-/// Unit of a column whose values have none.
+/// Unit of columns whose values have no unit.
 const NO_UNIT: &str = "no_units";
 
 #[cfg(test)]
@@ -138,7 +138,7 @@ mod tests {
         let usual = DifferenceFloor::DEFAULT_SHARE;
         let none = Vec::<String>::new();
         let a = [4500.0, 700.0, 0.0, 1.0];
-        // A torque of nothing, and one that is round-off of the force at its arm.
+        // One torque is zero. The other torque is round-off of the largest force times the largest length.
         assert_eq!(differing(a, [4500.0, 700.0, 7e-29, 1.0], usual), none);
         assert_eq!(differing(a, [4500.0, 700.0, 1e-7, 1.0], usual), none);
         assert_eq!(differing(a, [4500.0, 700.0, 1e-5, 1.0], usual), ["TX"]);
@@ -147,9 +147,9 @@ mod tests {
             differing(a, [4500.0 + 1e-7, 700.0, 0.0, 1.0], usual),
             ["FX"]
         );
-        // Of a mechanism without any force, too.
+        // A mechanism without any force has a floor as well.
         assert_eq!(differing([0.0; 4], [0.0, 0.0, 7e-29, 0.0], usual), none);
-        // Numbers without a unit are compared by themselves.
+        // The magnitudes of other columns do not affect numbers without a unit.
         assert_eq!(
             differing(a, [4500.0, 700.0, 0.0, 1.0 + 1e-10], usual),
             ["Q"]

@@ -6,7 +6,7 @@
 /// Real files contain Part, Joint, Primitive_Joint, Motion, Single_Component_Force, Bushing, Field, Request, ADAMS_Variable, Plant_Input,
 /// Plant_Output, Differential_Equation, General_Force, Floating_Marker, Friction and Contact. The other names follow the same pattern.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-#[allow(missing_docs)] // Each variant is the class it is called after.
+#[allow(missing_docs)] // Each variant is named after its class.
 pub enum EntityKind {
     Part,
     PointMass,

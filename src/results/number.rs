@@ -46,8 +46,7 @@ pub(crate) fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
 
 /// Prints a number with 1e-3 <= |value| < 1e5 as `%.17f` and trims trailing zeros, in integer arithmetic.
 ///
-/// The value is m 2^-s with m < 2^53 and 36 <= s <= 62. Its fraction times 10^17 therefore fits into 128 bits, so that the rounding is
-/// exact.
+/// The value is m 2^-s with m < 2^53 and 36 <= s <= 62. Its fraction times 10^17 therefore fits into 128 bits, and the rounding is exact.
 fn fixed_seventeen(out: &mut Vec<u8>, value: f64) {
     const TEN_17: u64 = 100_000_000_000_000_000;
     let bits = value.to_bits();

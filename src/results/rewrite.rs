@@ -32,8 +32,8 @@ pub struct Rewritten {
 /// Copies an XRF file; every output step is printed again from its numbers, and `changes` are applied.
 ///
 /// `verbatim` is a second reader of the same bytes; everything except the numbers is copied from it. Without changes, the output equals the
-/// input byte for byte. A change replaces only the text of its number, so that a line may become longer than usual. Memory is needed for
-/// only one output step.
+/// input byte for byte. A change replaces only the text of its number, so a line may become longer than usual. Memory is needed for only
+/// one output step.
 ///
 /// # Errors
 /// Returns an error if the input cannot be read or is malformed, or if the output cannot be written; the output is then incomplete. Returns

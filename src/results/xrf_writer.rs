@@ -36,7 +36,7 @@ pub struct Style {
 
 /// Step-by-step writer of an XRF file. Every output step is flushed, so that a killed run leaves only complete steps.
 ///
-/// The layout is the one that existing readers expect, because they parse the file line by line (guide/formats.md 12): each tag has its own
+/// The layout is the one that existing readers expect, because they parse the file line by line (guide/formats.md 12). Each tag has its own
 /// line, attributes have the order of ADAMS, and an empty element ends with ` />`.
 #[derive(Debug)]
 pub struct XrfWriter<W: Write> {

@@ -5,13 +5,13 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 /// A parsed command line in the style of the ADAMS launcher.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Launch {
-    /// Where the commands come from.
+    /// Source of the commands.
     pub input: LaunchInput,
     /// Warnings about words that were skipped.
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Where the commands of a run come from.
+/// Source of the commands of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum LaunchInput {
     /// From a command file. The name is as written on the command line, but without quotes; the extension `.acf` may be missing.
@@ -33,8 +33,8 @@ impl Launch {
     /// meaning here (`n`, `-t 4`, memory sizes) are skipped with a warning.
     ///
     /// # Errors
-    /// Returns an error for forms that only a full ADAMS installation can run: `ru-user` (a user-written solver library), products such as
-    /// `acar` that are not followed by a solver word, and command files of ADAMS/View (`.cmd`).
+    /// Returns an error for forms that only a full ADAMS installation can run. These forms are `ru-user` (a user-written solver library),
+    /// products such as `acar` without a solver word after them, and command files of ADAMS/View (`.cmd`).
     pub(crate) fn parse(words: &[String]) -> Result<Self, Diagnostic> {
         let mut warnings = Vec::new();
         let mut file: Option<String> = None;

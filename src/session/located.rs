@@ -54,8 +54,8 @@ impl Sources {
 
 /// Formats a diagnostic as plain text of several lines, which ends with a line end.
 ///
-/// The lines contain the location and the message, the source line with a marker below it, further labels, the name of the object in the
-/// form of ADAMS, the help, and the code.
+/// The first lines contain the location, the message, and the source line with a marker below it. Further labels, the name of the object in
+/// the form of ADAMS, the help and the code follow.
 pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let mut out = String::new();
     let mut put = |text: std::fmt::Arguments<'_>| {
@@ -101,8 +101,8 @@ pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
 
 /// Returns the first line of a span, the number of characters before the span, and the number of characters in the span.
 ///
-/// Of a long line, only a window around the start of the span is returned. Bytes that are not UTF-8 are decoded as Latin-1, and control
-/// characters become blanks.
+/// If the line is long, only a window around the start of the span is returned. Bytes that are not UTF-8 are decoded as Latin-1, and
+/// control characters become blanks.
 fn excerpt(source: &Source, span: Span) -> (String, usize, usize) {
     const WINDOW: usize = 100;
     let bytes = source.bytes();

@@ -27,7 +27,7 @@ ADMIRE_CODE_PAGE=1252 prints in that code page on a pipe.
 Exit codes:
 ";
 
-/// Runs the program `mdi` with a command line and returns its exit code. The first word, the program, does not matter.
+/// Runs the program `mdi` with a command line and returns its exit code. The first word, which is the name of the program, is ignored.
 pub fn mdi(words: Vec<OsString>) -> u8 {
     let words: Vec<String> = words
         .into_iter()

@@ -68,7 +68,7 @@ impl<'a> Messages<'a> {
 
     /// Locks the message file of a run, so that no other run writes files with the same prefix.
     ///
-    /// If another run holds the lock, waits until the lock is free. File systems without locks are tolerated. On Windows the file is not
+    /// If another run holds the lock, waits until the lock is free. File systems without locks are tolerated. On Windows, the file is not
     /// locked, because a lock would prevent other programs from reading it.
     ///
     /// # Errors

@@ -23,8 +23,8 @@ const DIGITS: [&str; 3] = ["ROUNDOFF", "SIGNIFICANTFIGURES", "ZEROTHRESHOLD"];
 
 /// Returns a warning for each option of a dataset that requests output which is not written.
 ///
-/// Without the option XRF, ADAMS writes a results file as text or, by default, in binary form (help page `fstate_results`). Of these
-/// layouts, only the displacements of parts are documented. An XML file is therefore written instead, with a warning.
+/// Without the option XRF, ADAMS writes a results file as text or, by default, in binary form (help page `fstate_results`). Only the
+/// displacements of parts are documented in these layouts. An XML file is therefore written instead, with a warning.
 pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut warn = |statement: &Statement, option: Option<&str>, what: &str, help: Option<&str>| {

@@ -465,7 +465,7 @@ fn tabular(request: &Request, ypr: bool) -> TabularRequest {
 /// On Windows, lines end with CR LF, as in files that ADAMS writes there (grammar/NOTES.md, "Files of a run on Windows").
 ///
 /// The file keeps one line end, which the first write overwrites. Some file systems (ext4 with `auto_da_alloc`) treat a file that was
-/// truncated to zero as replaced: they write it to disk as soon as it is closed, which delays the next run.
+/// truncated to zero as replaced. They write such a file to disk as soon as it is closed, which delays the next run.
 pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
     let mut options = File::options();
     options.write(true).create(true).truncate(false);

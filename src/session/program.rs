@@ -1,22 +1,23 @@
-//! The file of this program, for scripts and messages that name it.
+//! The program file that the user started, for scripts and messages that name it.
 
 use std::io;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// File that the user started, where the process itself runs another one.
+/// Program file that the user started, if the process itself runs another file.
 static STARTED: OnceLock<PathBuf> = OnceLock::new();
 
-/// States which file the user started. The commands of the Python package call it, because their process is the Python interpreter.
+/// Sets the program file that the user started. The commands of the Python package call this function, because their process is the Python
+/// interpreter.
 pub fn started_by(file: PathBuf) {
-    // The first statement counts; a process is started once.
+    // Only the first call has an effect, because a process is started once.
     let _ = STARTED.set(file);
 }
 
-/// Returns the file that the user started: `admire` or `mdi`.
+/// Returns the program file that the user started: `admire` or `mdi`.
 ///
 /// # Errors
-/// An error of the operating system if it does not give the path of the process.
+/// Returns the error of the operating system if it does not give the path of the process.
 pub fn own_program() -> io::Result<PathBuf> {
     STARTED
         .get()

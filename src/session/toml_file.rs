@@ -5,7 +5,8 @@ use serde::de::DeserializeOwned;
 /// Reads a settings file in TOML.
 ///
 /// # Errors
-/// Returns a diagnostic with `code` at the first fault: bytes that are not UTF-8, a fault of syntax, an unknown key or a wrong type.
+/// Returns a diagnostic with `code` at the first fault: bytes that are not UTF-8, a syntax error, an unknown key or a value of the wrong
+/// type.
 pub fn read_toml<T: DeserializeOwned>(source: &Source, code: Code) -> Result<T, Diagnostic> {
     let wrong =
         |message: &str, span| Diagnostic::error(code, message).label(source.name(), span, "");

@@ -114,7 +114,7 @@ impl<'a> SensorWatch<'a> {
         all
     }
 
-    /// Examines the last integration step. If a sensor fires within the step, the integrator is moved back to that time and the result is
+    /// Examines the last integration step. If a sensor fires within the step, the integrator is moved back to that time, and the result is
     /// true.
     ///
     /// # Errors

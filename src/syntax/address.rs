@@ -12,7 +12,7 @@ use crate::units::Dimension;
 /// Address of an object of a deck, of one of its arguments, or of one value of an argument: `SFORCE/3`, `SFORCE/3.FUNCTION`,
 /// `BUSHING/12.K.2`.
 ///
-/// An index starts at 1. In a FUNCTION argument it counts the literal numbers in the text of the expression: `SFORCE/3.FUNCTION.2`.
+/// An index starts at 1. In a FUNCTION argument, the index counts the literal numbers in the text of the expression: `SFORCE/3.FUNCTION.2`.
 #[derive(Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Address {
     /// Full keyword of the statement in capitals; a statement without id is addressed by its keyword alone (`EQUILIBRIUM`).
@@ -143,7 +143,7 @@ impl Address {
     }
 }
 
-/// Parses an address of which only the part after the slash is left: `12.K.2` of `BUSHING/12.K.2`.
+/// Parses the part of an address after the slash: `12.K.2` of `BUSHING/12.K.2`.
 fn with_id(
     def: &'static StatementDef,
     rest: &str,

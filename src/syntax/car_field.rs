@@ -1,59 +1,62 @@
-//! FIELDs that Adams/Car writes for its bushings: the curves and numbers that the parameters of their subroutine name.
+//! FIELDs that Adams/Car writes for its bushings. The parameters of their user subroutine contain the ids of the SPLINEs and ARRAYs that
+//! define a bushing.
 //!
-//! No public dataset of Adams/Car was found. What the reading rests on is in `grammar/NOTES.md`. Anything else keeps its subroutine.
+//! No public dataset of Adams/Car was found. The sources of this interpretation are listed in `grammar/NOTES.md`. All other FIELDs keep
+//! their subroutine.
 
 use std::collections::BTreeMap;
 
 use crate::{Dataset, Stated, Statement, Value, as_id};
 
-/// Words of the axes in the names of curves and arrays, in the order of the components of a FIELD.
+/// Axis words in the names of curves and arrays, in the order of the components of a FIELD.
 const WORDS: [&str; 6] = ["tx", "ty", "tz", "rx", "ry", "rz"];
-/// Names of the components in results.
+/// Names of the components in results, in the same order.
 const COMPONENTS: [&str; 6] = ["fx", "fy", "fz", "tx", "ty", "tz"];
-/// Largest deviation of an odd curve from its mirror image, relative to its largest value. Files print six digits or more.
+/// Largest deviation of an odd curve from its mirror image, relative to its largest value. Files give six digits or more.
 const ODD_RELATIVE: f64 = 1e-6;
 /// Largest number of parameters that a message lists.
 const MAX_LISTED: usize = 8;
 
-/// Objects that a FIELD of Adams/Car names in the parameters of its subroutine.
+/// Curves and arrays of a bushing of Adams/Car, whose ids are parameters of the user subroutine of a FIELD.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CarField {
-    /// Name of the bushing: the common beginning of the names of its curves and arrays.
+    /// Name of the bushing, which is the common prefix of the names of its curves and arrays.
     pub bushing: String,
     /// Ids of the SPLINEs `tx_spline` to `rz_spline`.
     pub curves: [u32; 6],
     /// Ids of the ARRAYs `tx_data_array` to `rz_data_array`.
     pub arrays: [u32; 6],
-    /// Parameters that name neither a curve nor an array of the bushing.
+    /// Parameters that are neither the id of a curve nor the id of an array of the bushing.
     pub others: Vec<f64>,
 }
 
-/// Numbers of one axis of a bushing of Adams/Car, with `F = preload - scale C(stretch d - offset)` for its curve C.
+/// Parameters of one axis of a bushing of Adams/Car. The law is `F = preload - scale C(stretch d - offset)`, where C is the curve of the
+/// axis and d the displacement.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CarAxis {
     /// Scale of the curve.
     pub scale: f64,
-    /// Force or torque on I without deflection of the curve.
+    /// Constant term of the force or torque on I.
     pub preload: f64,
-    /// Offset, subtracted from the scaled displacement.
+    /// Offset that is subtracted from the scaled displacement.
     pub offset: f64,
     /// Scale of the displacement.
     pub stretch: f64,
-    /// Force per velocity, with its scales.
+    /// Damping coefficient (force per velocity), multiplied by its scale and by the scale of the velocity.
     pub damping: f64,
 }
 
 impl CarAxis {
     /// Number of values in the array of an axis.
     pub const LENGTH: usize = 11;
-    /// Places in the array of the numbers of the law, counted from zero: scale, preload, offset and stretch.
+    /// Indices (from 0) of scale, preload, offset and stretch in the array of an axis.
     pub const PLACES: [usize; 4] = [2, 6, 7, 8];
 
-    /// Reads an array in the order of Adams/Car: type, value and scale of the stiffness; type, value and scale of the damping; preload;
-    /// offset and scale of the displacement; offset and scale of the velocity.
+    /// Reads the array of an axis. Its values have the order of Adams/Car: type, value and scale of the stiffness; type, value and scale of
+    /// the damping; preload; offset and scale of the displacement; offset and scale of the velocity.
     ///
     /// # Errors
-    /// A sentence that says what does not fit.
+    /// Returns the reason why the array cannot be read, as the predicate of a sentence: `has 9 numbers, instead of 11`.
     pub fn read(numbers: &[f64]) -> Result<Self, String> {
         let &[
             kind,
@@ -103,13 +106,14 @@ impl CarAxis {
 }
 
 impl CarField {
-    /// Reads a FIELD whose values come from a subroutine. `user` is the text of the call, `USER(...)`; `stated` returns statements by kind
-    /// and id.
+    /// Reads a FIELD whose values come from a user subroutine. `user` is the text of the call, `USER(...)`. `stated` returns the statement
+    /// with a given kind and id.
     ///
-    /// `None` if the parameters name no curve and no array that are called like those of a bushing of Adams/Car.
+    /// Returns `None` if no parameter is the id of a curve or array that is named like those of a bushing of Adams/Car.
     ///
     /// # Errors
-    /// A sentence that says what does not fit: objects that are missing or belong to another bushing, numbers, or a curve.
+    /// Returns the reason why the FIELD is not read as a bushing. An object may be missing or belong to another bushing, or an array or a
+    /// curve may be unsuitable.
     pub fn read<'a>(
         dataset: &'a Dataset,
         field: &Statement,
@@ -155,7 +159,8 @@ impl CarField {
         }))
     }
 
-    /// Returns the objects that were found by their names, for a FIELD that is called `own`.
+    /// Creates the field from the curves and arrays found by their names. `own` is the name of the FIELD. Returns the reason as an error if
+    /// an object is missing or the objects belong to different bushings.
     fn named(
         own: &str,
         bushing: &str,
@@ -201,13 +206,14 @@ impl CarField {
         })
     }
 
-    /// Returns the name of an axis as results have it: `bkl_arm_outer.fx`.
+    /// Returns the name of an axis as used in results: `bkl_arm_outer.fx`.
     pub fn axis(&self, axis: usize) -> String {
         format!("{}.{}", self.bushing, COMPONENTS[axis])
     }
 
-    /// Returns a sentence about the first axis whose numbers or curve do not fit, or `None` if all fit. `array` and `curve` return what the
-    /// statements with these ids hold: numbers, and points x and y; `None` for points that are in a file.
+    /// Returns the reason why the array or the curve of an axis is unsuitable, for the first such axis; `None` if there is no such axis.
+    /// `array` returns the numbers of the ARRAY with a given id. `curve` returns x and y of the SPLINE with a given id, or `None` if its
+    /// points are in a file.
     pub fn misfit(
         &self,
         array: impl Fn(u32) -> Vec<f64>,
@@ -229,7 +235,7 @@ impl CarField {
         })
     }
 
-    /// Iterates over the FIELDs of a dataset that name objects of a bushing of Adams/Car, each with what was read or why it does not fit.
+    /// Iterates over the FIELDs of a dataset that refer to objects of a bushing of Adams/Car, each with the result of [`Self::read`].
     pub fn all(dataset: &Dataset) -> impl Iterator<Item = (&Statement, Result<Self, String>)> {
         let fields = dataset.statements().iter();
         let fields = fields.filter(|statement| statement.kind() == Some("FIELD"));
@@ -253,7 +259,7 @@ fn values(stated: &Stated, name: &str) -> Vec<f64> {
     stated.numbers(name).iter().map(|n| n.value).collect()
 }
 
-/// Returns true if the values lie opposite each other about zero.
+/// Returns true if the sequence is antisymmetric: each value is the negative of its mirror image, within the tolerance [`ODD_RELATIVE`].
 fn opposite(values: &[f64]) -> bool {
     let tolerance = ODD_RELATIVE * values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     let mut pairs = values.iter().zip(values.iter().rev());
@@ -267,8 +273,8 @@ pub fn parameters(user: &str) -> impl Iterator<Item = f64> + '_ {
     words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok())
 }
 
-/// Returns the message that the built-in solver reads FIELDs of Adams/Car as bushings, and its help. `others` are parameters whose meaning
-/// is not known.
+/// Returns the message that the built-in solver reads FIELDs as bushings of Adams/Car, and the help text of this message. `count` is the
+/// number of FIELDs. `others` contains the parameters whose meaning is unknown.
 pub fn reading(count: usize, others: &[f64]) -> (String, String) {
     let subject = match count {
         1 => "1 FIELD is read as a bushing".to_string(),

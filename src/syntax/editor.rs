@@ -211,8 +211,8 @@ impl Dataset {
     /// If the address has no argument name, FUNCTION is used. An argument that is not written is added.
     ///
     /// # Errors
-    /// Returns `undefined-id` if the object does not exist, `bad-expression` for a function that cannot be parsed, `syntax-error` for a
-    /// text with a line end, `;` or `!`, and `wrong-type` for a flag or an address with an index.
+    /// Returns `undefined-id` if the object does not exist, and `bad-expression` for a function that cannot be parsed. Returns
+    /// `syntax-error` for a text with a line end, `;` or `!`, and `wrong-type` for a flag or an address with an index.
     pub fn set_text(&self, address: &Address, text: &str) -> Result<Vec<Edit>, Diagnostic> {
         if address.kind == "TITLE" {
             return self.set_title(text);

@@ -12,7 +12,7 @@ pub fn floating_faults(
     dataset: &Dataset,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    // Requests may measure floating markers. Graphics, tyres and markers use floating markers in their own ways.
+    // Requests may measure floating markers. Graphics, tyres and markers use floating markers in special ways.
     if matches!(
         statement.kind(),
         Some("REQUEST" | "GRAPHICS" | "MARKER" | "TIRE" | "FEMDATA")

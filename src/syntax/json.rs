@@ -395,7 +395,7 @@ fn change_value(
         matches!(argument.value, Value::Texts(_)) && start > 0 && dataset.bytes()[start - 1] == b'"'
     });
     let text = match new {
-        // The list as a whole is in quotes, which stay in place.
+        // The first opening quote and the last closing quote of the list stay in place.
         Json::Array(items) if quoted && items.iter().all(Json::is_string) => {
             let texts: Vec<&str> = items.iter().filter_map(Json::as_str).collect();
             Some(texts.join("\", \""))

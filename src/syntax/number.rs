@@ -27,8 +27,8 @@ pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
 
 /// Parses an unsigned number exactly, if its digits form an integer up to 2^53 and the power of ten lies between 10^-22 and 10^22.
 ///
-/// The integer and the power of ten are then exact doubles, so that one multiplication or division is correctly rounded (Clinger 1990).
-/// Returns `None` for other texts.
+/// The integer and the power of ten are then exact doubles, so one multiplication or division is correctly rounded (Clinger 1990). Returns
+/// `None` for other texts.
 fn plain(text: &[u8]) -> Option<f64> {
     const POWERS: [f64; 23] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,

@@ -346,7 +346,7 @@ impl<'a> StatementParser<'a> {
             value,
         };
         let end = match &argument.value {
-            // The numbers of the value are still hidden in the pool, but `list` contains the same numbers.
+            // The numbers of the value cannot be read before the pool is closed, but `list` contains the same numbers.
             Value::Numbers(_) => self.list.last().map_or(0, |number| number.span.end()),
             _ => argument.value_span().end(),
         };

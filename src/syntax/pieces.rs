@@ -132,7 +132,7 @@ pub struct Pieces {
 pub struct Change {
     /// Removed pieces; they were next to each other in the file.
     pub removed: Vec<Arc<Piece>>,
-    /// Indices of the pieces that take their place.
+    /// Indices of the pieces that replace the removed ones.
     pub added: Range<usize>,
 }
 
@@ -252,7 +252,7 @@ impl Pieces {
             if let Some(new) = self.read(first, &bytes, next.map(Arc::as_ref)) {
                 break new;
             }
-            // The range doubles in each round, so that each line is parsed only a few times even if the edit changes all pieces.
+            // The range doubles in each round, so each line is parsed only a few times even if the edit changes all pieces.
             let more = (last - first).max(1).min(count - last);
             for piece in &self.all[last..last + more] {
                 bytes.extend_from_slice(piece.source.bytes());
@@ -308,7 +308,7 @@ impl Pieces {
         let mut from = 0;
         // Logical lines end at END; the text after it is split in the same way.
         while from < bytes.len() {
-            // Only at the start of the file, the title precedes the first statement.
+            // The title precedes the first statement only at the start of the file.
             let title = match (first, from) {
                 (0, 0) => physical_line(bytes, 0).next,
                 _ => from,

@@ -119,7 +119,7 @@ pub(super) fn statement_before(
     role: Role,
     otherwise: Option<&'static StatementDef>,
 ) -> Option<&'static StatementDef> {
-    // Only this many lines are searched, because a long run of lines without a keyword is no sensible deck.
+    // Only this many lines are searched, because no sensible deck has a longer run of lines without a keyword.
     const MOST: usize = 16;
     for line in lines.iter().rev().take(MOST) {
         let mut parser = StatementParser::new(source, role);

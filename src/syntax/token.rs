@@ -64,7 +64,7 @@ impl Number {
     }
 }
 
-/// Returns a value as an id, or `None` if it is not a valid id. Zero is no id; it means ground or no object.
+/// Returns a value as an id, or `None` if it is not a valid id. Zero is not a valid id; it means ground or no object.
 pub fn as_id(value: f64) -> Option<u32> {
     let whole = value.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&value);
     whole.then_some(value as u32)

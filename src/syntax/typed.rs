@@ -1,4 +1,4 @@
-//! Parsing of statements that a user typed and that are to be added to a dataset in its own style.
+//! Parsing of statements that a user typed. The statements are then added to a dataset in the style of this dataset.
 
 use super::lines::logical_lines;
 use super::statement::{NO_OWNER, without_continuation};

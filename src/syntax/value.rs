@@ -144,7 +144,7 @@ impl StatementParser<'_> {
         }
     }
 
-    /// Parses numbers separated by commas, up to the first separator that is not followed by a number. After an error the cursor is at the
+    /// Parses numbers separated by commas, up to the first separator that is not followed by a number. After an error, the cursor is at the
     /// fault.
     fn numbers(&mut self, cursor: &mut Cursor) -> Result<Shared<Number>, NotNumbers> {
         self.list.clear();

@@ -15,8 +15,8 @@ pub type Twist = (Vec3, Vec3);
 
 /// Maximum number of load cases that are tried until one of them has an equilibrium.
 const TRIED: usize = 3;
-/// Fraction of the mass of a spinning part that stays on the part when its weight is moved to the parts that carry it. The weight of this
-/// mass resists the spin no more than round-off does.
+/// Fraction of the mass that stays on a spinning part when its weight is moved to the parts that carry it. The weight of this fraction
+/// resists the spin no more than round-off does.
 const TRACE: f64 = 1e-12;
 /// Relative tolerance for a rotation about a line.
 ///
@@ -57,7 +57,7 @@ struct Carrier {
     mass: Address,
     share: f64,
     /// Ids of the marker at the mass centre of the carrier and of the marker where it carries the spinning part. `None` if other statements
-    /// use the marker at the mass centre, so that it must not be moved.
+    /// use the marker at the mass centre, because this marker must then not be moved.
     places: Option<[u32; 2]>,
 }
 
@@ -103,7 +103,8 @@ impl HeldWeight {
 }
 
 impl FreeMotions {
-    /// Finds the motions of a lowered and compiled deck under its loads. Empty if none of the first load cases has an equilibrium.
+    /// Finds the motions of a lowered and compiled deck under its loads. Finds no motions if none of the first load cases has an
+    /// equilibrium.
     pub fn new(dataset: &Dataset, model: &Model, system: &System, loads: Loads) -> Self {
         let mut parameters = system.parameters();
         let settings = tight_settings(system);
@@ -204,8 +205,8 @@ fn turns_about_a_line((v, w): &Twist) -> bool {
     turn > 0.0 && v.dot(w).abs() <= STEADY * turn * v.norm()
 }
 
-/// Returns the weights of all parts that rotate about a common line in this motion and have their mass centres on the line. Empty if the
-/// motion is not such a rotation.
+/// Returns the weights of all parts that rotate about a common line in this motion and have their mass centres on the line. The list is
+/// empty if the motion is not such a rotation.
 fn weights(
     (dataset, model): (&Dataset, &Model),
     system: &System,
@@ -245,7 +246,7 @@ fn weights(
         let on_line = moving(own.part.0) && (from - along * axis).norm() <= near;
         on_line.then_some(along)
     };
-    // Ends of the moving parts: the position along the line, and the marker of the part that does not move and carries them there.
+    // Supports of the moving parts: the position along the line, and the marker of the part at rest that carries a moving part there.
     let pairs = model.joints.iter().map(|joint| (joint.i, joint.j));
     let pairs = pairs.chain(model.primitives.iter().map(|own| (own.i, own.j)));
     let pairs = pairs.flat_map(|(i, j)| [(i, j), (j, i)]);

@@ -4,7 +4,7 @@
 //! therefore not enough to end the program itself.
 //!
 //! Each run is the leader of a process group, and all its processes inherit a mark in their environment. On Linux, orphaned processes
-//! become children of `admire` (PR_SET_CHILD_SUBREAPER). By group, mark and parent, all processes of a run are found.
+//! become children of `admire` (PR_SET_CHILD_SUBREAPER). The processes of a run are found by their group, mark and parent.
 
 use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -122,7 +122,8 @@ fn end(root: u32, mark: &str) {
         });
         ended.extend(found.iter().filter(|id| **id != root));
         for id in &ended {
-            // Orphaned processes are now children of `admire` and must be waited for. Whoever started the root waits for the root.
+            // Orphaned processes are now children of `admire` and must be waited for. The root is excluded, because its `ProcessTree` waits
+            // for it.
             let _ = pid(*id).map(|id| waitpid(id, Some(WaitPidFlag::WNOHANG)));
         }
         if found.is_empty() {
@@ -241,8 +242,8 @@ mod tests {
         let all = [
             process(1, 0, 1),
             process(10, 1, 10),
-            // In this order: the run, its child, a grandchild in a session of its own, an orphan that left the group, a marked process
-            // elsewhere, and a child of the marked process.
+            // The processes are the run, its child, a grandchild in a session of its own, and an orphan that left the group. A marked
+            // process elsewhere and a child of the marked process follow.
             process(20, 10, 20),
             process(21, 20, 20),
             process(22, 21, 22),

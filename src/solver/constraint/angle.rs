@@ -19,7 +19,7 @@ fn row(v: &Vec3, n: usize) -> (Vec3, Mat3) {
 /// Returns the Jacobian row of the angle that an axis v of I (in J axes) makes about axis n of J. The second value is the derivative of
 /// this row with respect to `dtheta`, a small rotation of I in J axes.
 ///
-/// With `dv = dtheta x v` the row is `g = e_n - v_n w / (w . w)` and `dg = (dg/dv) (dtheta x v)`.
+/// With `dv = dtheta x v`, the row is `g = e_n - v_n w / (w . w)` and `dg = (dg/dv) (dtheta x v)`.
 pub(super) fn about_j(v: &Vec3, n: usize) -> (Vec3, Mat3) {
     let (g, by_v) = row(v, n);
     (g, -by_v * skew(v))
@@ -28,7 +28,7 @@ pub(super) fn about_j(v: &Vec3, n: usize) -> (Vec3, Mat3) {
 /// Returns the Jacobian row of the angle by which I has turned about its own axis n away from axis m of J. The second value is the
 /// derivative of this row with respect to `dtheta`, a small rotation of I. Both are in J axes.
 ///
-/// With u = e_m expressed in I axes, the angle is minus the angle of u about n. With `du = skew(u) R' dtheta` the row is `g = R row(u)`,
+/// With u = e_m expressed in I axes, the angle is minus the angle of u about n. With `du = skew(u) R' dtheta`, the row is `g = R row(u)`,
 /// hence `dg = dtheta x g + R (drow/du) skew(u) R' dtheta`.
 pub(super) fn about_i(R_ji: &Mat3, m: usize, n: usize) -> (Vec3, Mat3) {
     let u: Vec3 = R_ji.row(m).transpose();

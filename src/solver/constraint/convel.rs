@@ -1,4 +1,4 @@
-//! Constraint equations of the CONVEL (constant-velocity) joint. Contains no torque balance.
+//! Constraint equations of the CONVEL (constant-velocity) joint. The module contains no torque balance.
 
 use super::locks::add_product;
 use super::{Constraint, Equations};
@@ -7,7 +7,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 /// CONVEL: constant-velocity joint with its shafts along zi and zj.
 ///
 /// With d the vector from the J origin to the I origin, the equations are d = 0 and one product equation. The product equation is `xi.yj -
-/// yi.xj = 0` for co-directed z axes, and `xi.yj + yi.xj = 0` for opposed z axes (both pointing away from the joint). With the wrong sign
+/// yi.xj = 0` for co-directed z axes, and `xi.yj + yi.xj = 0` for opposed z axes (both pointing away from the joint). With the wrong sign,
 /// the product equation holds for every twist and constrains nothing. [`Convel::for_design`] therefore selects the sign once, from the
 /// design position. The joint is undefined when the shafts fold to 90 degrees. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

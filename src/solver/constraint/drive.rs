@@ -1,13 +1,13 @@
-//! MOTION as a constraint equation on a displacement. The caller evaluates the FUNCTION. It also integrates or rejects a MOTION that
-//! prescribes a velocity or an acceleration.
+//! MOTION as a constraint equation on a displacement. The caller evaluates the FUNCTION, and integrates or rejects a MOTION that prescribes
+//! a velocity or an acceleration.
 
 use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};
 
 /// MOTION in displacement form: `measure - value = 0`. The only parameter is the value of the FUNCTION.
 ///
-/// The reaction `-multiplier * row` is the force or torque that drives I along or about an axis of J. Valid wherever the measure is
-/// defined. Source: Adams Solver help, `state_motion`.
+/// The reaction `-multiplier * row` is the force or torque that drives I along or about an axis of J. The equation is valid wherever the
+/// measure is defined. Source: Adams Solver help, `state_motion`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Drive {
     /// Displacement that the MOTION prescribes.

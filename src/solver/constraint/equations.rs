@@ -1,4 +1,4 @@
-//! Interface of a constraint between two markers. Independent of any particular constraint and of the part coordinates.
+//! Interface of a constraint between two markers. The module is independent of any particular constraint and of the part coordinates.
 
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 

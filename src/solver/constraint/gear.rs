@@ -1,4 +1,5 @@
-//! GEAR as a weighted sum of joint displacements. Independent of the model: the caller supplies the marker poses on the carrier.
+//! GEAR as a weighted sum of joint displacements. The module is independent of the model: the caller supplies the marker poses on the
+//! carrier.
 
 use super::RelativeCoordinate;
 use crate::mechanics::{Pose, Vec3};
@@ -15,7 +16,7 @@ pub(crate) struct GearTerm {
 
 /// Type of a geared joint, which determines its degrees of freedom.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub(crate) enum GearedJoint {
     Revolute,
     Translational,

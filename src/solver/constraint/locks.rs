@@ -1,4 +1,4 @@
-//! Constraint that locks distances and scalar products, as most joints do. Independent of the joint names.
+//! Constraint that locks distances and scalar products, as most joints do. The module is independent of the joint names.
 
 use super::{Constraint, Equations};
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};

@@ -1,4 +1,4 @@
-//! Displacements between two markers with first and second derivatives. Contains no constraint equations.
+//! Displacements between two markers with first and second derivatives. The module contains no constraint equations.
 
 use super::angle::{about_i, about_j};
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};

@@ -1,11 +1,11 @@
-//! Common enum type of all pair constraints. Contains no formulas.
+//! Common enum type of all pair constraints. The module contains no formulas.
 
 use super::{Constraint, Convel, Drive, Equations, Locks, RackPinion, Screw};
 use crate::mechanics::RelativeMotion;
 
 /// Any constraint between one pair of markers, stored by value (not boxed).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // Each variant is the constraint of its name.
+#[allow(missing_docs)] // Each variant is named after its constraint.
 pub(crate) enum PairConstraint {
     Locks(Locks),
     Convel(Convel),

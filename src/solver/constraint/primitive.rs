@@ -1,6 +1,6 @@
 //! The joint primitives of JPRIM (Adams Solver help, `state_jprim`) as locked distances and scalar products.
 //!
-//! Frames as in [`super::joint`]. Independent of the deck statement.
+//! The frames are those of [`super::joint`]. The module is independent of the deck statement.
 
 use super::Locks;
 

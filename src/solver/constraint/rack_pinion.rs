@@ -1,4 +1,4 @@
-//! The RACKPIN joint. Independent of the joints that hold rack and pinion on their carrier.
+//! The RACKPIN joint. The module is independent of the joints that hold rack and pinion on their carrier.
 
 use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};
@@ -8,13 +8,14 @@ use crate::mechanics::{RelativeMotion, Vec6};
 /// on that side (grammar/NOTES.md).
 const SENSE: f64 = 1.0;
 
-/// RACKPIN: I is on the pinion, which turns about zi. J is on the rack, which slides along zj. At zero rotation xi lies along zj.
+/// RACKPIN: I is on the pinion, which turns about zi. J is on the rack, which slides along zj. At zero rotation, xi lies along zj.
 ///
 /// The equation is `-d.zj - SENSE PD / 2 phi = 0`. Here d is the vector from the J origin to the I origin, and phi is the rotation of I
 /// about zi, measured from the position with xi along zj. The rack carries J, so its displacement relative to I is `-d`, and it advances by
 /// the pitch radius times phi. Full turns are counted by choosing the phi nearest to the value that follows from the rack position. This is
-/// the only equation; other joints keep the axes perpendicular. The parameter is PD, the signed pitch diameter. Valid as long as zj does
-/// not lie along the pinion axis zi. Source: Adams Solver help, `state_joint`, `constraint_mod_joi_rac`; for the sign see `SENSE`.
+/// the only equation; other joints keep the axes perpendicular. The parameter is PD, the signed pitch diameter. The equation is valid as
+/// long as zj does not lie along the pinion axis zi. Source: Adams Solver help, `state_joint`, `constraint_mod_joi_rac`; for the sign see
+/// `SENSE`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct RackPinion;
 
@@ -40,7 +41,7 @@ impl Constraint for RackPinion {
     ) {
         let radius = SENSE * 0.5 * theta[0];
         let advance = -motion.p_ij_j.z;
-        // With a zero pitch radius, the rack position determines no rotation.
+        // If the pitch radius is zero, the rack position does not determine the rotation.
         let near = if radius == 0.0 { 0.0 } else { advance / radius };
         let turn = RelativeCoordinate::Pinion.evaluate(motion, near);
         out.count = 1;
@@ -80,7 +81,7 @@ mod tests {
     /// A pinion of pitch diameter 20 that turns by 7.5 rad, more than a full turn, moves the rack by 75.
     #[test]
     fn the_rack_advances_by_radius_times_turn() {
-        // At zero rotation xi lies along zj and zi along yj.
+        // At zero rotation, xi lies along zj and zi along yj.
         let rest = Mat3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
         let turn = 7.5;
         let motion = RelativeMotion {

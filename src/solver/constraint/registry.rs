@@ -1,4 +1,4 @@
-//! Registry of the pair constraints. Contains no parameter values.
+//! Registry of the pair constraints. The module contains no parameter values.
 
 use super::{
     Convel, Drive, Locks, PairConstraint, RackPinion, RelativeCoordinate, Screw,
@@ -15,7 +15,7 @@ pub(crate) struct ConstraintEntry {
     pub kind: &'static str,
     /// Equations of the constraint.
     pub constraint: PairConstraint,
-    /// Argument that gives the constraint's parameter, if it has one. The grammar defines its dimension and bounds. For a MOTION the
+    /// Argument that gives the constraint's parameter, if it has one. The grammar defines its dimension and bounds. For a MOTION, the
     /// parameter is the value of its FUNCTION.
     pub argument: Option<&'static str>,
     /// Adams help page that defines the equations.

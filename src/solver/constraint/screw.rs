@@ -1,4 +1,4 @@
-//! The SCREW joint. Independent of the CYLINDRICAL joint that usually accompanies it.
+//! The SCREW joint. The module is independent of the CYLINDRICAL joint that usually accompanies it.
 
 use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};

@@ -1,4 +1,4 @@
-//! The elastic law of BEAM in its linear formulation. Contains no mass.
+//! The elastic law of BEAM in its linear formulation. The module contains no mass.
 
 use super::deflection::Deflection;
 use super::field::linear;
@@ -204,7 +204,7 @@ mod tests {
     const A: f64 = 78.5;
 
     fn tip(theta: &[f64], wrench: &Vec6) -> Vec6 {
-        // For small deflections the law is linear, with by_motion = -K at the free position.
+        // For small deflections, the law is linear, with by_motion = -K at the free position.
         let motion = RelativeMotion {
             p_ij_j: Vec3::new(theta[0], 0.0, 0.0),
             R_ji: Mat3::identity(),

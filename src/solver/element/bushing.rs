@@ -1,4 +1,4 @@
-//! The elastic law of BUSHING. Independent of parts and files; the damping is in [`super::damping`].
+//! The elastic law of BUSHING. The module is independent of parts and files; the damping is in [`super::damping`].
 
 use super::deflection::Deflection;
 use super::{Degenerate, Law, LawEntry, Wrench};

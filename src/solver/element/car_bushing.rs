@@ -1,4 +1,5 @@
-//! The elastic law of a FIELD that Adams/Car writes for a bushing. Independent of names and ids; the damping is in [`super::damping`].
+//! The elastic law of a FIELD that Adams/Car writes for a bushing. The module is independent of names and ids; the damping is in
+//! [`super::damping`].
 
 use super::deflection::Deflection;
 use super::{Degenerate, Law, Wrench};
@@ -6,20 +7,21 @@ use crate::function::Interpolant;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 use admire_syntax::car_field::CarAxis;
 
-/// Radial deflection, relative to the range of the curve, below which round-off spoils X(r)/r. The tangent replaces it there.
+/// Radial deflection, relative to the range of the curve, below which round-off makes X(r)/r inaccurate. The slope of the curve is used
+/// instead.
 const ROUND_OFF_RELATIVE: f64 = 1e-12;
 
-/// Bushing of Adams/Car: a curve per axis of J; the curves of x and y share the radial deflection.
+/// Bushing of Adams/Car: one curve per axis of J. The curves of x and y depend on the common radial deflection.
 ///
-/// Law, in J axes, on I at the I origin, with (x, y, z, AX, AY, AZ) = d and, for each axis k, the scale V, preload P, offset Q and stretch H
-/// of its array and q = H d - Q:
+/// Law, in J axes, on I at the I origin, with the deflections d = (x, y, z, AX, AY, AZ). The array of axis k gives the scale V_k, the
+/// preload P_k, the offset Q_k and the stretch H_k, and q_k = H_k d_k - Q_k:
 /// ```text
 /// r = sqrt(q_x^2 + q_y^2)
 /// F_x = P_x - V_x X(r) q_x/r,  F_y = P_y - V_y Y(r) q_y/r
 /// F_k = P_k - V_k C_k(q_k)  for z and the torques
 /// ```
-/// X and Y are odd, so that X(r)/r has a limit at r = 0. The reaction on J is that of a BUSHING. Parameters: the eleven values of each
-/// array, axis by axis; those that have no part in the law have zero derivatives. Validity: angles as for BUSHING.
+/// X and Y are odd, so X(r)/r has a limit at r = 0. The reaction on J is that of a BUSHING. Parameters: the eleven values of each array,
+/// axis by axis; derivatives with respect to values that the law does not use are zero. Validity: angles as for BUSHING.
 /// Source: 505 states of a real axle without offsets; offsets and scales as in the compatible bushings of MotionView (AutoBush).
 #[derive(Debug)]
 pub(crate) struct CarBushing {
@@ -31,7 +33,7 @@ impl CarBushing {
         Self { curves }
     }
 
-    /// Returns X(r)/r and its derivative by r, for a radial axis.
+    /// Returns X(r)/r and its derivative with respect to r, for a radial axis.
     fn secant(&self, axis: usize, r: f64) -> (f64, f64) {
         let curve = &self.curves[axis];
         let (at_zero, [tangent, _]) = curve.at(0.0, 0.0, 0);
@@ -39,7 +41,7 @@ impl CarBushing {
             return (tangent, 0.0);
         }
         let (value, [slope, _]) = curve.at(r, 0.0, 0);
-        // An odd curve is zero at zero, up to round-off.
+        // An odd curve is zero at r = 0, up to round-off.
         let secant = (value - at_zero) / r;
         (secant, (slope - secant) / r)
     }
@@ -62,7 +64,7 @@ impl Law for CarBushing {
             |axis: usize, which: usize| theta[CarAxis::LENGTH * axis + CarAxis::PLACES[which]];
         let d6 = d.coordinates();
         let q = Vec6::from_fn(|k, _| number(k, 3) * d6[k] - number(k, 2));
-        // c holds the values of the curves, by_q their derivatives by the deflections.
+        // c contains the values of the curves, and by_q their derivatives with respect to q.
         let mut c = Vec6::zeros();
         let mut by_q = Mat6::zeros();
         let r = libm::hypot(q[0], q[1]);
@@ -118,7 +120,7 @@ mod tests {
     use crate::mechanics::{Pose, Vec3, exp};
     use crate::model::Spline;
 
-    /// Round knots of an odd, progressive curve.
+    /// Symmetric knots of the test curves, in round numbers.
     const X: [f64; 7] = [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0];
 
     fn curve(y: impl Fn(f64) -> f64, unit: f64) -> Interpolant {
@@ -143,7 +145,7 @@ mod tests {
         ])
     }
 
-    /// Arrays with scale, preload, offset and stretch.
+    /// Returns the arrays of all axes, with the given scale, preload, offset and stretch of each axis.
     fn theta(of: impl Fn(usize) -> [f64; 4]) -> Vec<f64> {
         let mut theta = vec![0.0; 6 * CarAxis::LENGTH];
         for axis in 0..6 {
@@ -180,7 +182,7 @@ mod tests {
         out
     }
 
-    /// Deflections inside and beyond the curves, on an axis, and at the origin.
+    /// Returns motions with deflections inside the curves, beyond them, near the origin, and on an axis.
     fn motions() -> Vec<RelativeMotion> {
         vec![
             at([1.1, -0.7, 0.4], [0.05, -0.03, 0.08]),
@@ -190,13 +192,13 @@ mod tests {
         ]
     }
 
-    /// Returns whether an axis is not deflected.
+    /// Returns whether the deflection of any axis is zero.
     fn at_rest(motion: &RelativeMotion) -> bool {
         let deflected = motion.p_ij_j.iter().chain(motion.angles.iter());
         deflected.into_iter().any(|d| *d == 0.0)
     }
 
-    /// The closed form: knots of the curves are hit exactly, and r = 5 lies on none of the axes.
+    /// The law agrees with its closed form. Each radial deflection is a knot of the curves, and no radial deflection lies on an axis.
     #[test]
     fn radial_axes_share_the_radial_deflection() {
         let plain = theta(|k| [if k == 0 { 1.5 } else { 1.0 }, 10.0 * k as f64, 0.0, 1.0]);
@@ -222,7 +224,7 @@ mod tests {
         }
     }
 
-    /// Offset and scale of the displacement: at d = (knot + offset)/scale the curve is at its knot.
+    /// The argument of a curve is the scaled displacement minus the offset. At d = (knot + offset)/scale, it is therefore a knot.
     #[test]
     fn offsets_are_subtracted_from_the_scaled_displacement() {
         let shifted = theta(|k| {
@@ -236,7 +238,7 @@ mod tests {
         assert!((value[2] - (7.0 - 2.0 * (80.0 * 4.0 + 30.0 * 16.0))).abs() < 1e-9);
     }
 
-    /// Beyond the last knot a curve is extrapolated along its last chord, in torsion too.
+    /// Beyond its last knot, a curve is extrapolated along its last chord, also in torsion.
     #[test]
     fn curves_are_lines_beyond_their_ends() {
         let plain = theta(|_| [1.0, 0.0, 0.0, 1.0]);
@@ -274,7 +276,7 @@ mod tests {
                     (column - difference).norm() < 1e-8 * scale,
                     "{n}: {column} {difference}"
                 );
-                // A derivative by the stretch of an axis that is not deflected is zero.
+                // The derivative with respect to the stretch of an axis is zero if the axis is not deflected.
                 let acts = CarAxis::PLACES.contains(&(n % 11));
                 assert!(acts || column.norm() == 0.0, "{n}");
                 assert!(!acts || column.norm() > 0.0 || at_rest(&motion), "{n}");
@@ -282,7 +284,7 @@ mod tests {
         }
     }
 
-    /// At r = 0 the law has the tangent of its curves and no direction is preferred.
+    /// At r = 0, the stiffness equals the slopes of the curves, for any direction of a small deflection.
     #[test]
     fn the_law_is_smooth_at_the_origin() {
         let plain = theta(|_| [1.0, 0.0, 0.0, 1.0]);

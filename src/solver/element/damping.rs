@@ -1,4 +1,4 @@
-//! Damping of a force element: the part of the wrench that depends on the velocity of I relative to J. Contains no stiffness.
+//! Damping of a force element: the part of the wrench that depends on the velocity of I relative to J. The module contains no stiffness.
 
 use super::line::Line;
 use super::{Degenerate, Wrench};

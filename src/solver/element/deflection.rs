@@ -1,4 +1,4 @@
-//! Deflection of bushing-like elements. Contains no stiffness.
+//! Deflection of bushing-like elements. The module contains no stiffness.
 
 use super::Degenerate;
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6};
@@ -16,7 +16,7 @@ pub(super) struct Deflection {
     pub angle_rows: Mat3,
 }
 
-/// Threshold for the squared length of an axis projected onto the plane of an angle. Below this threshold the angle is undefined.
+/// Threshold for the squared length of an axis projected onto the plane of an angle. Below this threshold, the angle is undefined.
 const VANISHING: f64 = 1e-20;
 
 impl Deflection {

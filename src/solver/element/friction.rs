@@ -1,13 +1,13 @@
-//! Coefficient of joint friction during sliding, during stiction with creep, and in the transition between them. Independent of the joint
-//! and its load.
+//! Coefficient of joint friction during sliding, during stiction with creep, and in the transition between them. The module is independent
+//! of the joint and its load.
 
 use crate::mechanics::{Mat3, Vec3};
 
 /// Friction law of FRICTION: the coefficient vector as a function of the surface velocity v and the creep c. The creep is the integral of v
 /// since sticking started.
 ///
-/// S is the quintic step (STEP5), u = v/|v| and e = c/|c|. vs and vd are the velocities of full static and full dynamic friction, and D is
-/// the maximum stiction deformation:
+/// S is the quintic step (STEP5), u = v/|v| and e = c/|c|. The velocities of full static and full dynamic friction are vs and vd. D is the
+/// maximum stiction deformation:
 ///
 /// ```text
 /// |v| >= vd         mu = -mu_d u
@@ -66,7 +66,7 @@ fn radial(x: &Vec3, size: f64, g: f64, slope: f64) -> Mat3 {
 
 impl FrictionLaw {
     /// Returns this law with both friction coefficients set to 1 and the velocities unchanged. It gives the direction of a friction force
-    /// from a preload, which no friction coefficient multiplies.
+    /// from a preload, which is not multiplied by a friction coefficient.
     #[must_use]
     pub(crate) fn direction(&self) -> Self {
         Self {
@@ -81,7 +81,7 @@ impl FrictionLaw {
         speed < self.stiction_velocity
     }
 
-    /// Computes the coefficient at surface velocity `v` and creep `c`. At rest the derivative with respect to the velocity depends on the
+    /// Computes the coefficient at surface velocity `v` and creep `c`. At rest, the derivative with respect to the velocity depends on the
     /// direction; the mean of the one-sided derivatives in opposite directions is returned.
     pub(crate) fn coefficient(&self, v: &Vec3, c: &Vec3) -> Coefficient {
         let speed = v.norm();
@@ -145,7 +145,7 @@ mod tests {
         deformation: 0.01,
     };
 
-    /// S(x, x0, h0, x1, h1) as defined in the help page of STEP5.
+    /// Evaluates S(x, x0, h0, x1, h1) as defined in the help page of STEP5.
     fn step5(x: f64, x0: f64, h0: f64, x1: f64, h1: f64) -> f64 {
         let t = ((x - x0) / (x1 - x0)).clamp(0.0, 1.0);
         h0 + (h1 - h0) * t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)

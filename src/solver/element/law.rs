@@ -1,4 +1,4 @@
-//! Interface of a force law. Independent of any particular law and of the part coordinates.
+//! Interface of a force law. The module is independent of any particular law and of the part coordinates.
 
 use super::Degenerate;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
@@ -51,7 +51,7 @@ pub(crate) trait Law: std::fmt::Debug + Send + Sync {
     /// compute.
     ///
     /// # Errors
-    /// [`Degenerate`] where the law is undefined at this motion; `out` is then unspecified.
+    /// Returns [`Degenerate`] where the law is undefined at this motion; `out` is then unspecified.
     fn evaluate(
         &self,
         motion: &RelativeMotion,

@@ -1,4 +1,5 @@
-//! Forces along the line between two origins, with the derivative due to the rotation of the line. Independent of the law of the magnitude.
+//! Forces along the line between two origins, with the derivative due to the rotation of the line. The module is independent of the law of
+//! the magnitude.
 
 use super::{Degenerate, Wrench};
 use crate::mechanics::{Mat3, Mat6, RelativeMotion, Vec3, Vec6};

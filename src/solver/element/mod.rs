@@ -1,7 +1,7 @@
 //! Force laws: one file per element.
 //!
-//! A new law needs three additions: an entry in the grammar whose `law` line gives its name and arguments, one file here with a `LAWS`
-//! constant, and a `mod` line with an entry in `FILES` below.
+//! A new law needs three additions. The first is an entry in the grammar whose `law` line gives its name and arguments. The others are one
+//! file here with a `LAWS` constant, and a `mod` line with an entry in `FILES` below.
 //!
 //! A law depends only on the relative motion of its marker pair and on its own parameters. It returns a wrench on I with exact derivatives.
 //! `system` computes the reaction on J, the chain rule to the part coordinates and the geometric stiffness once for all laws.

@@ -1,4 +1,4 @@
-//! The elastic law of NFORCE. Independent of parts; contains no damping.
+//! The elastic law of NFORCE. The module is independent of parts and contains no damping.
 
 use super::Degenerate;
 use super::deflection::Deflection;
@@ -33,7 +33,7 @@ impl MultiPoint {
     /// `out` is used.
     ///
     /// # Errors
-    /// [`Degenerate`] where an angle is undefined.
+    /// Returns [`Degenerate`] where an angle is undefined.
     pub(crate) fn evaluate(
         self,
         motions: &[RelativeMotion],

@@ -1,4 +1,4 @@
-//! Registry of the force laws. Contains no formulas and no values; arguments, dimensions and bounds are in the grammar.
+//! Registry of the force laws. The module contains no formulas and no values; arguments, dimensions and bounds are in the grammar.
 
 use super::{FILES, Law};
 
@@ -166,7 +166,7 @@ mod tests {
         }
     }
 
-    /// At the reference configuration only the preload acts.
+    /// In the reference configuration, only the preload acts.
     #[test]
     fn the_preload_acts_alone_at_zero_deformation() {
         for entry in laws() {

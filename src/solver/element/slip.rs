@@ -4,10 +4,10 @@
 /// Result of evaluating a dry-friction element with memory: a spring in series with a slider (Prandtl element). Its force f depends on a
 /// displacement u.
 ///
-/// While `|K (u - ANCHOR)| <= LIMIT` the element sticks and `f = K (u - ANCHOR)`. Beyond this limit it slides and `f = +-LIMIT`. ANCHOR
-/// is the displacement at which the spring is unloaded. It is constant during an evaluation. `anchor_after` is its value once an equilibrium
-/// is accepted (return mapping), so the force depends on the path. The derivatives are consistent with the return mapping: df/du is K when
-/// sticking and 0 when sliding. K is positive, and LIMIT is not negative.
+/// While `|K (u - ANCHOR)| <= LIMIT` the element sticks, and `f = K (u - ANCHOR)`. Beyond this limit, the element slides and `f = +-LIMIT`.
+/// ANCHOR is the displacement at which the spring is unloaded. It is constant during an evaluation. `anchor_after` is its value once an
+/// equilibrium is accepted (return mapping), so the force depends on the path. The derivatives are consistent with the return mapping: df/du is
+/// K when sticking and 0 when sliding. K is positive, and LIMIT is not negative.
 ///
 /// This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider element;
 /// return mapping as in one-dimensional perfect plasticity.

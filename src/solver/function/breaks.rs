@@ -131,7 +131,7 @@ mod tests {
             ("ABS(TIME-2)+HAVSIN(-TIME,-4,0,-3,1)", &[2.0, 3.0, 4.0]),
             ("SWEEP(TIME,1,0.5,2,8,3,0.1)", &[0.5, 8.0]),
             ("SIGN(TIME-3,1-TIME)", &[1.0, 3.0]),
-            // At 2.5 the two other lines intersect below the largest.
+            // At 2.5, the two other lines intersect below the largest.
             ("MAX(0,TIME-2,2*TIME-5)+MIN(1,1,DX(1))", &[2.0, 3.0]),
             ("MIN(3,TIME,4*TIME-3,DX(1),2)", &[1.0, 2.0]),
             ("DIM(1,0.25*TIME)+DIM(TIME,DX(1))", &[4.0]),

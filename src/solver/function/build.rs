@@ -29,7 +29,7 @@ pub(super) struct Build<'a> {
     places: HashMap<Input, usize>,
     parameters: Vec<usize>,
     constants: Vec<f64>,
-    /// Steps of the program. During compilation their target slots are numbered from 0.
+    /// Steps of the program. During compilation, their target slots are numbered from 0.
     steps: Vec<Instruction>,
     operands: Vec<ValueSlot>,
     pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,

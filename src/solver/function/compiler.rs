@@ -136,8 +136,8 @@ impl<'m> ExpressionCompiler<'m> {
     /// Compiles one expression.
     ///
     /// # Errors
-    /// A diagnostic without a source position, in three cases: an id that the model does not define, an argument that must be an id or a
-    /// code and is not, or a function that only real ADAMS evaluates.
+    /// Returns a diagnostic without a source position in three cases: the model does not define an id, an argument is not an id or a code
+    /// as required, or only real ADAMS evaluates a function.
     pub fn compile(&self, expression: &Expression) -> Result<Program, Diagnostic> {
         Build::new(self, expression).whole()
     }

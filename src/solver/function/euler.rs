@@ -1,7 +1,7 @@
 use super::RotationSequence;
 use crate::mechanics::{Mat3, Vec3};
 
-/// Threshold for the sine (or cosine) of the middle angle. Below this threshold the first and third axes coincide, and the whole rotation
+/// Threshold for the sine (or cosine) of the middle angle. Below this threshold, the first and third axes coincide, and the whole rotation
 /// is assigned to the first angle, as ADAMS does for PSI (guide/formats.md 4.1).
 const PARALLEL: f64 = 1e-12;
 
@@ -55,10 +55,10 @@ impl RotationSequence {
     /// Returns angle `which` of the rotation R, in radians, and its derivative with respect to a rotation vector `dtheta` in the base axes
     /// (`R <- exp(dtheta) R`).
     ///
-    /// The middle angle lies in [0, pi] if the first and last axis are the same, otherwise in [-pi/2, pi/2]. Where the sequence is singular
-    /// the derivative is returned as zero.
+    /// The middle angle lies in [0, pi] if the first and last axis are the same, otherwise in [-pi/2, pi/2]. Where the sequence is
+    /// singular, the derivative is returned as zero.
     ///
-    /// Body-fixed: `R = R_a(t1) R_b(t2) R_c(t3)`. For axes fixed in space the order of the product is reversed.
+    /// Body-fixed: `R = R_a(t1) R_b(t2) R_c(t3)`. For axes fixed in space, the order of the product is reversed.
     pub(crate) fn angle(self, R: &Mat3, which: usize) -> (f64, Vec3) {
         let ([a, b, c], which) = if self.space_fixed {
             let [a, b, c] = self.axes;

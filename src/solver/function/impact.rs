@@ -51,7 +51,7 @@ pub(super) fn bistop(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     if stop.force <= 0.0 {
         return Ok(0.0);
     }
-    // Lower stop: p = x1 - x, F = f. Upper stop: p = x - x2, F = -f. In both cases dF/dx = -df/dp and dF/dxdot = df/drate.
+    // Lower stop: p = x1 - x, F = f. Upper stop: p = x - x2, F = -f. In both cases, dF/dx = -df/dp and dF/dxdot = df/drate.
     by[0] = -stop.by_p;
     by[1] = stop.by_rate;
     by[bound] = stop.by_p;

@@ -79,7 +79,7 @@ pub enum MeasureKind {
 }
 
 impl MeasureKind {
-    /// Returns whether the angle counts full turns, so that its value continues from the previous solution.
+    /// Returns whether the angle counts full turns. The value of such an angle continues from the previous solution.
     pub(crate) fn counts_turns(self) -> bool {
         matches!(self, Self::ProjectedAngle(_) | Self::IncludedAngle)
     }
@@ -138,7 +138,7 @@ pub struct RotationSequence {
 
 /// Component of a force and torque, in the order of the manual's component numbers 1 to 8.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum ForceComponent {
     Fm,
     Fx,

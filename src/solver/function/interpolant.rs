@@ -59,14 +59,15 @@ impl Interpolant {
         })
     }
 
-    /// Prepares a curve by Akima's method that is extrapolated linearly, whatever its SPLINE says. Returns `None` for a surface too.
+    /// Prepares a curve for Akima's method with linear extrapolation, whatever extrapolation its SPLINE requests. Returns `None` for data
+    /// that define no curve, and for a surface.
     pub(crate) fn akima_line(spline: &Spline) -> Option<Self> {
         let mut curve = Self::new(spline, Method::Akima).filter(|curve| !curve.is_surface())?;
         curve.linear_extrapolate = true;
         Some(curve)
     }
 
-    /// Returns the largest size of an x value.
+    /// Returns the largest magnitude of the x values.
     pub(crate) fn reach(&self) -> f64 {
         self.x.iter().fold(0.0, |most, x| x.abs().max(most))
     }

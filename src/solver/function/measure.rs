@@ -1,6 +1,6 @@
 //! Geometric measures of markers: value and derivatives with respect to the motion of each marker.
 //!
-//! Depends on marker poses only. Independent of the parts that carry the markers and of the part coordinates.
+//! The module depends on marker poses only. It is independent of the parts that carry the markers and of the part coordinates.
 
 use super::{Measure, MeasureKind};
 use crate::mechanics::{Mat3, Pose, Vec3, Vec6, projected_angles, unwrap_near};

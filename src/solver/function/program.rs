@@ -211,7 +211,7 @@ impl Program {
     /// Returns the value for the given inputs (in the order of `inputs`) and literals (all literals of the expression, angles in radians).
     ///
     /// # Errors
-    /// [`EvalError`] with the function that has no value for these inputs, and the reason.
+    /// Returns [`EvalError`] with the function that has no value for these inputs, and the reason.
     pub fn eval(
         &self,
         inputs: &[f64],
@@ -230,7 +230,7 @@ impl Program {
     /// A derivative that is infinite at the evaluation point (SQRT at 0, ASIN at 1) is replaced by zero, so that an iteration can continue.
     ///
     /// # Errors
-    /// As [`eval`](Self::eval).
+    /// Returns the errors of [`eval`](Self::eval).
     pub fn eval_with_derivatives(
         &self,
         inputs: &[f64],
@@ -246,7 +246,7 @@ impl Program {
     /// `pieces` is empty, the arguments select the piece of every switch. The observed switch states are left in `scratch`.
     ///
     /// # Errors
-    /// As [`eval`](Self::eval).
+    /// Returns the errors of [`eval`](Self::eval).
     pub(crate) fn eval_on_pieces(
         &self,
         inputs: &[f64],

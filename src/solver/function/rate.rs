@@ -1,7 +1,7 @@
 //! Velocities and accelerations of markers: the value, and its derivatives with respect to position, velocity and acceleration of each
 //! marker.
 //!
-//! Depends on the motion of the markers only. Independent of the parts that carry the markers and of the part coordinates.
+//! The module depends on the motion of the markers only. It is independent of the parts that carry the markers and of the part coordinates.
 
 use super::{RateAxis, RateKind, RateMeasure};
 use crate::mechanics::{Pose, Vec3};

@@ -11,7 +11,7 @@ impl Program {
     /// Returns the exact first and second time derivatives of the value, given the time derivatives of the inputs. This program must have
     /// been evaluated before with the same scratch.
     ///
-    /// For a step `f(a, b, ..)` the time derivatives are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they
+    /// For a step `f(a, b, ..)` the time derivatives are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink, they
     /// belong to the side whose derivatives the evaluation returned. Returns `None` where a step has no second derivatives.
     pub(crate) fn rates_along(
         &self,

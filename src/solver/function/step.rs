@@ -51,7 +51,7 @@ pub(super) fn step(shape: Shape, a: &[f64], by: &mut [f64]) -> Result<f64, Fault
         return Err(Fault::EqualEnds);
     }
     let u = (x - x0) / width;
-    // At and beyond the ends the level is returned exactly.
+    // At and beyond the ends, the level is returned exactly.
     let (s, slope) = if u <= 0.0 {
         (0.0, 0.0)
     } else if u >= 1.0 {

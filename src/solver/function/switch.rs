@@ -2,7 +2,7 @@
 //!
 //! An integrator step is smooth only if every function keeps one formula during the step. The integrator therefore holds each piecewise
 //! function on the piece active at the start of the step, even beyond the end of that piece. The functions are IMPACT, BISTOP, ABS, SIGN,
-//! DIM, MAX, MIN, AINT, ANINT, MOD and IF. After each step the integrator checks whether the end of a piece was passed (event location).
+//! DIM, MAX, MIN, AINT, ANINT, MOD and IF. After each step, the integrator checks whether the end of a piece was passed (event location).
 
 use super::Fault;
 use super::impact::Stop;
@@ -110,7 +110,7 @@ pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched
         let stop = at(side)?;
         let pressed = on == PRESSED[side];
         if pressed {
-            // On both sides dF/dx = -df/dp and dF/dxdot = df/drate.
+            // On both sides, dF/dx = -df/dp and dF/dxdot = df/drate.
             let sign = if side == 0 { 1.0 } else { -1.0 };
             value = sign * stop.force;
             by[0] = -stop.by_p;
@@ -216,7 +216,7 @@ pub(super) fn modulo_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched
     let whole = on as f64;
     by.copy_from_slice(&[1.0, -whole]);
     Switched {
-        // On its own piece the exact remainder is used: it has no round-off, and is NaN where b is zero.
+        // On its own piece, the exact remainder is used: it has no round-off, and is NaN where b is zero.
         value: if on == piece { a % b } else { a - b * whole },
         seen: seen(piece, held, beyond_whole(false, quotient, whole)),
     }

@@ -14,7 +14,7 @@ pub(crate) fn dependent_columns(matrix: &Entries<'_, f64>) -> Vec<u32> {
 mod tests {
     use crate::linear::{Matrix, Sink, dependent_columns};
 
-    /// Of three columns with rank two, one is returned as dependent; the empty fourth column is returned, too.
+    /// The rank of three columns is two, and one of them is returned as dependent. The empty fourth column is returned, too.
     #[test]
     fn one_of_dependent_columns_is_named() {
         let columns = [

@@ -19,7 +19,7 @@ pub(crate) struct Levels {
     /// (column, row) of the entries in `rates`.
     rated: Vec<(u32, u32)>,
     /// Derivative of every entry with respect to the unknown, followed by the derivatives with respect to its first and second rate for each
-    /// entry in `rates`. Few entries have these two values, so that they are stored together at the end.
+    /// entry in `rates`. Few entries have these two values, so they are stored together at the end.
     values: Vec<f64>,
     /// Derivative of every row with respect to time.
     pub time: Vec<f64>,

@@ -1,7 +1,7 @@
 //! Sparse LU factors with an elimination order that is chosen once.
 //!
-//! The first factorisation eliminates the columns in faer's approximate minimum degree order. In small systems it searches for sparse columns
-//! instead (Markowitz). In each column it chooses the shortest row whose pivot is large enough for stability, and it records its operations.
+//! The first factorisation eliminates the columns in faer's approximate minimum degree order. In small systems, it searches for sparse columns
+//! instead (Markowitz). In each column, it chooses the shortest row whose pivot is large enough for stability, and it records its operations.
 //! Later factorisations repeat these operations with other values. If a pivot becomes too small, a new order is chosen. Columns without any
 //! acceptable pivot (motions without stiffness) are set aside, and their unknowns are held at zero.
 //!
@@ -66,7 +66,7 @@ impl<T: Scalar> Lu<T> {
         Self::with(n, Form::rows(), GROWTH)
     }
 
-    /// Creates factors for many solutions that serve only as corrections in an iteration. Smaller pivots are then acceptable, so that an order
+    /// Creates factors for many solutions that serve only as corrections in an iteration. Smaller pivots are then acceptable, so an order
     /// remains in use for longer.
     pub(crate) fn for_steps(n: usize) -> Self {
         Self::with(n, Form::rows(), GROWTH_OF_STEPS)
@@ -224,7 +224,8 @@ impl<T: Scalar> Lu<T> {
         &self.idle
     }
 
-    /// Returns the m-th null vector of the matrix. Of the unknowns without a pivot, the m-th is one and all others are zero.
+    /// Returns the m-th null vector of the matrix. Its component for the m-th unknown without a pivot is one, and its components for the other
+    /// unknowns without a pivot are zero.
     pub(crate) fn null_vector(&self, m: usize) -> Vec<T> {
         let mut x = vec![T::default(); self.n];
         x[self.free[m] as usize] = T::ONE;

@@ -43,7 +43,7 @@ impl EliminationStep {
         column_scale: f64,
         growth: f64,
     ) -> Option<Pivot<T>> {
-        // Written so that a NaN fails.
+        // The comparisons are written so that a NaN fails.
         let size = value.size();
         let most = if size >= SHRUNK * self.size {
             f64::INFINITY

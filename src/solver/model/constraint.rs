@@ -2,7 +2,7 @@ use super::{Function, Header, MarkerIx};
 
 /// Type of a JOINT.
 #[derive(Clone, Copy, PartialEq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum JointKind {
     Spherical,
     Revolute,
@@ -70,7 +70,7 @@ pub struct Joint {
 
 /// Type of a JPRIM.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum PrimitiveKind {
     AtPoint,
     Inline,
@@ -171,7 +171,7 @@ impl MotionAxis {
 
 /// Order of the time derivative that a MOTION prescribes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum MotionOrder {
     Displacement,
     Velocity,

@@ -15,7 +15,7 @@ use admire_syntax::{Address, Argument, Dataset, Expression, Number, Statement, V
 /// warnings about tolerances that stay unchanged because they apply to lengths and angles alike.
 ///
 /// # Errors
-/// A diagnostic, with its position, for every statement and function that cannot be converted.
+/// Returns a diagnostic, with its position, for every statement and function that cannot be converted.
 pub fn convert_units(
     dataset: &Dataset,
     model: &Model,
@@ -373,8 +373,8 @@ impl Conversion<'_> {
         }
     }
 
-    /// Returns whether a COUPLER mixes translations and rotations, so that a change of the length unit cannot be applied: only the ratio of
-    /// its scales has a unit.
+    /// Returns whether a COUPLER mixes translations and rotations. A change of the length unit cannot be applied to such a COUPLER, because
+    /// only the ratio of its scales has a unit.
     fn is_mixed(&self, coupler: &Statement) -> bool {
         let translate: Vec<bool> = coupler
             .numbers("JOINTS")

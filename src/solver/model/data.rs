@@ -106,7 +106,7 @@ pub struct StringData {
 
 /// Comparison of a SENSOR's function with VALUE.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum SensorCompare {
     Eq,
     Ge,
@@ -168,7 +168,7 @@ pub struct PlantPort {
 
 /// Quantity that a REQUEST reports. I, J and RM are the markers of the statement.
 #[derive(Clone, PartialEq, Debug)]
-#[allow(missing_docs)] // The fields are the manual's.
+#[allow(missing_docs)] // The fields are those of the manual.
 pub enum RequestKind {
     /// DISPLACEMENT: displacement of I relative to J, in RM axes.
     Displacement {

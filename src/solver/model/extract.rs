@@ -17,8 +17,8 @@ use admire_syntax::{Dataset, NewStatement, ObjectId, Removal, Statement, Topolog
 /// The diagnostics are warnings about functions that measure markers which are now at rest.
 ///
 /// # Errors
-/// `no-ground` without a ground part. `unknown-target` if an element needs an object that is not attached to the bodies, or a marker on a
-/// body whose position only ADAMS can compute.
+/// Returns `no-ground` if there is no ground part. Returns `unknown-target` if an element needs an object that is not attached to the
+/// bodies, or a marker on a body whose position only ADAMS can compute.
 pub fn extract(
     dataset: &Dataset,
     model: &Model,

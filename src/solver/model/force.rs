@@ -32,7 +32,7 @@ pub struct PairForce {
     pub header: Header,
     /// Definition of the statement in the grammar.
     pub def: &'static StatementDef,
-    /// Force law, one of those that the grammar defines for the statement.
+    /// Force law: one of the laws that the grammar defines for the statement.
     pub law: &'static LawDef,
     /// I marker.
     pub i: MarkerIx,
@@ -129,7 +129,7 @@ pub struct Sforce {
 
 /// Kind of statement that defines a vector force.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum VectorForceKind {
     Gforce,
     Vforce,

@@ -2,7 +2,7 @@ use super::Header;
 
 /// INPUTS: joint loads that cause friction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub struct FrictionInputs {
     pub preload: bool,
     pub reaction_force: bool,
@@ -17,7 +17,7 @@ pub struct Friction {
     pub header: Header,
     /// Index of the JOINT in the model.
     pub joint: usize,
-    /// Whether friction acts at each yoke of a HOOKE or UNIVERSAL joint: entry 0 is between the yoke of I and the cross, entry 1 between
+    /// Whether friction acts at each yoke of a HOOKE or UNIVERSAL joint. Entry 0 is between the yoke of I and the cross, entry 1 between
     /// the cross and the yoke of J.
     pub yokes: [bool; 2],
     /// Static friction coefficient, MU_STATIC.

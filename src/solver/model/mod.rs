@@ -1,7 +1,7 @@
 //! The resolved model: typed, named objects with values in the dataset's units and angles in radians.
 //!
-//! Independent of the text of the dataset. Each object keeps its `origin`, the index of its statement. The bytes of a number in the file
-//! are found through its [`Address`](crate::syntax) in the dataset.
+//! The module is independent of the text of the dataset. Each object keeps its `origin`, the index of its statement. The bytes of a number
+//! in the file are found through its [`Address`](crate::syntax) in the dataset.
 
 mod constraint;
 mod convert_units;
@@ -161,8 +161,8 @@ impl Model {
             .map(MarkerIx)
     }
 
-    /// Returns the pose of a marker in ground in the design position. `None` for floating markers and for markers on bodies that only real
-    /// ADAMS places.
+    /// Returns the pose of a marker in ground in the design position. Returns `None` for floating markers and for markers on bodies that
+    /// only real ADAMS places.
     pub fn marker_pose(&self, marker: MarkerIx) -> Option<Pose> {
         let marker = &self.markers[marker.0];
         let part = &self.parts[marker.part.0];
@@ -175,8 +175,8 @@ impl Model {
         }))
     }
 
-    /// Returns whether a marker moves with one of the markers `others`. It does if its frame is given relative to that marker (RM),
-    /// directly or through other markers.
+    /// Returns whether the frame of a marker is given relative to one of the markers `others` (RM), directly or through other markers. The
+    /// marker then moves with that marker.
     pub fn moves_with(&self, marker: MarkerIx, others: &[MarkerIx]) -> bool {
         let parent = |marker: &MarkerIx| {
             let relative = self.markers[marker.0].relative.as_ref();

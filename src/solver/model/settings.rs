@@ -2,7 +2,7 @@ use admire_syntax::grammar::STATEMENTS;
 
 /// Static solution method of EQUILIBRIUM.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum StaticMethod {
     #[default]
     Original,

@@ -32,7 +32,7 @@ pub struct Summary {
     pub unsolved: Vec<(&'static str, u32, String)>,
 }
 
-/// Summarizes a dataset and the model it was lowered to.
+/// Summarises a dataset and the model it was lowered to.
 pub fn summary(dataset: &Dataset, model: &Model) -> Summary {
     let mut statements = BTreeMap::new();
     for statement in dataset.statements() {

@@ -32,8 +32,9 @@ impl Object for Unsolved {
     }
 }
 
-/// Returns the effect that an unsolved statement would have on an equilibrium. `None` for statements that only measure, draw or write. Also
-/// `None` for statements that act only through other statements, because those other statements are rejected themselves.
+/// Returns the effect that an unsolved statement would have on an equilibrium. Returns `None` for statements that only measure, draw or
+/// write. Also returns `None` for statements that act only through other statements, because those other statements are rejected
+/// themselves.
 pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "CLEARANCE" | "CONTROL" | "CURVE" | "FEMDATA" | "FE_NODE" | "LINEAR" | "MREQUEST"
@@ -90,7 +91,7 @@ impl Ignore {
     /// Parses a list such as `CONTACT, FRICTION/3`.
     ///
     /// # Errors
-    /// An error message that names the first word that is not a statement or cannot be left out, and lists the allowed statements.
+    /// Returns an error message that names the first word that is not a statement or cannot be left out, and lists the allowed statements.
     pub fn parse(list: &str) -> Result<Vec<Self>, String> {
         let words = list.split([',', ';', ' ']).filter(|word| !word.is_empty());
         words.map(Self::word).collect()

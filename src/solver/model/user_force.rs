@@ -39,11 +39,11 @@ const AKIMA: usize = 4;
 /// - bump stop: `F = c(L - DM)` where `L - DM` is positive, with L the distance at first contact;
 /// - rebound stop: `F = -c(DM - L)` where `DM - L` is positive, with L the distance at first contact.
 ///
-/// `lengths` gives L. For a spring without an entry, the FREE_LENGTH of the file is used. Damping is added to bushings in proportion to
-/// their rates, and has no effect in statics.
+/// `lengths` gives L. For a spring without an entry, the FREE_LENGTH of the file is used. Damping terms proportional to the velocities are
+/// added to bushings. They have no effect in statics.
 ///
 /// The first parameter may select the subroutine, and one parameter must be the id of the STRING. Any other nonzero parameter can change
-/// the force. If the address of a force with such parameters is not in `plain`, the force keeps its subroutine and a diagnostic lists the
+/// the force. If the address of a force with such parameters is not in `plain`, the force keeps its subroutine, and a diagnostic lists the
 /// parameters.
 pub fn replace_user_forces(
     dataset: &Dataset,

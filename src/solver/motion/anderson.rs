@@ -1,8 +1,8 @@
 //! Anderson acceleration of a fixed-point iteration; for a linear iteration it is a minimal-residual method.
 //!
-//! Let f be the correction at an iterate x, so that the plain iteration goes to x + f. The accelerated iteration goes to `x + f - sum c_j p_j`
-//! with c_j = q_j . f. The q_j are the orthonormalised past changes of f, and the p_j are the matching changes of x + f. (D. G. Anderson, J.
-//! ACM 12, 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49, 2011.)
+//! Let f be the correction at an iterate x. The plain iteration goes to x + f. The accelerated iteration goes to `x + f - sum c_j p_j` with
+//! c_j = q_j . f. The q_j are the orthonormalised past changes of f, and the p_j are the matching changes of x + f. (D. G. Anderson, J. ACM
+//! 12, 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49, 2011.)
 
 use super::newton::Unknowns;
 

@@ -9,7 +9,7 @@ use crate::system::{Parameters, PartRates, State, System};
 
 /// Weight of the positions and velocities that the dataset states, relative to the weight of the free ones.
 const STATED: f64 = 1e8;
-/// Number of passes of the velocity assembly. After each pass the stated velocities are restored, and the free velocities adapt to them.
+/// Number of passes of the velocity assembly. After each pass, the stated velocities are restored, and the free velocities adapt to them.
 const PASSES: usize = 3;
 /// Changes of position below this (in model lengths) and rotations below this (in radians) are round-off.
 const ROUND_OFF: f64 = 1e-11;
@@ -34,7 +34,7 @@ pub enum Kept {
 /// and marked. `step` is the time step of finite differences.
 ///
 /// # Errors
-/// [`MotionError`] if the constraints contradict each other or an element has no value; the state is then unchanged.
+/// Returns [`MotionError`] if the constraints contradict each other or an element has no value; the state is then unchanged.
 pub fn assemble(
     system: &System,
     parameters: &Parameters,

@@ -85,7 +85,7 @@ impl Consistent {
     /// anchors, each iteration changes the present positions as little as possible.
     ///
     /// # Errors
-    /// [`MotionFailure`] if no such positions are found.
+    /// Returns [`MotionFailure`] if no such positions are found.
     pub(super) fn positions(
         &mut self,
         system: &System,
@@ -177,7 +177,7 @@ impl Consistent {
     /// Brings the velocities onto the constraints with the least change in the weighted norm.
     ///
     /// # Errors
-    /// [`MotionFailure`] if a function has no value.
+    /// Returns [`MotionFailure`] if a function has no value.
     pub(super) fn velocities(
         &mut self,
         system: &System,
@@ -237,7 +237,7 @@ impl Consistent {
     /// unchanged.
     ///
     /// # Errors
-    /// [`MotionFailure`] if an element has no value, or if a motion has no inertia and is not restrained.
+    /// Returns [`MotionFailure`] if an element has no value, or if a motion has no inertia and is not restrained.
     pub(super) fn accelerations(
         &mut self,
         system: &System,
@@ -259,7 +259,7 @@ impl Consistent {
             let (scratch, g, levels) = (&mut self.scratch, &mut self.g, &mut self.levels);
             let lacking = system.assemble_leniently(parameters, state, scratch, g, levels)?;
             if lacking > 0 && lacking >= lacking_before {
-                // Further iterations do not give these functions a value, so that the evaluation reports the error.
+                // Further iterations would not give these functions a value. The evaluation therefore reports the error.
                 system.evaluate(parameters, state, &mut self.scratch)?;
             }
             lacking_before = lacking;
@@ -354,7 +354,7 @@ impl Consistent {
     /// The changes are small. `step` is the time step of finite differences.
     ///
     /// # Errors
-    /// [`MotionFailure`] if one of the three levels fails or a removed constraint equation is violated.
+    /// Returns [`MotionFailure`] if one of the three levels fails or a removed constraint equation is violated.
     pub fn reconcile(
         &mut self,
         system: &System,

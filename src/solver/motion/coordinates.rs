@@ -59,7 +59,7 @@ impl Coordinates {
     /// and `R' (dphi - dphi_r)`.
     ///
     /// # Errors
-    /// [`MotionFailure`] if a VARIABLE has no value or is not a function of positions alone.
+    /// Returns [`MotionFailure`] if a VARIABLE has no value or is not a function of positions alone.
     pub(super) fn rows(
         &self,
         system: &System,
@@ -189,7 +189,7 @@ impl Coordinates {
                     // VARIABLEs are taken in the order given by the user.
                     (0..norms.len()).find(|k| norms[*k] > DESCRIBED * sizes[start + *k])
                 } else {
-                    // Of all rows that are largest up to round-off, the first is taken.
+                    // The first of all rows that are largest up to round-off is taken.
                     let most = norms.iter().fold(0.0_f64, |a, b| a.max(*b));
                     let at = norms.iter().position(|s| *s >= most * (1.0 - EQUAL));
                     let last = kind == 2;

@@ -6,7 +6,7 @@
 //!
 //! The unknowns of a stage are y, dW and dmu. y contains the displacements and rotations at the stage, the multipliers, variables and states.
 //! dW contains the velocities, and dmu the multipliers of the velocity constraints. P is the identity for translations and
-//! [`turning_rate`](crate::mechanics::turning_rate) for rotations. With `dd = P y` the equations of stage i are:
+//! [`turning_rate`](crate::mechanics::turning_rate) for rotations. With `dd = P y`, the equations of stage i are:
 //!
 //! ```text
 //! K_i y_i + C_i dW_i + N_i sum_j B_ij/h dW_j = -g_i

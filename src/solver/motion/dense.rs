@@ -65,7 +65,7 @@ impl Integrator<'_> {
     /// accelerations.
     ///
     /// # Errors
-    /// [`MotionError`] as for [`Self::output`].
+    /// Returns the errors of [`Self::output`].
     pub fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
         let mut state = self.between(time);
         let step = self.settings.hmax * 1e-2;
@@ -87,7 +87,7 @@ impl Integrator<'_> {
     /// Undoes the last step and repeats it up to `time`, which is close to the previous end of the step.
     ///
     /// # Errors
-    /// [`MotionError`] as for [`Self::advance_to`].
+    /// Returns the errors of [`Self::advance_to`].
     pub(super) fn retry_step_to(&mut self, time: f64) -> Result<(), MotionError> {
         self.undo_step();
         self.within = true;

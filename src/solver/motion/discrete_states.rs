@@ -128,7 +128,7 @@ impl DiscreteStates {
     /// Counts a switch of function `k`, and suspends the function if it switches too often. `output` is the length of an output interval.
     ///
     /// # Errors
-    /// [`MotionFailure::Chatter`] if the function switches more than [`MOST`] times in one output interval.
+    /// Returns [`MotionFailure::Chatter`] if the function switches more than [`MOST`] times in one output interval.
     pub(super) fn count_switches(
         &mut self,
         system: &System,
@@ -145,7 +145,7 @@ impl DiscreteStates {
             }
         }
         self.last = Some((time, k));
-        // Switches that time alone selects are no chatter, because time always advances.
+        // Switches that depend on time alone do not count as chatter, because time always advances.
         if system.switches[k].of_time {
             return Ok(());
         }
@@ -168,7 +168,7 @@ impl DiscreteStates {
         Ok(())
     }
 
-    /// Describes the last switch, for error messages. Empty if no function has switched.
+    /// Describes the last switch, for error messages. The text is empty if no function has switched.
     pub(super) fn describe(&self, system: &System) -> String {
         let Some((time, k)) = self.last else {
             return String::new();

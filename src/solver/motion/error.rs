@@ -93,7 +93,7 @@ pub enum MotionFailure {
         /// Number of switches allowed between two outputs.
         count: usize,
     },
-    /// The constraints leave degrees of freedom, so that they do not determine the positions in a kinematic analysis.
+    /// The constraints leave degrees of freedom, so they do not determine the positions in a kinematic analysis.
     #[error(
         "the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone"
     )]
@@ -101,7 +101,7 @@ pub enum MotionFailure {
         /// Number of remaining degrees of freedom.
         freedoms: usize,
     },
-    /// A nonholonomic constraint removes a degree of freedom of the velocities, so that the positions follow only from an integration.
+    /// A nonholonomic constraint removes a degree of freedom of the velocities, so the positions follow only from an integration.
     #[error(
         "{equation} holds velocities: the positions follow from an integration alone, as DYNAMIC and TRANSIENT make it"
     )]

@@ -38,7 +38,7 @@ impl Integrator<'_> {
             self.worst = format!("the error is that of {}", self.report_error(found));
             return Ok(found.size.max(1e-10));
         }
-        // The second filter uses the residual at the state to which the first estimate leads.
+        // The second filter uses the residual at the state that results from adding the first estimate.
         let mut beside = State::empty();
         let unknowns = &self.unknowns;
         let mut z = first.z;

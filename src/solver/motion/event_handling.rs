@@ -1,7 +1,7 @@
 //! Events of a motion, at which its discrete states change.
 //!
-//! Within a step every piecewise function (IMPACT, IF, ABS) stays on one piece, and every friction either sticks or slides. The step ends where
-//! one of these discrete states ceases to be valid. The next step starts with the changed discrete state.
+//! Within a step, every piecewise function (IMPACT, IF, ABS) stays on one piece, and every friction either sticks or slides. The step ends
+//! where one of these discrete states ceases to be valid. The next step starts with the changed discrete state.
 
 use super::discrete_states::{Change, DiscreteStates};
 use super::error::{MotionError, MotionFailure};
@@ -88,7 +88,7 @@ impl Integrator<'_> {
     /// discrete state changes.
     ///
     /// # Errors
-    /// [`MotionError`] if the shorter step fails or a function chatters.
+    /// Returns [`MotionError`] if the shorter step fails or a function chatters.
     pub(super) fn settle_regimes(&mut self) -> Result<(), MotionError> {
         let Some(mut regimes) = self.regimes.take() else {
             return Ok(());
@@ -126,7 +126,7 @@ impl Integrator<'_> {
                     let changes = self.beyond(&mut watching, self.state.time);
                     held = self.change(regimes, &changes)?;
                 }
-                // The step was cut at the event, so that its length is no measure for the length of the next step.
+                // The step was cut at the event. Its length therefore does not limit the length of the next step.
                 self.set_step(self.h.max(to - from));
                 if self.anew && !held {
                     self.h = self.first_step();
@@ -194,7 +194,7 @@ impl Integrator<'_> {
                     self.state.pieces[*k] = Some(*piece);
                     switched = true;
                     if self.is_pushed_back(regimes, *k) {
-                        // On both pieces the motion is pushed back: the function stays between them (Filippov).
+                        // The motion is pushed back on both pieces, so the function stays between them (Filippov).
                         self.state.pieces[*k] = Some(between(CREEP * self.tolerance()));
                         held = true;
                     }
@@ -221,8 +221,8 @@ impl Integrator<'_> {
         Ok(held)
     }
 
-    /// Returns true if a function that has just switched to a piece would switch back at once: its value jumps, and the motion on the new
-    /// piece leads back.
+    /// Returns true if a function that has just switched to a piece would switch back at once. This requires that its value jumps and that a
+    /// short trial step on the new piece ends beyond the end of this piece.
     fn is_pushed_back(&mut self, regimes: &mut DiscreteStates, k: usize) -> bool {
         let (system, parameters) = (self.system, self.parameters);
         let switch = system.switches[k];

@@ -61,8 +61,8 @@ impl Integrator<'_> {
     }
 
     /// Returns a time next to the start of the last step at which no event has passed, and the excess there. `time` is a later time at which an
-    /// event has passed. Right after an event, the watched function is zero up to round-off, so that its sign at the start of the step means
-    /// nothing.
+    /// event has passed. Right after an event, the watched function is zero up to round-off, so its sign at the start of the step carries no
+    /// information.
     fn next_to_start(&self, watched: &mut impl Watched, time: f64) -> Option<(f64, f64)> {
         let from = self.last_time();
         let start = watched.excess(&self.continued(from));
@@ -80,7 +80,7 @@ impl Integrator<'_> {
     /// step meets no event after all; it then ends near the expected time.
     ///
     /// # Errors
-    /// [`MotionError`] as for [`Integrator::advance_to`].
+    /// Returns the errors of [`Integrator::advance_to`].
     pub fn end_at_passage(
         &mut self,
         watched: &mut impl Watched,

@@ -13,15 +13,15 @@ const EXCHANGED: f64 = 10.0;
 impl Consistent {
     /// Exchanges kept constraint equations for removed ones that condition the constraints better. Returns true if any were exchanged.
     ///
-    /// The gradient of a removed equation is a linear combination of the others, `g_d = sum c_k g_k`. Its violation is therefore the same
-    /// combination of their violations. A removed and a kept equation change places if the magnitude of their coefficient c, for gradients of unit
-    /// length, exceeds 10. An example is `Zi.Yj` of a crank that has turned by 90 degrees. Its gradient vanishes there, whereas the gradient of
-    /// `Zi.Xj` does not. Each exchange multiplies the
-    /// volume of the kept gradients by c (S. Goreinov, E. Tyrtyshnikov, The maximal-volume concept in approximation by low-rank matrices,
-    /// Contemporary Mathematics 280, 2001). Scalar products are exchanged only for scalar products, and distances only for distances.
+    /// The gradient of a removed equation is a linear combination of the others, `g_d = sum c_k g_k`. The violation of the removed equation is
+    /// therefore the same combination of their violations. A removed and a kept equation change places if the magnitude of their coefficient c,
+    /// for gradients of unit length, exceeds 10. An example is `Zi.Yj` of a crank that has turned by 90 degrees: its gradient vanishes there,
+    /// whereas the gradient of `Zi.Xj` does not. Each exchange multiplies the volume of the kept gradients by c (S. Goreinov, E. Tyrtyshnikov, The
+    /// maximal-volume concept in approximation by low-rank matrices, Contemporary Mathematics 280, 2001). Scalar products are exchanged only for
+    /// scalar products, and distances only for distances.
     ///
     /// # Errors
-    /// [`MotionFailure`] if a function has no value.
+    /// Returns [`MotionFailure`] if a function has no value.
     pub(super) fn exchange_equations(
         &mut self,
         system: &System,
@@ -51,7 +51,7 @@ impl Consistent {
             })
             .collect();
         let mut exchanged = false;
-        // Every exchange increases the volume, so that no exchange is ever undone.
+        // Every exchange increases the volume, so no exchange is ever undone.
         for _ in 0..system.equations {
             let holds = |k: usize| system.is_effective_holonomic(state, k);
             self.bordered.factor(system, &self.rows, holds, |_| plain);

@@ -43,11 +43,11 @@ impl FreedomBases {
     ///
     /// Y is the derivative of the coordinates with respect to the motions of the parts. Z and V are scaled so that `Y Z = 1` and `Y V = 1`. H
     /// is the derivative of the constraint rates G V + Phi_t with respect to the positions, and X = -G^+ H. W contains the angular velocities
-    /// as cross-product matrices, from `dphi' = dw + w x dphi`. Then `y' = Y (dV + W d) + Y' d`, so that `U = X Z - V S`. S consists of the
+    /// as cross-product matrices, from `dphi' = dw + w x dphi`. Then `y' = Y (dV + W d) + Y' d`, which gives `U = X Z - V S`. S consists of the
     /// rows of `(Y X + Y W + Y') Z` that belong to the rates v.
     ///
     /// # Errors
-    /// [`MotionFailure`] if an element has no value.
+    /// Returns [`MotionFailure`] if an element has no value.
     pub(super) fn of(
         system: &System,
         parameters: &Parameters,

@@ -175,7 +175,7 @@ impl<'a> Integrator<'a> {
     /// Its reactions match the accelerations.
     ///
     /// # Errors
-    /// [`MotionError`] if an element has no value or a removed constraint equation is violated.
+    /// Returns [`MotionError`] if an element has no value or a removed constraint equation is violated.
     pub fn output(&mut self) -> Result<State, MotionError> {
         let mut state = self.state.clone();
         let step = self.settings.hmax * 1e-2;
@@ -189,7 +189,7 @@ impl<'a> Integrator<'a> {
     /// Integrates to a time, in as many steps as the error control requires.
     ///
     /// # Errors
-    /// [`MotionError`]; the state is then at the end of the last accepted step.
+    /// Returns [`MotionError`]; the state is then at the end of the last accepted step.
     pub fn advance_to(&mut self, end: f64) -> Result<(), MotionError> {
         while self.step_towards(end)? {}
         Ok(())
@@ -219,12 +219,12 @@ impl<'a> Integrator<'a> {
     /// Takes one step, at most to `end`. Returns false if `end` is already reached.
     ///
     /// # Errors
-    /// [`MotionError`] as for [`Self::advance_to`].
+    /// Returns the errors of [`Self::advance_to`].
     pub fn step_towards(&mut self, end: f64) -> Result<bool, MotionError> {
         if self.left(end).is_none() {
             return Ok(false);
         }
-        // A step ends at a break, so that no step crosses one. The next step starts without extrapolation.
+        // A step ends at a break, so no step crosses a break. The next step starts without extrapolation.
         let target = self.next_break().map_or(end, |next| next.min(end));
         if let Some(left) = self.left(target) {
             self.take_step(left, target)?;

@@ -94,9 +94,9 @@ impl Integrator<'_> {
         worst
     }
 
-    /// Decides whether a step is accepted although its iteration does not converge. Near a singular position the multipliers follow from small
-    /// differences, so that round-off dominates them although the motion has converged. Such a step is accepted, and the next step does not
-    /// extrapolate from it.
+    /// Decides whether a step is accepted although its iteration does not converge. Near a singular position, the multipliers follow from
+    /// small differences. Round-off then dominates the multipliers, although the motion has converged. Such a step is accepted, and the next
+    /// step does not extrapolate from it.
     ///
     /// `exact` is the iteration count if every stage has its own derivatives. It is `None` if the derivatives of one stage serve all stages,
     /// because slow convergence would then look the same.

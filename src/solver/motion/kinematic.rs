@@ -26,7 +26,7 @@ type Going =
 /// change. Velocities, accelerations and multipliers follow from linear equations.
 ///
 /// # Errors
-/// [`MotionError`]; the state is then at the end of the last successful step.
+/// Returns [`MotionError`]; the state is then at the end of the last successful step.
 pub fn advance(
     system: &System,
     parameters: &Parameters,
@@ -133,11 +133,11 @@ fn freely(
     }
 }
 
-/// Advances the mechanism to the time `end` like [`advance`], in steps of at most `largest`, and stops at the first watched event. Returns
-/// the number of steps, and true if the state stands at an event before that time.
+/// Advances the mechanism to the time `end` like [`advance`], in steps of at most `largest`, and stops at the first watched event. Returns the
+/// number of steps, and true if the state is at an event before that time.
 ///
 /// # Errors
-/// [`MotionError`] as for [`advance`].
+/// Returns the errors of [`advance`].
 pub fn advance_watched(
     system: &System,
     parameters: &Parameters,
@@ -219,7 +219,7 @@ fn place(
 /// Checks that a mechanism has neither degrees of freedom nor nonholonomic constraints.
 ///
 /// # Errors
-/// [`MotionFailure::NotKinematic`] if degrees of freedom remain, [`MotionFailure::HeldVelocities`] if a constraint is nonholonomic.
+/// Returns [`MotionFailure::NotKinematic`] if degrees of freedom remain, and [`MotionFailure::HeldVelocities`] if a constraint is nonholonomic.
 pub fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
     let freedoms = system.freedoms_left(state);
     if freedoms > 0 {

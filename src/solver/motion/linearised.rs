@@ -13,8 +13,7 @@ use crate::system::{Parameters, Scratch, State, System};
 ///
 /// y are the coordinates, v their rates, and s the dynamic states. Small motions of the parts follow from [`FreedomBases`]: `d = Z y`,
 /// `dV = V v + U y`, `dA = V v' + U y' + V' v + U' y`. The force balances, projected onto directions without constraint forces, give v'.
-/// VARIABLEs are eliminated. Nonholonomic constraints leave fewer free velocities than free positions, so that v then has fewer components than
-/// y.
+/// VARIABLEs are eliminated. Nonholonomic constraints leave fewer free velocities than free positions; v then has fewer components than y.
 pub(super) struct Linearised {
     pub E: DMatrix<f64>,
     pub F: DMatrix<f64>,
@@ -44,7 +43,7 @@ impl Linearised {
     /// which is possible only for a state at rest.
     ///
     /// # Errors
-    /// [`MotionFailure`] if an element has no value.
+    /// Returns [`MotionFailure`] if an element has no value.
     pub(crate) fn new(
         system: &System,
         parameters: &Parameters,
@@ -66,7 +65,7 @@ impl Linearised {
         let mut g = vec![0.0; m];
         system.assemble(parameters, &state, &mut scratch, &mut g, &mut levels)?;
         levels.finish();
-        // After the unknowns follow rows for the values of the VARIABLEs, and columns for the values added to them.
+        // The rows for the values of the VARIABLEs, and the columns for the values added to them, follow the unknowns.
         let whole = m + variables;
         let mut J = [
             DMatrix::zeros(whole, whole),
@@ -107,7 +106,7 @@ impl Linearised {
             part(level, rows, columns) - part(0, rows, V) * &follow * part(level, V, columns)
         };
         let (K, C, M) = (reduced(0, B, B), reduced(1, B, B), -reduced(2, B, B));
-        // Directions along which no multiplier acts. With friction they differ from the directions that the constraints leave free.
+        // Directions along which no multiplier acts. With friction, they differ from the directions that the constraints leave free.
         let by_multipliers = reduced(0, B, (n, variable - n));
         let N = if system.has_friction() {
             unreached(&by_multipliers, r, &lengths)

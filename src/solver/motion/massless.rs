@@ -171,7 +171,7 @@ impl Consistent {
     /// Checks, after the mass matrix was factored, that stiffness or damping restrains every motion without inertia.
     ///
     /// # Errors
-    /// [`MotionFailure::MassSingular`] if such a motion is not restrained.
+    /// Returns [`MotionFailure::MassSingular`] if such a motion is not restrained.
     pub(super) fn check_held(&mut self, system: &System, step: f64) -> Result<(), MotionFailure> {
         let deficiency = self.factors.deficiency();
         if deficiency == 0 || self.held == Some(deficiency) {
@@ -192,7 +192,7 @@ impl Consistent {
     /// `step` is the time over which damping is compared with stiffness.
     ///
     /// # Errors
-    /// [`MotionFailure`] if an element has no value.
+    /// Returns [`MotionFailure`] if an element has no value.
     pub(super) fn settle_massless(
         &mut self,
         system: &System,

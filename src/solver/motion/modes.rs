@@ -45,7 +45,7 @@ impl Mode {
 /// eigenvalue and are omitted. If `damped` is false, the derivatives of forces with respect to velocities are omitted.
 ///
 /// # Errors
-/// [`MotionFailure`] if an element has no value or the eigenvalue iteration does not converge.
+/// Returns [`MotionFailure`] if an element has no value or the eigenvalue iteration does not converge.
 pub fn modes(
     system: &System,
     parameters: &Parameters,
@@ -59,7 +59,7 @@ pub fn modes(
 /// linearised equations of such a state change with time in some coordinates and not in others, and only their present values are used.
 ///
 /// # Errors
-/// The same errors as [`modes`].
+/// Returns the errors of [`modes`].
 pub fn modes_in(
     system: &System,
     parameters: &Parameters,

@@ -369,8 +369,8 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// Returns the error of a step in positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. In `r1` and `g`
-    /// the negative of the weighted sum replaces the rates.
+    /// Returns the error of a step in positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. In `r1` and `g`, the
+    /// negative of the weighted sum replaces the rates.
     pub(crate) fn filtered(
         &mut self,
         system: &System,

@@ -4,11 +4,11 @@
 //! stage then depends only on the stages before it. The matrix of a stage has the pattern of the static equations, with z = S_ii / h.
 //!
 //! Errors in constraints vanish after three iterations. Errors of oscillating motions fall by the factor [`RATE`] or faster in each iteration.
-//! Near a singular position a few error components grow; [`AndersonAcceleration`] removes them. (W. Hoffmann, J. J. B. de Swart, Approximating
+//! Near a singular position, a few error components grow; [`AndersonAcceleration`] removes them. (W. Hoffmann, J. J. B. de Swart, Approximating
 //! Runge-Kutta matrices by triangular matrices, BIT 37, 1997; P. J. van der Houwen, J. J. B. de Swart, Triangularly implicit iteration methods,
 //! SIAM J. Sci. Comput. 18, 1997.)
 //!
-//! Near a singular position this iteration still converges, whereas the derivatives of one stage are too inaccurate for all three stages. It
+//! Near a singular position, this iteration still converges, whereas the derivatives of one stage are too inaccurate for all three stages. It
 //! costs a fraction of [`super::coupled`].
 
 use super::anderson::AndersonAcceleration;
@@ -116,7 +116,7 @@ impl StageSequence {
                     of.z[row] += by_rate * moved[column];
                 }
             }
-            // The equations of the stage are solved for y, where dd = P y, so that rotation residuals are multiplied by the inverse of P.
+            // The equations of the stage are solved for y, where dd = P y. Rotation residuals are therefore multiplied by the inverse of P.
             let turns = &self.turns[i];
             each_turn(system, &mut of.w, |part, turn| {
                 turns[part].try_inverse().unwrap_or(Mat3::identity()) * turn

@@ -34,7 +34,7 @@ pub struct StateMatrices {
 /// motion without inertia is a state only where damping acts; elsewhere it follows from the stiffness.
 ///
 /// # Errors
-/// [`MotionFailure`] if an element has no value, a motion without mass is not restrained, or the rate of an input is needed.
+/// Returns [`MotionFailure`] if an element has no value, a motion without mass is not restrained, or the rate of an input is needed.
 pub fn state_matrices(
     system: &System,
     parameters: &Parameters,

@@ -50,8 +50,8 @@ impl Tableau {
         let B = Matrix3::from_fn(|i, j| A[i][j])
             .try_inverse()
             .expect("the matrix of Radau IIA is regular");
-        // The columns of T are the real eigenvector and the real and negated imaginary parts of the complex one, so that T^-1 B T = [gamma;
-        // [alpha, -beta; beta, alpha]].
+        // The columns of T are the real eigenvector, the real part of the complex eigenvector, and the negative of its imaginary part. Then
+        // T^-1 B T = [gamma; [alpha, -beta; beta, alpha]].
         let eigenvector = |value: Complex<f64>| {
             let M = B.map(|b| Complex::new(b, 0.0)) - Matrix3::from_diagonal_element(value);
             // The cross product of two rows spans the null space of the singular matrix.

@@ -34,7 +34,7 @@ fn in_words<S: serde::Serializer>(name: &Name, out: S) -> Result<S::Ok, S::Error
 /// Largest remaining force and largest remaining torque on any part, in units of the deck (force, and force times length).
 ///
 /// They are summed from the individual loads of the free-body diagrams, with torques about the centres of the parts. The residual that Newton's
-/// method reduces to zero is computed in another way, so that these sums check it.
+/// method reduces to zero is computed in another way, so these sums check it.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Balance {
     /// Largest remaining force; `None` if no part can move.
@@ -64,7 +64,7 @@ impl Balance {
     /// Sums the loads on every part and finds the largest remaining force and torque.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this state.
+    /// Returns [`NoValue`] if an element is undefined in this state.
     pub fn of(
         system: &System,
         parameters: &Parameters,
@@ -148,7 +148,8 @@ impl Balance {
         self.torques = self.torques.max(other.torques);
     }
 
-    /// Describes the remaining force and torque, for example `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`. Empty if no part can move.
+    /// Describes the remaining force and torque, for example `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`. The text is empty if no part can
+    /// move.
     pub fn describe(&self, units: &Units) -> String {
         let kinds = [
             (&self.force, Dimension::FORCE),

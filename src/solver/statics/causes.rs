@@ -66,7 +66,7 @@ impl Ended<'_> {
 
     fn free_motions(&self, scratch: &mut Scratch, out: &mut Vec<String>) -> Result<(), FreeMotion> {
         let mut told = Vec::new();
-        // If joints are open, the parts cannot perform the motion, so that its drivers are not named.
+        // If joints are open, the parts cannot perform the motion. The loads that drive the motion are then not named.
         let equations = &self.g[self.system.first_equation..self.system.first_variable];
         let closed = equations
             .iter()

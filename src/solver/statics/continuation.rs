@@ -98,8 +98,8 @@ impl Solver {
         state.redundant = redundant;
     }
 
-    /// Load continuation: starts with an artificial load that balances the initial residual, and removes this load in steps. Returns the method if
-    /// it succeeded, and the number of iterations.
+    /// Runs load continuation: starts with an artificial load that balances the initial residual, and removes this load in steps. Returns the
+    /// method if it succeeded, and the number of iterations.
     fn release(
         &mut self,
         system: &System,

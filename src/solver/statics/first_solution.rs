@@ -4,12 +4,12 @@ use super::newton::Solver;
 use crate::system::{NoValue, Parameters, State, System};
 
 impl Solver {
-    /// Finds initial values of reactions and of outputs of linear states, which are zero before the first solution, so that functions that
-    /// divide by them are defined. The parts stay in place, and functions without a value count as zero. All other unknowns follow from the
-    /// linearised equations. This is repeated as long as it gives more functions a value.
+    /// Finds initial values of reactions and of outputs of linear states. They are zero before the first solution, so functions that divide
+    /// by them are undefined. The parts stay in place, and functions without a value count as zero. All other unknowns follow from the
+    /// linearised equations. This is repeated as long as further functions get a value.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub(super) fn give_values(
         &mut self,
         system: &System,

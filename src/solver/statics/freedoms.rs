@@ -36,7 +36,7 @@ impl FreedomCount {
         matrix.finish();
         let mut redundant = redundant_equations(system, &matrix);
         if without_value.is_some() {
-            // The gradients of GCONs are not available here, so that their equations count as independent.
+            // The gradients of GCONs are not available here, so their equations count as independent.
             for condition in &system.conditions {
                 redundant[condition.equation] = false;
             }

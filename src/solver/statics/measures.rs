@@ -29,7 +29,7 @@ pub(super) fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -
     for body in &system.bodies {
         for k in 0..body.freedoms {
             let scale = if k < 3 { 1.0 } else { 4.0 * system.length };
-            // Written so that a NaN counts as unbalanced.
+            // The comparison is written so that a NaN counts as unbalanced.
             let within = g[body.first + k].abs() <= imbalance.max(floor * scale);
             if !within {
                 return false;

@@ -12,7 +12,7 @@ impl Solver {
     /// Wright, Numerical Optimization, 18.3). With zero multipliers, a pendulum has no stiffness and may reach either of its two equilibria.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub(super) fn first_multipliers(
         &mut self,
         system: &System,

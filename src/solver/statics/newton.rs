@@ -22,7 +22,7 @@ const CREEPING: usize = 10;
 const SHORTEST: f64 = 1.0 / 256.0;
 /// Relative correction below which the factors of an earlier iteration are tried first.
 const NEAR: f64 = 1e-3;
-/// Relative correction below which an increase of the residual may be round-off, so that the step is taken without a test.
+/// Relative correction below which an increase of the residual may be round-off. The step is then taken without a test.
 const NOISE: f64 = 1e-9;
 /// Relative error of the numbers written in a deck, which have about ten digits.
 const WRITTEN: f64 = 1e-9;
@@ -35,7 +35,7 @@ const CONSISTENT: f64 = 1e-6;
 /// Finds one equilibrium with work space of its own. To find many equilibria, use one [`Solver`].
 ///
 /// # Errors
-/// [`SolveError`]; the state is then unchanged.
+/// Returns [`SolveError`]; the state is then unchanged.
 pub fn solve(
     system: &System,
     parameters: &Parameters,
@@ -153,7 +153,7 @@ impl Solver {
     /// Finds the equilibrium next to the given state and moves the state there.
     ///
     /// # Errors
-    /// [`SolveError`]; the state is then unchanged.
+    /// Returns [`SolveError`]; the state is then unchanged.
     pub fn solve(
         &mut self,
         system: &System,
@@ -275,7 +275,7 @@ impl Solver {
     /// Linearises the equations at an equilibrium and factors the Jacobian.
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn tangent(
         &mut self,
         system: &System,
@@ -474,7 +474,7 @@ impl Solver {
             if correction < way.error && balanced(system, &self.g, way.imbalance, noise) {
                 return Ok(());
             }
-            // The residual is at the round-off of stiffness times position, so that further iterations do not reduce it.
+            // The residual is at the round-off of stiffness times position. Further iterations do not reduce it.
             if largest(&self.g) > 0.1 * imbalance
                 && self.is_noise(system, state, 8.0 * f64::EPSILON)
             {
@@ -524,8 +524,8 @@ impl Solver {
         }
     }
 
-    /// Returns true if every residual is explained by an error `relative` of positions, angles, multipliers and variables: it is at most the
-    /// effect of this relative error on the terms of its equation. Overwrites `dx_bar` and `step`.
+    /// Returns true if an error `relative` of positions, angles, multipliers and variables explains every residual. Each residual is then at
+    /// most the effect of this relative error on the terms of its equation. Overwrites `dx_bar` and `step`.
     fn is_noise(&mut self, system: &System, state: &State, relative: f64) -> bool {
         let floor = &mut self.dx_bar;
         floor.fill(0.0);

@@ -1,6 +1,6 @@
-//! Comparison of our elimination with faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains. It measures the time to find the order and
-//! the time of each factorisation after that. Both must give the same solution. `cargo test --lib compared_with_faer -- --nocapture` shows the
-//! times.
+//! Comparison of the elimination in `crate::linear` with faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains. The test measures the
+//! time to find the order and the time of each factorisation after that. Both methods must give the same solution.
+//! `cargo test --lib compared_with_faer -- --nocapture` shows the times.
 
 use std::fmt::Write;
 use std::time::Instant;

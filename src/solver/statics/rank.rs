@@ -266,8 +266,8 @@ fn at_mass_centre(
     (v + w.cross(&arm), w)
 }
 
-/// Returns true if the kinetic energy of a motion is negligible, compared with the energy of parts that have the same mass and the model's
-/// length as their radius of gyration.
+/// Returns true if the kinetic energy of a motion is negligible. It is compared with the energy of parts that have the same mass and the
+/// model's length as their radius of gyration.
 fn is_massless(system: &System, parameters: &Parameters, state: &State, z: &[f64]) -> bool {
     let (energy, size) = energies(system, parameters, state, (z, z));
     let mut most = 0.0;

@@ -21,7 +21,7 @@ impl<'a> Sensitivity<'a> {
     /// Linearises the equations at an equilibrium.
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn new(
         system: &'a System,
         parameters: &'a Parameters,
@@ -39,7 +39,7 @@ impl<'a> Sensitivity<'a> {
     /// Returns the derivatives of several quantities with respect to one parameter, by the direct method.
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn direct(&mut self, quantities: &[Quantity], slot: Slot) -> Result<Vec<f64>, SolveError> {
         let (system, parameters, state) = (self.system, self.parameters, self.state);
         let dx = self.tangent.by_slot(system, parameters, state, slot)?;
@@ -55,11 +55,11 @@ impl<'a> Sensitivity<'a> {
         Ok(out)
     }
 
-    /// Returns the derivatives of all quantities (columns) with respect to all parameters (rows). Of the direct and the adjoint method, the one
-    /// with fewer back-substitutions is used. The computation uses all cores; the result does not depend on their number.
+    /// Returns the derivatives of all quantities (columns) with respect to all parameters (rows). The direct or the adjoint method is used,
+    /// whichever needs fewer back-substitutions. The computation uses all cores; the result does not depend on their number.
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn table(
         &self,
         quantities: &[Quantity],
@@ -85,7 +85,7 @@ impl<'a> Sensitivity<'a> {
     /// Returns the derivatives of one quantity with respect to several parameters, by the adjoint method.
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn adjoint(&mut self, quantity: Quantity, slots: &[Slot]) -> Result<Vec<f64>, SolveError> {
         let (system, parameters, state) = (self.system, self.parameters, self.state);
         let mut here = system.evaluate(parameters, state, &mut self.scratch)?;

@@ -55,7 +55,7 @@ impl Solver {
     /// checked.
     ///
     /// # Errors
-    /// [`NoStableEquilibrium`]; the state is then unchanged.
+    /// Returns [`NoStableEquilibrium`]; the state is then unchanged.
     pub fn settle(
         &mut self,
         system: &System,

@@ -23,12 +23,12 @@ const STEPS: usize = 2;
 /// Rotations are multiplied by the model's length. The eigenvalue is negative at an unstable equilibrium. Returns `None` if no part can move.
 ///
 /// The eigenvalues are those of `Z' S Z`. Z is an orthonormal basis of the motions that the constraints allow. S is the stiffness after
-/// elimination of VARIABLEs and states; in general it is unsymmetric. In small systems all eigenvalues are computed. In large systems only the
-/// eigenvalues next to a series of shifts are computed, by Arnoldi's method with the factors of the shifted equations (Golub and Van Loan,
-/// Matrix Computations, 10.5).
+/// elimination of VARIABLEs and states; in general it is unsymmetric. In small systems, all eigenvalues are computed. In large systems, only
+/// the eigenvalues next to a series of shifts are computed. Arnoldi's method is used for this, with the factors of the shifted equations (Golub
+/// and Van Loan, Matrix Computations, 10.5).
 ///
 /// # Errors
-/// [`SolveError::NoValue`] if an element has no value there.
+/// Returns [`SolveError::NoValue`] if an element has no value there.
 pub fn smallest_eigenvalue(
     system: &System,
     parameters: &Parameters,
@@ -77,7 +77,7 @@ impl Softest {
     /// found.
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn of(
         system: &System,
         parameters: &Parameters,
@@ -108,10 +108,10 @@ impl Softest {
     /// equilibrium. Returns `None` if no part can move or no eigenvalue is found.
     ///
     /// Two Newton steps move the parts closer to the exact equilibrium. The eigenvalue is evaluated after these steps, and its error bound is
-    /// the change that they caused. The damping of the steps exceeds the magnitude of the eigenvalue, so that free motions stay in place.
+    /// the change that they caused. The damping of the steps exceeds the magnitude of the eigenvalue, so free motions stay in place.
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn at_equilibrium(
         system: &System,
         parameters: &Parameters,
@@ -145,11 +145,11 @@ impl Softest {
         Ok(Some(here))
     }
 
-    /// Returns the softest motion at an unstable or neutral equilibrium, and `None` at a stable one. For small systems this is cheaper than
+    /// Returns the softest motion at an unstable or neutral equilibrium, and `None` at a stable one. For small systems, this is cheaper than
     /// [`Softest::at_equilibrium`].
     ///
     /// # Errors
-    /// [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value there.
     pub fn doubtful(
         system: &System,
         parameters: &Parameters,
@@ -172,7 +172,7 @@ impl Softest {
         Ok(softest.filter(|softest| softest.is_unstable() || softest.is_neutral()))
     }
 
-    /// Returns true if the stability analysis costs no more than the solution of the equilibrium. In large systems it needs several
+    /// Returns true if the stability analysis costs no more than the solution of the equilibrium. In large systems, it needs several
     /// factorisations.
     pub fn is_cheap(system: &System) -> bool {
         system.first_equation <= DENSE
@@ -183,7 +183,7 @@ impl Softest {
         self.stiffness < -self.error
     }
 
-    /// Returns true if the magnitude of the stiffness is within its error bound, so that its sign is uncertain.
+    /// Returns true if the magnitude of the stiffness is within its error bound. The sign of the stiffness is then uncertain.
     pub fn is_neutral(&self) -> bool {
         self.stiffness.abs() <= self.error
     }
@@ -413,7 +413,7 @@ mod tests {
         }
     }
 
-    /// A marker very close to the origin of its part makes products underflow. The eigenvalues are found all the same, and quickly.
+    /// A marker very close to the origin of its part makes products underflow. The eigenvalues are nevertheless found, and quickly.
     #[test]
     fn places_next_to_nothing_do_not_keep_it_from_ending() {
         let (system, state) = solved(
@@ -426,7 +426,7 @@ mod tests {
         let parameters = system.parameters();
         let smallest = smallest_eigenvalue(&system, &parameters, &state).unwrap();
         let (length, kt) = (system.length, 4000.0_f64.to_radians());
-        // The joint at the bushing's own I marker stretches the bushing to 100 mm. The bushing force has no lever arm, so that only KT is left.
+        // The joint at the bushing's own I marker stretches the bushing to 100 mm. The bushing force has no lever arm, so only KT remains.
         let expected = kt / (length * length);
         let smallest = smallest.unwrap();
         assert!(

@@ -1,6 +1,6 @@
 //! Residual and Jacobian of the system equations.
 //!
-//! Contains no iteration, step control or factorisation.
+//! The module contains no iteration, step control or factorisation.
 
 use super::chain::{add_block, add_wrench};
 use super::contribution::Of;
@@ -15,7 +15,7 @@ impl System {
     /// constraints, the variables, and the rates of states.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub fn residual(
         &self,
         parameters: &Parameters,
@@ -29,7 +29,7 @@ impl System {
     /// Computes the residual and passes the Jacobian to the sink. The Jacobian entries come in the same order every time.
     ///
     /// # Errors
-    /// [`NoValue`] if a function or an element is undefined in this configuration.
+    /// Returns [`NoValue`] if a function or an element is undefined in this configuration.
     pub fn assemble<S: Sink>(
         &self,
         parameters: &Parameters,
@@ -76,7 +76,7 @@ impl System {
     /// undefined functions is returned.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub(crate) fn assemble_leniently<S: Sink>(
         &self,
         parameters: &Parameters,
@@ -103,7 +103,7 @@ impl System {
     ) {
         let mut here = self.at(parameters, state, scratch);
         here.place_markers();
-        // In statics the displacements of rate motions are constant, so this cannot fail.
+        // In statics, the displacements of rate motions are constant, so this cannot fail.
         let _ = here.drive();
         for number in 0..self.joints.len() {
             here.add_joint(number, g, sink);

@@ -14,7 +14,7 @@ const STEP: f64 = 1e-6;
 
 impl Configuration<'_> {
     /// Returns the reaction of a GCON on the part of a marker: force, and torque about the marker's origin, in ground axes.
-    /// [`Configuration::evaluate`] must have been called. Zero if the GCON is inactive or redundant.
+    /// [`Configuration::evaluate`] must have been called. The reaction is zero if the GCON is inactive or redundant.
     pub fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         let place = system.place(system.owners[marker.0]);

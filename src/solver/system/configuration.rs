@@ -36,7 +36,7 @@ impl System {
     /// Returns a configuration with marker poses and function values evaluated, ready to be read.
     ///
     /// # Errors
-    /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
+    /// Returns [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
     pub fn evaluate<'a>(
         &'a self,
         parameters: &'a Parameters,
@@ -52,7 +52,7 @@ impl System {
     /// reactions are known. Undefined functions count as zero with zero slope; the number of undefined functions is also returned.
     ///
     /// # Errors
-    /// [`NoValue`] if an element that a function measures is undefined in this configuration.
+    /// Returns [`NoValue`] if an element that a function measures is undefined in this configuration.
     pub fn evaluate_leniently<'a>(
         &'a self,
         parameters: &'a Parameters,
@@ -84,7 +84,7 @@ impl Configuration<'_> {
     /// Evaluates the marker poses and all functions that the equations need.
     ///
     /// # Errors
-    /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
+    /// Returns [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
     pub fn evaluate(&mut self) -> Result<(), NoValue> {
         self.place_markers();
         self.drive()?;
@@ -94,7 +94,7 @@ impl Configuration<'_> {
     /// Evaluates only the marker poses and the functions that MOTIONs and GCONs need. All other functions may be undefined.
     ///
     /// # Errors
-    /// [`NoValue`] if a function of a MOTION or GCON is undefined in this configuration.
+    /// Returns [`NoValue`] if a function of a MOTION or GCON is undefined in this configuration.
     pub(crate) fn evaluate_constraints(&mut self) -> Result<(), NoValue> {
         self.place_markers();
         self.drive()?;

@@ -15,7 +15,7 @@
 //!
 //! A wrench that depends on the velocity m' of I relative to C, through `dw = E dm'`, adds the derivatives `E X_r` and `-E X_sC` with
 //! respect to the velocities of A and C. It also adds derivatives with respect to their positions, because the frame and the point move.
-//! With x = v_I - v_C - w_C x s_C and y = w_A - w_C they follow from
+//! With x = v_I - v_C - w_C x s_C and y = w_A - w_C, they follow from
 //!
 //! ```text
 //! dm' = (-w_C x dp_A + y x (dphi_A x r) + w_C x dp_C - dphi_C x x,  -dphi_C x y)

@@ -1,7 +1,7 @@
 //! Joint friction in a sequence of equilibria, as measured on a slow rig.
 //!
-//! In the friction law at rest, the coefficient grows with the creep up to MAX_STICTION_DEFORMATION. Beyond that creep the surfaces slide.
-//! Between two equilibria the creep changes by the displacement, and creep beyond the limit is converted to sliding. The force therefore
+//! In the friction law at rest, the coefficient grows with the creep up to MAX_STICTION_DEFORMATION. Beyond that creep, the surfaces slide.
+//! Between two equilibria, the creep changes by the displacement, and creep beyond the limit is converted to sliding. The force therefore
 //! equals the force of a spring-slider element and is independent of the rate.
 
 use super::surface::JointFriction;

@@ -141,8 +141,8 @@ impl Reads<'_> {
     }
 }
 
-/// Returns the strongly connected components, each after the components to which it has edges. Not recursive (R. Tarjan, Depth-first search
-/// and linear graph algorithms, SIAM J. Comput. 1, 1972).
+/// Returns the strongly connected components, each after the components to which it has edges. The algorithm is not recursive (R. Tarjan,
+/// Depth-first search and linear graph algorithms, SIAM J. Comput. 1, 1972).
 fn components(
     count: usize,
     roots: impl IntoIterator<Item = usize>,

@@ -21,7 +21,7 @@ impl System {
     /// Computes the derivative of the residual with respect to one parameter at constant unknowns. Overwrites `dg`.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub fn residual_by_slot(
         &self,
         parameters: &Parameters,
@@ -74,7 +74,7 @@ impl Configuration<'_> {
     /// marker. Overwrites `dg`.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub fn residual_by_turn(
         &mut self,
         marker: MarkerIx,
@@ -104,7 +104,7 @@ impl Configuration<'_> {
     /// Computes the derivative of the residual with respect to one parameter at constant unknowns. Overwrites `dg`.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub fn residual_by_slot(&mut self, slot: Slot, dg: &mut [f64]) -> Result<(), NoValue> {
         dg.fill(0.0);
         let system = self.system;
@@ -376,8 +376,8 @@ impl System {
         elements.chain(terms).chain(markers)
     }
 
-    /// Returns whether a function of the model's request number `index` may change with a parameter at constant unknowns: the function
-    /// measures a marker or reads a force, or the parameter is a literal of the function.
+    /// Returns whether a function of the model's request number `index` may change with a parameter at constant unknowns. This is the case
+    /// if the function measures a marker or reads a force, or if the parameter is a literal of the function.
     pub fn request_reads(&self, index: usize, component: usize, slot: Slot) -> bool {
         let role = self.catalogue().group(slot).role;
         let function = self.requests[index].get(component).copied().flatten();
@@ -418,7 +418,7 @@ impl System {
         })
     }
 
-    /// Returns whether a function of the equations is read by other functions or states, so that it acts on more than the elements it
+    /// Returns whether other functions or states read a function of the equations. Such a function acts on more than the elements it
     /// drives.
     fn passes_on(&self, function: usize) -> bool {
         let reads = self.reads();

@@ -60,7 +60,7 @@ impl System {
     /// Sets the reference angles of driven marker pairs to the prescribed values, so that full turns are counted from these values.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value in this state.
+    /// Returns [`NoValue`] if a function has no value in this state.
     pub(crate) fn count_from_drives(
         &self,
         parameters: &Parameters,
@@ -94,7 +94,7 @@ impl System {
     /// Advances the integration constants of the MOTIONs to the time of the state, so that the next integration interval is short.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value within the interval.
+    /// Returns [`NoValue`] if a function has no value within the interval.
     pub(crate) fn drive_on(
         &self,
         parameters: &Parameters,
@@ -119,14 +119,14 @@ impl System {
 
 impl Configuration<'_> {
     /// Computes displacement, velocity and acceleration of every MOTION that prescribes a velocity or acceleration, into the scratch. In
-    /// statics the displacement is constant.
+    /// statics, the displacement is constant.
     ///
     /// Velocity motion: `s = s0 + integral f`, s' = f, s'' = df/dt. Acceleration motion: `s' = s0' + integral f`, `s = s0 + s0' (t - t0) +
     /// integral (t - tau) f`. The integrals use the five-point Gauss rule. Intervals are bisected until the sum over the halves agrees with
     /// the whole.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value within the interval.
+    /// Returns [`NoValue`] if a function has no value within the interval.
     pub(crate) fn drive(&mut self) -> Result<(), NoValue> {
         if self.state.driven.is_empty() {
             return Ok(());

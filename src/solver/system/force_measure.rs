@@ -5,7 +5,7 @@ use super::forces::DerivativeRequest;
 use super::{Configuration, NoValue};
 use crate::mechanics::{Mat3, Vec3, Vec6};
 
-/// Ratio of a torque to the force times the length scale of the model. Below this ratio the torque is round-off and has no direction.
+/// Ratio of a torque to the force times the length scale of the model. Below this ratio, the torque is round-off and has no direction.
 const NO_DIRECTION: f64 = 1e-13;
 
 impl Configuration<'_> {

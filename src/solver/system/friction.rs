@@ -1,14 +1,14 @@
 //! Joint friction: the friction wrench on the parts, computed from the motion and the reaction of a joint. The creep carries over from time
 //! step to time step.
 //!
-//! In statics only frictions enabled by `creeping` act.
+//! In statics, only frictions enabled by `creeping` act.
 //!
 //! Each sliding direction k is a translation along zj, or a rotation about an axis of I or J with the radius as lever arm: `f_k = lever
 //! (mu_k N + T0/radius sigma_k)`. `element::FrictionLaw` gives the coefficient mu and the preload direction sigma from surface velocities
 //! and creeps. The normal load N follows from the reaction of the joint on I, and T0 is the torque preload. The derivatives with respect to
 //! positions, velocities and multipliers are exact.
 //!
-//! The creep is the integral of the surface velocity since sticking started. Within a time step the creep changes by the displacement, or
+//! The creep is the integral of the surface velocity since sticking started. Within a time step, the creep changes by the displacement, or
 //! the rotation vector, since the end of the last step. The creep therefore needs neither an unknown nor a tolerance of its own.
 
 use super::compiled_function::Exerted;
@@ -272,7 +272,7 @@ impl Configuration<'_> {
                 None => (of.bending, 0.0),
                 Some((start, delta)) => {
                     let (place, _) = self.joint_place(friction);
-                    // Before the first assembly there is no displacement.
+                    // Before the first assembly, there is no displacement.
                     let first = self.state.grips[number].first;
                     let delta = first.map_or(0.0, |_| delta);
                     let moved = delta * (place - first.unwrap_or(place));
@@ -416,7 +416,7 @@ impl Configuration<'_> {
     /// called.
     ///
     /// # Errors
-    /// [`NoValue`] if the friction is undefined in this configuration.
+    /// Returns [`NoValue`] if the friction is undefined in this configuration.
     pub fn read_friction(&mut self, id: u32) -> Result<FrictionReading, NoValue> {
         let system = self.system;
         let mut out = FrictionReading::default();

@@ -59,7 +59,7 @@ impl FrictionComponent {
 
 impl Configuration<'_> {
     /// Returns a quantity of the FRICTION with this id, summed over its yokes. Appends the gradient of the quantity, always with the same
-    /// sparsity pattern. Zero in statics.
+    /// sparsity pattern. The quantity is zero in statics.
     ///
     /// The stiction coefficient and the velocity weight have no gradient.
     pub(super) fn measure_friction(&mut self, id: u32, which: usize) -> Result<f64, NoValue> {

@@ -20,8 +20,8 @@ impl CompiledFunction {
         scratch.by_literal.resize(self.literals.len(), 0.0);
     }
 
-    /// Evaluates the compiled function at the inputs in `scratch`. Each piecewise function stays on the branch that `pieces` gives. The derivatives with respect to inputs and
-    /// literals are left in `scratch`.
+    /// Evaluates the compiled function at the inputs in `scratch`. Each piecewise function stays on the piece that `pieces` gives. The derivatives
+    /// with respect to inputs and literals are left in `scratch`.
     pub(super) fn run(
         &self,
         program: &Program,
@@ -103,7 +103,7 @@ impl Configuration<'_> {
     /// Returns the value of a VARIABLE. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if the function of the VARIABLE is undefined in this configuration.
+    /// Returns [`NoValue`] if the function of the VARIABLE is undefined in this configuration.
     pub fn read_variable(&mut self, variable: usize) -> Result<f64, NoValue> {
         match self.system.reads().explicit(variable) {
             Some(function) => self.value_of(function),
@@ -114,7 +114,7 @@ impl Configuration<'_> {
     /// Returns the gradient of a VARIABLE with respect to the unknowns. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if the function of the VARIABLE is undefined in this configuration.
+    /// Returns [`NoValue`] if the function of the VARIABLE is undefined in this configuration.
     pub(crate) fn variable_gradient(
         &mut self,
         variable: usize,

@@ -7,7 +7,7 @@ use crate::mechanics::{Mat3, Mat6, Pose, Vec3, eigen::symmetric_eigen, skew};
 use crate::model::PartIx;
 use nalgebra::DMatrix;
 
-/// Ratio of a principal moment of inertia to the largest entry of the inertia matrix. Below this ratio the moment counts as zero.
+/// Ratio of a principal moment of inertia to the largest entry of the inertia matrix. Below this ratio, the moment counts as zero.
 const WITHOUT_INERTIA: f64 = 1e-12;
 
 impl Configuration<'_> {
@@ -83,7 +83,7 @@ impl System {
     /// Returns the mass matrix of a part about its reference point, in ground axes, divided by the units consistency factor.
     ///
     /// `c` points from the reference point to the centre of mass, `R` holds the axes of the CM marker in ground, and
-    /// `J = R I_cm R' - m c~ c~`: `M = 1/ucf [ m 1, -m c~ ; m c~, J ]`. For a point mass only the first three rows and columns apply.
+    /// `J = R I_cm R' - m c~ c~`: `M = 1/ucf [ m 1, -m c~ ; m c~, J ]`. For a point mass, only the first three rows and columns apply.
     pub fn mass_matrix(&self, parameters: &Parameters, state: &State, part: PartIx) -> Mat6 {
         let (body, pose) = (&self.bodies[part.0], &state.poses[part.0]);
         let mut M = Mat6::zeros();

@@ -12,7 +12,7 @@ impl System {
     /// in the order of the model, and column m + k is an input added to VARIABLE k.
     ///
     /// # Errors
-    /// [`NoValue`] if an element has no value in this state.
+    /// Returns [`NoValue`] if an element has no value in this state.
     pub(crate) fn variables_linearised(
         &self,
         parameters: &Parameters,

@@ -30,13 +30,13 @@ impl Load<'_> {
 }
 
 impl<'s> Configuration<'s> {
-    /// Returns every force and torque on every part, including ground. [`Configuration::evaluate`] must have been called. At an equilibrium
-    /// the loads on each part cancel.
+    /// Returns every force and torque on every part, including ground. [`Configuration::evaluate`] must have been called. At an
+    /// equilibrium, the loads on each part cancel.
     ///
     /// Constraint reactions follow from the multipliers of the state. Inactive elements exert no load and are omitted.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub fn loads(&mut self) -> Result<Vec<Load<'s>>, NoValue> {
         let mut out = Vec::new();
         self.each_load(|load| out.push(load))?;
@@ -46,7 +46,7 @@ impl<'s> Configuration<'s> {
     /// Passes every load of [`Configuration::loads`] to `show`, one after the other.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub(crate) fn each_load(&mut self, mut show: impl FnMut(Load<'s>)) -> Result<(), NoValue> {
         let system = self.system;
         self.weights(&mut show);

@@ -1,7 +1,7 @@
 //! Equations of a model: compilation, parameters (theta), state and assembly.
 //!
 //! [`System`] is the fixed structure, [`Parameters`] holds every parameter that may change between runs, and [`State`] holds the values
-//! that a solver changes. Contains no iteration and no factorisation.
+//! that a solver changes. The module contains no iteration and no factorisation.
 
 mod assemble;
 mod carried;

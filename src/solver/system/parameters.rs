@@ -9,9 +9,9 @@ pub(crate) const PER_MARKER: usize = 6;
 
 /// Parameter vector theta: every parameter that can be identified or edited between runs without recompilation.
 ///
-/// Angles are in radians, all other parameters in the dataset's units, with the meaning they have in the statements: QP and REULER of a
-/// marker with RM are in the frame of RM. The marker frames are updated with the parameters. A change of QP moves a marker without rotating
-/// it; the points that define its axes move along.
+/// Angles are in radians, and all other parameters are in the dataset's units. Parameters have the meaning they have in the statements. For
+/// example, QP and REULER of a marker with RM are in the frame of RM. The marker frames are updated with the parameters. A change of QP
+/// moves a marker without rotating it; the points that define its axes move along.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameters {
     theta: Vec<f64>,
@@ -73,8 +73,8 @@ impl Parameters {
         self.refresh(marker.0);
     }
 
-    /// Returns the axes of a marker defined by points ZP and XP, in the frame in which the points are given. `None` for markers defined
-    /// otherwise.
+    /// Returns the axes of a marker defined by points ZP and XP, in the frame in which the points are given. Returns `None` for markers
+    /// defined otherwise.
     pub fn axes_by_points(&self, marker: crate::model::MarkerIx) -> Option<Mat3> {
         self.by_points[marker.0]
     }

@@ -8,12 +8,12 @@ use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::PartIx;
 
-/// Relative step of differences with respect to theta at fixed unknowns. The differences are of fourth order, so that only a round-off of
-/// 1e-12 remains.
+/// Relative step of differences with respect to theta at fixed unknowns. The differences are of fourth order, so only a round-off of 1e-12
+/// remains.
 const STEP: f64 = 1e-4;
 
-/// Scalar quantity read from an equilibrium. The last index of a vector quantity is its component: 0 to 2 for x, y, z of the first vector,
-/// 3 to 5 for x, y, z of the second vector, in ground axes.
+/// Scalar quantity read from an equilibrium. The last index of a vector quantity is its component, in ground axes. Components 0 to 2 are x,
+/// y, z of the first vector, and components 3 to 5 are x, y, z of the second vector.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Quantity {
     /// Motion of a part: displacement of its origin, then rotation vector.
@@ -30,7 +30,7 @@ impl Configuration<'_> {
     /// Returns the value of a quantity. The value of `Motion` is zero, because it is the change from the present configuration.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub fn quantity(&mut self, quantity: Quantity) -> Result<f64, NoValue> {
         match quantity {
             Quantity::Motion(..) => Ok(0.0),
@@ -54,7 +54,7 @@ impl Configuration<'_> {
     /// Adds the gradient of a quantity with respect to the unknowns to `out`.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub fn quantity_by_unknowns(
         &mut self,
         quantity: Quantity,
@@ -103,7 +103,7 @@ impl Configuration<'_> {
     /// Returns the derivative of a quantity with respect to one parameter at constant unknowns.
     ///
     /// # Errors
-    /// [`NoValue`] if an element is undefined in this configuration.
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
     pub(crate) fn quantity_by_slot(
         &mut self,
         quantity: Quantity,

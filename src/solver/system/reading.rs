@@ -40,7 +40,7 @@ impl Configuration<'_> {
     /// Returns the wrench of a force element; all zero if the element is inactive. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if the element is undefined in this configuration.
+    /// Returns [`NoValue`] if the element is undefined in this configuration.
     pub fn read_element(&mut self, element: ElementIx) -> Result<Reading, NoValue> {
         self.read(Exerted::Element(element.0))
     }
@@ -67,7 +67,7 @@ impl Configuration<'_> {
     /// Returns the wrenches of an NFORCE at each of its I markers. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if the NFORCE is undefined in this configuration.
+    /// Returns [`NoValue`] if the NFORCE is undefined in this configuration.
     pub fn read_nforce(&mut self, id: u32) -> Result<Vec<Reading>, NoValue> {
         let mut multis = self.system.multis.iter();
         let Some(number) = multis.position(|multi| multi.name.id == id) else {

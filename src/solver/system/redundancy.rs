@@ -65,8 +65,8 @@ impl System {
         out
     }
 
-    /// Finds the dependent rows by an elimination. It may drop other rows than [`Self::redundant_rows`], but also prefers to keep holonomic
-    /// equations over nonholonomic ones.
+    /// Finds the dependent rows by an elimination. It may drop other rows than [`Self::redundant_rows`] does. Both functions keep holonomic
+    /// equations in preference to nonholonomic ones.
     fn dependent_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<bool> {
         let mut out = self.dependent_among(rows, &self.is_nonholonomic);
         for equation in (0..self.equations).filter(|&k| self.is_nonholonomic[k]) {
@@ -124,7 +124,8 @@ impl System {
                 }
             }
         }
-        // Holonomic equations come before nonholonomic ones. Of two dependent equations, the one that constrains positions is then kept.
+        // Holonomic equations come before nonholonomic ones. If two equations depend on each other, the one that constrains positions is
+        // then kept.
         let (of_velocities, mut others): (Vec<usize>, Vec<usize>) = (0..self.equations)
             .filter(|&k| other[k])
             .partition(|&k| self.is_nonholonomic[k]);

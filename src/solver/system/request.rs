@@ -17,7 +17,7 @@ impl Configuration<'_> {
     /// Components without a function are zero.
     ///
     /// # Errors
-    /// [`NoValue`] if a function, or an element that it reads, is undefined in this configuration.
+    /// Returns [`NoValue`] if a function, or an element that it reads, is undefined in this configuration.
     pub fn read_request(&mut self, request: &Request, index: usize) -> Result<[f64; 8], NoValue> {
         let pose = |here: &Self, marker: Option<MarkerIx>| {
             marker.map_or_else(Pose::identity, |m| here.scratch.markers[m.0])
@@ -83,7 +83,7 @@ impl Configuration<'_> {
     /// `None` if the request has no such function. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if the function is undefined in this configuration.
+    /// Returns [`NoValue`] if the function is undefined in this configuration.
     pub fn read_function(
         &mut self,
         index: usize,
@@ -104,16 +104,16 @@ impl Configuration<'_> {
     /// Returns the value of FUNCTION of sensor `index` of the model. [`Configuration::evaluate`] must have been called.
     ///
     /// # Errors
-    /// [`NoValue`] if the function is undefined in this configuration.
+    /// Returns [`NoValue`] if the function is undefined in this configuration.
     pub fn read_sensor(&mut self, index: usize) -> Result<f64, NoValue> {
         self.value_of(self.system.sensors[index].0)
     }
 
-    /// Returns the value of EVALUATE of sensor `index` of the model, which SENVAL returns after the sensor has triggered. `None` if the
+    /// Returns the value of EVALUATE of sensor `index` of the model, which SENVAL returns after the sensor has triggered. Returns `None` if the
     /// sensor has no EVALUATE.
     ///
     /// # Errors
-    /// [`NoValue`] if the function is undefined in this configuration.
+    /// Returns [`NoValue`] if the function is undefined in this configuration.
     pub fn read_sensor_evaluate(&mut self, index: usize) -> Result<Option<f64>, NoValue> {
         let Some(function) = self.system.sensors[index].1 else {
             return Ok(None);

@@ -90,7 +90,7 @@ impl System {
     /// with the velocities of the state and with `mu`.
     ///
     /// # Errors
-    /// [`NoValue`] if an element has no value in this state.
+    /// Returns [`NoValue`] if an element has no value in this state.
     pub(crate) fn residual_and_products(
         &self,
         parameters: &Parameters,

@@ -133,7 +133,7 @@ impl System {
     /// Computes the residuals and the Jacobian rows of the constraints alone.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value in this state.
+    /// Returns [`NoValue`] if a function has no value in this state.
     pub(crate) fn constraints_and_rows(
         &self,
         parameters: &Parameters,
@@ -272,7 +272,7 @@ impl Configuration<'_> {
     /// motion, with steps of at most `step`. For a nonholonomic GCON, gamma is the first time derivative of its function.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value at a neighbouring point.
+    /// Returns [`NoValue`] if a function has no value at a neighbouring point.
     pub(crate) fn gamma(&mut self, step: f64, gamma: &mut [f64]) -> Result<(), NoValue> {
         let system = self.system;
         gamma.fill(0.0);
@@ -367,7 +367,7 @@ impl Configuration<'_> {
     }
 
     /// Returns the first and second time derivatives of functions along the motion, at zero accelerations. The derivatives are exact for
-    /// functions of time alone. For other functions the second derivative uses the difference formula [`SIDES`].
+    /// functions of time alone. For other functions, the second derivative uses the difference formula [`SIDES`].
     fn function_rates(&mut self, functions: &[usize], step: f64) -> Result<Vec<[f64; 2]>, NoValue> {
         if functions.is_empty() {
             return Ok(Vec::new());
@@ -420,7 +420,7 @@ impl System {
     /// a value counts as zero.
     ///
     /// # Errors
-    /// [`NoValue`] if an element that a function measures has no value in this state.
+    /// Returns [`NoValue`] if an element that a function measures has no value in this state.
     pub(crate) fn settle_variables(
         &self,
         parameters: &Parameters,

@@ -380,15 +380,15 @@ impl System {
         &self.catalogue
     }
 
-    /// Returns the indices of the unknowns of a part: translation of its reference point, then rotation vector, in ground axes. Empty for
-    /// ground.
+    /// Returns the indices of the unknowns of a part: translation of its reference point, then rotation vector, in ground axes. The range
+    /// is empty for ground.
     pub fn part_unknowns(&self, part: PartIx) -> Range<usize> {
         let body = &self.bodies[part.0];
         body.first..body.first + body.freedoms
     }
 
-    /// Returns the reference point of a part in part axes. In statics it is the centre. In motion it is the origin, because results report
-    /// the velocity of the origin.
+    /// Returns the reference point of a part in part axes. In statics, it is the centre. In motion, it is the origin, because results
+    /// report the velocity of the origin.
     pub fn local_reference(&self, state: &State, part: usize) -> Vec3 {
         if state.moves() {
             Vec3::zeros()
@@ -404,8 +404,8 @@ impl System {
 
     /// Returns the reference point of a part in ground, to which its translation and its torque balance refer.
     ///
-    /// In statics it is the centre of mass or, without a CM marker, the mean of the markers at which joints and forces act. In motion it is
-    /// the origin of the part.
+    /// In statics, it is the centre of mass or, without a CM marker, the mean of the markers at which joints and forces act. In motion, it
+    /// is the origin of the part.
     pub fn reference_point(&self, state: &State, part: PartIx) -> Vec3 {
         state.poses[part.0].p + self.reference_arm(state, part.0)
     }

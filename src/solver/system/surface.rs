@@ -50,7 +50,7 @@ pub(crate) struct JointFriction {
     /// Radius of the surface, the lever arm for rotations.
     pub radius: f64,
     pub law: FrictionLaw,
-    /// Whether EFFECT includes stiction, so that the surfaces can creep.
+    /// Whether EFFECT includes stiction. Only then can the surfaces creep.
     pub sticks: bool,
     /// Whether EFFECT includes sliding.
     pub slips: bool,

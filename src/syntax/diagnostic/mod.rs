@@ -167,7 +167,7 @@ impl Diagnostic {
     }
 }
 
-/// Result of an operation such as parsing, which always gives a result, together with the diagnostics of the operation.
+/// Value and diagnostics of an operation that always gives a value, such as parsing.
 #[derive(Clone, Debug)]
 pub struct Checked<T> {
     /// The result, as complete as the input permits.

@@ -31,7 +31,7 @@ pub struct Expression {
 
 /// An operator with two operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names say it.
+#[allow(missing_docs)] // The names are self-explanatory.
 pub enum BinaryOperator {
     Add,
     Subtract,
@@ -44,7 +44,7 @@ pub enum BinaryOperator {
 
 /// A named constant.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[allow(missing_docs)] // The names are the manual's.
+#[allow(missing_docs)] // The names are those of the manual.
 pub enum Constant {
     Pi,
     Rtod,

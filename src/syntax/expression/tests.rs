@@ -159,7 +159,7 @@ fn any_text_is_read_or_complained_about() {
 
 #[test]
 fn comments_and_continuation_marks_are_blanks() {
-    // FUNCTION = 1 +! half\n, 2 with the tokens that a lexer produces for it.
+    // The function text `1 +! half`, `, 2&`, `*3` on three lines, with the tokens that a lexer produces for it.
     let source = Source::new("deck.adm", b"1 +! half\n, 2&\n*3".to_vec());
     let kinds = [
         (TokenKind::Number, 1),

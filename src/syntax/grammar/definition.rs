@@ -43,7 +43,7 @@ impl StatementDef {
     }
 }
 
-/// Arguments that real ADAMS uses and the built-in solver ignores, so that the results of the two differ.
+/// Arguments that real ADAMS uses and the built-in solver ignores. The results of the two then differ.
 #[derive(Debug, PartialEq, Eq)]
 pub struct LeftOut {
     /// Full keywords of the arguments in capitals.

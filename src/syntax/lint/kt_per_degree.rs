@@ -8,7 +8,7 @@ const SHORTEST_LEVER: f64 = 2.5e-3;
 
 /// Reports a KT of a bushing that looks like a stiffness per degree.
 ///
-/// sqrt(KT/K) is the lever arm at which a translational stiffness K gives the rotational stiffness KT. In rubber bushings it is about as
+/// sqrt(KT/K) is the lever arm at which a translational stiffness K gives the rotational stiffness KT. In rubber bushings, it is about as
 /// long as the rubber, 5 to 50 mm. A KT per degree is 57.3 times too small, so its lever arm is sqrt(57.3) = 7.6 times too short.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let Some(metre) = length_unit(context) else {

@@ -5,8 +5,8 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 
 /// Reports parts that have no mass and are held by no constraint.
 ///
-/// If nothing acts on such a part, it is free and a warning is given. If only forces act on it, its acceleration is undefined; this is only
-/// a note, because statics does not need accelerations.
+/// If nothing acts on such a part, it is free, and a warning is given. If only forces act on it, its acceleration is undefined; this is
+/// only a note, because statics does not need accelerations.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let (mut constrained, mut loaded) = (HashSet::new(), HashSet::new());
     for statement in context.statements() {

@@ -156,7 +156,7 @@ pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
 
 /// Checks the commands of a file in sequence, together with the decks on which they run: missing objects and impossible times.
 ///
-/// `deck_of` returns the deck whose name is at the given span of the file, or `None` if that deck could not be read; checks that need the
+/// `deck_of` returns the deck whose name is at the given span of the file, or `None` if that deck could not be read. Checks that need the
 /// deck are then skipped. The diagnostics are in the order of the commands.
 pub fn check_sequence(
     file: &CommandFile,

@@ -72,8 +72,8 @@ impl Parameter {
 }
 
 impl Table {
-    /// Returns true for a row of a single text in a table of several columns. Such a row is a remark on the row above, as below the parameters
-    /// of an assembly file.
+    /// Returns true for a row of a single text in a table of several columns. Such a row is a remark on the row above it, for example on a row
+    /// of parameters in an assembly file.
     pub fn is_remark(&self, row: &[Cell]) -> bool {
         self.columns.len() > 1 && matches!(row, [Cell::Text(_)])
     }

@@ -1,7 +1,7 @@
 //! Adams/Car property files (`.bus`, `.spr`, `.bum`, `.reb`, `.dpr`) in TeimOrbit format, as typed curves.
 //!
 //! The format is described on the page `adams_tire/about.html`: blocks `[NAME]`, parts of blocks `(PART)`, tables under headings in `{}`,
-//! parameters `NAME = value`, and comments from `$` or `!` to the end of the line.
+//! and parameters `NAME = value`. Comments extend from `$` or `!` to the end of the line.
 //!
 //! The names of the blocks with curves are the names that existing readers expect (`grammar/NOTES.md`): `FX_CURVE` to `TZ_CURVE` and
 //! `DAMPING` in a bushing file, `CURVE` in the other files.
@@ -130,7 +130,8 @@ impl PropertyFile {
             PropertyKind::Other(_) => &[],
         };
         let curves = self.curves();
-        // Single curves of a bushing may be absent, because it may have no force in some directions. A file without any curve is reported.
+        // Single curves of a bushing may be absent, because a bushing may have no force in some directions. A file without any curve is
+        // reported.
         let absent = wanted
             .iter()
             .all(|name| curves.iter().all(|curve| curve.block != *name));

@@ -18,8 +18,8 @@ pub struct PropertyUnits {
     pub angle: f64,
 }
 
-/// Further spellings of units in Adams/Car, with the keywords of UNITS to which they correspond. They are no abbreviations of these
-/// keywords and do not occur in results files.
+/// Further spellings of units in Adams/Car, with the corresponding keywords of UNITS. They are not abbreviations of these keywords and do
+/// not occur in results files.
 const MORE: &[(&str, &str)] = &[
     ("m", "METER"),
     ("in", "INCH"),

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 /// Returns the full path of an existing file or folder, with links resolved.
 ///
-/// On Windows the path begins with `\\?\` and may be longer than 260 characters.
+/// On Windows, the path begins with `\\?\` and may be longer than 260 characters.
 ///
 /// # Errors
 /// Returns an error if the path does not exist.

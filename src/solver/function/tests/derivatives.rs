@@ -204,7 +204,7 @@ fn second_rates_are_those_of_differences() {
     assert!(found > 500, "{found}");
 }
 
-/// At the edges of domains and pieces the derivative equals a one-sided derivative or lies between the two one-sided derivatives. It is
+/// At the edges of domains and pieces, the derivative equals a one-sided derivative or lies between the two one-sided derivatives. It is
 /// zero where a side is infinitely steep.
 #[test]
 fn derivatives_at_edges_are_those_of_a_side() {

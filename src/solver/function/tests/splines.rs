@@ -38,7 +38,7 @@ fn cubic_and_linear_interpolation_and_straight_extrapolation() {
 }
 
 /// The worked examples of AKIMA_SPLINE (`adams_view_fn/akima.html`) and of SPLINE with CSPLINE (`spline.html`). For the spline through four
-/// points with y = 0, 2, 1, 3 the manual prints ten values to three decimals.
+/// points with y = 0, 2, 1, 3, the manual prints ten values to three decimals.
 #[test]
 fn splines_reproduce_the_examples_of_the_manual() {
     let akima = [0.0, 1.0, 1.667, 2.0, 1.778, 1.222, 1.0, 1.333, 2.0, 3.0];

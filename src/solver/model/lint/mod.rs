@@ -35,8 +35,8 @@ pub fn lost_torques(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
     found
 }
 
-/// Returns a warning if the values of a deck are implausible in its stated UNITS. Meant for commands that do not run the full check; the
-/// severity is always a warning.
+/// Returns a warning if the values of a deck are implausible in its stated UNITS. This function is meant for commands that do not run the
+/// full check. The severity is always a warning.
 pub fn implausible_units(dataset: &Dataset, model: &Model) -> Option<Diagnostic> {
     let mut found = Vec::new();
     implausible_units::check(&Design { dataset, model }, &mut found);
@@ -52,7 +52,7 @@ struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Returns the pose of a marker in ground. `None` for floating markers and for markers on bodies that only real ADAMS places.
+    /// Returns the pose of a marker in ground. Returns `None` for floating markers and for markers on bodies that only real ADAMS places.
     fn pose(&self, marker: MarkerIx) -> Option<Pose> {
         self.model.marker_pose(marker)
     }

@@ -158,7 +158,8 @@ fn joints(reader: &mut Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> 
     Some(joints)
 }
 
-/// Returns whether a joint leaves the given displacement along or about z of J free, so that a MOTION, COUPLER or GEAR can use it.
+/// Returns whether a joint leaves the given displacement along or about z of J free. Only a free displacement can be used by a MOTION,
+/// COUPLER or GEAR.
 fn leaves_free(kind: JointKind, displacement: CouplerKind) -> bool {
     match kind {
         JointKind::Cylindrical => true,

@@ -135,7 +135,7 @@ impl Definitions {
         diagnostics
     }
 
-    /// Returns the current form of a statement, with all commands overlaid. `None` if the dataset does not define the statement.
+    /// Returns the current form of a statement, with all commands overlaid. Returns `None` if the dataset does not define the statement.
     pub fn statement(&self, def: &'static StatementDef, id: Option<u32>) -> Option<Overlay> {
         if let Some(overlay) = self.over.get(&(def.name, id)) {
             return Some(overlay.clone());

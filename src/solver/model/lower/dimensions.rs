@@ -134,7 +134,7 @@ impl<'a> Sizes<'a> {
         self.context.stated(kind, id)
     }
 
-    /// Returns the number of elements of the ARRAY that an argument names. `None` if the ARRAY does not give its size.
+    /// Returns the number of elements of the ARRAY that an argument names. Returns `None` if the ARRAY does not give its size.
     fn of_array(&self, argument: &str) -> Option<usize> {
         let array = self.named("ARRAY", argument)?;
         let given = |name: &str| Some(array.numbers(name).len()).filter(|count| *count > 0);

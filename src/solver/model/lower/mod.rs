@@ -36,7 +36,7 @@ pub fn lower(dataset: &Dataset) -> Checked<Model> {
 /// Resolves a dataset with the given supplementary files; no other file is read.
 ///
 /// Diagnostics report undefined and duplicate ids, missing arguments, wrong counts and invalid frames. The model is completed as far as
-/// possible. With errors among the diagnostics it must not be solved.
+/// possible. If the diagnostics contain an error, the model must not be solved.
 pub(crate) fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
     let lowering = lowered(dataset, files);
     Checked {
@@ -300,7 +300,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Returns whether a SPLINE takes its points from a file that was read. False if points (X, Y) were given after FILE.
+/// Returns whether a SPLINE takes its points from a file that was read. Returns false if points (X, Y) were given after FILE.
 fn is_supplied(spline: &Stated, files: &Files) -> bool {
     spline.latest(&["FILE", "X", "Y"]).next() == Some("FILE")
         && spline

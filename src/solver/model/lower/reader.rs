@@ -38,7 +38,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Reader that returns the arguments of one statement as typed values. For absent arguments it returns the defaults of the grammar.
+/// Reader that returns the arguments of one statement as typed values. For absent arguments, it returns the defaults of the grammar.
 pub(super) struct Reader<'a> {
     context: Context<'a>,
     stated: Stated<'a>,
@@ -208,8 +208,8 @@ impl<'a> Reader<'a> {
         )
     }
 
-    /// Returns what a FIELD names whose values come from a subroutine, if these are objects of a bushing of Adams/Car; an error says what
-    /// does not fit.
+    /// Reads a FIELD whose values come from a user subroutine as a bushing of Adams/Car. Returns `None` if the statement is not such a
+    /// FIELD or refers to no object of a bushing. The error is the reason why the objects are unsuitable.
     pub(crate) fn car_field(&self) -> Option<Result<CarField, String>> {
         if self.def.name != "FIELD" || !self.is_user("FUNCTION") {
             return None;

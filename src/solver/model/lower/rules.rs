@@ -6,7 +6,7 @@ use admire_syntax::grammar::{Solved, ValueKind, nearest};
 use admire_syntax::text::Source;
 use admire_syntax::{Argument, Fault, Statement, Wrong};
 
-/// Arguments whose numbers must lie within their bounds; an empty list means all arguments of the statement. Outside these bounds a
+/// Arguments whose numbers must lie within their bounds; an empty list means all arguments of the statement. Outside these bounds, a
 /// simulation is meaningless.
 const BOUNDED: [(&str, &[&str]); 6] = [
     ("FRICTION", &[]),
@@ -121,7 +121,7 @@ fn is_absence(fault: &Fault<'_>) -> bool {
     )
 }
 
-/// Returns whether a fault leaves the model unaffected. This holds for a wrong number of text values. In statements that have no effect it
+/// Returns whether a fault leaves the model unaffected. This holds for a wrong number of text values. In statements that have no effect, it
 /// also holds for non-integer numbers and wrong combinations of arguments.
 fn is_harmless(fault: &Fault<'_>) -> bool {
     match fault.wrong {

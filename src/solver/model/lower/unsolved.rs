@@ -3,8 +3,8 @@ use super::reader::Reader;
 use admire_syntax::diagnostic::Code;
 use admire_syntax::grammar::Solved;
 
-/// Returns the reason why only real ADAMS can solve a statement. `None` if the built-in solver solves the statement or the statement has no
-/// effect.
+/// Returns the reason why only real ADAMS can solve a statement. Returns `None` if the built-in solver solves the statement or the
+/// statement has no effect.
 pub(super) fn unsolved(statement: &Reader) -> Option<(Code, String)> {
     let def = statement.def;
     match def.solved {

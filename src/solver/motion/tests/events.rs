@@ -31,7 +31,7 @@ impl Known {
     }
 }
 
-/// A mass dropped from 1 m onto a contact of 1e4 N/m. The motion lasts two periods of 0.934906080799 s.
+/// Returns the motion of a mass dropped from 1 m onto a contact of 1e4 N/m. The motion lasts two periods of 0.934906080799 s.
 fn dropped(force: &str) -> Known {
     Known {
         deck: along_z(-9.81, (1.0, 0.0), force),
@@ -42,7 +42,7 @@ fn dropped(force: &str) -> Known {
     }
 }
 
-/// A mass on springs of 100 N/m above zero and 400 N/m below zero. Its half periods are pi/10 s and pi/20 s.
+/// Returns the motion of a mass on springs of 100 N/m above zero and 400 N/m below zero. The half periods are pi/10 s and pi/20 s.
 fn between_springs(force: &str) -> Known {
     Known {
         deck: along_z(0.0, (1.0, 0.0), force),
@@ -53,8 +53,8 @@ fn between_springs(force: &str) -> Known {
     }
 }
 
-/// A mass on a spring of 100 N/m, with 5 N of friction. The amplitude falls by 0.1 m in each half swing of pi/10 s. The motion ends after a
-/// third of the sixth half swing.
+/// Returns the motion of a mass on a spring of 100 N/m, with 5 N of friction. The amplitude falls by 0.1 m in each half swing of pi/10 s. The
+/// motion ends after a third of the sixth half swing.
 fn braked(force: &str) -> Known {
     Known {
         deck: along_z(0.0, (1.0, 0.0), force),
@@ -303,7 +303,7 @@ fn a_relay_slides_along_its_line() {
     }
 }
 
-/// A block is held between two steps of AINT, so that the function switches again and again. The error message names the function.
+/// A block is held between two steps of AINT, and the function switches again and again. The error message names the function.
 #[test]
 fn a_function_that_chatters_is_named() {
     let deck = along_z(0.0, (0.0, 1.0), "8-10*AINT(VZ(20)/2+1)");
@@ -328,13 +328,13 @@ fn a_thousand_changes_between_two_outputs_are_too_many() {
     // Each flight is 0.2 mm at 1 m/s, and each contact lasts pi/10 ms. A thousand switches take 0.25 s.
     let round = 2.0 * (2e-4 + PI * 1e-4);
     assert!((error.time / (250.0 * round) - 1.0).abs() < 0.02, "{error}");
-    // If outputs are closer, the number of switches between two outputs stays below the limit.
+    // If the outputs are closer together, the number of switches between two outputs stays below the limit.
     let mut integrator = begun(&deck, 1e-4, 0.1);
     integrator.advance_to(1.0).expect("a motion");
 }
 
-/// A sawtooth of time with 5,000 teeth between two outputs is no chatter, because time alone selects its pieces. N teeth of length T with
-/// `N T = 1` give the velocity T/2.
+/// A sawtooth of time with 5,000 teeth between two outputs does not count as chatter, because time alone selects its pieces. N teeth of length
+/// T with `N T = 1` give the velocity T/2.
 #[test]
 fn jumps_of_the_time_may_be_many() {
     let tooth = 2e-4;
@@ -349,7 +349,7 @@ fn jumps_of_the_time_may_be_many() {
     assert!(integrator.statistics().steps >= 5000);
 }
 
-/// A force equal to the square root of the height acts only above the ground. The mass starts at 1 m with -2 m/s. Below the ground the motion
+/// A force equal to the square root of the height acts only above the ground. The mass starts at 1 m with -2 m/s. Below the ground, the motion
 /// continues with `v^2 = 4 - 4/3`.
 #[test]
 fn a_piece_that_ends_where_its_function_ends_is_left() {

@@ -295,8 +295,8 @@ fn every_iteration_finds_the_same_step() {
     }
 }
 
-/// A nonholonomic constraint that other constraints imply is redundant, whatever the order of the statements. Of two equivalent nonholonomic
-/// constraints, the later one is redundant.
+/// A nonholonomic constraint that other constraints imply is redundant, whatever the order of the statements. If two nonholonomic constraints
+/// are equivalent, the later one is redundant.
 #[test]
 fn what_says_nothing_new_is_left_out() {
     let deck = sleigh(

@@ -42,7 +42,8 @@ const ROTATION: [Dimension; CarAxis::LENGTH] = [
 ];
 
 impl SystemCompiler<'_> {
-    /// Compiles a FIELD of Adams/Car. One that does not fit after a change of its objects exerts nothing and is an error.
+    /// Compiles a FIELD of Adams/Car. If a command has changed its objects so that they are unsuitable, the FIELD exerts no force and an
+    /// error is reported.
     pub(super) fn car_bushing(&mut self, field: &PairForce, car: &CarField) {
         let (i, j) = (field.i.0, field.j.0);
         let of = ("FIELD", &field.header);
@@ -88,7 +89,7 @@ impl SystemCompiler<'_> {
         self.damp((c != Vec6::zeros()).then(|| Damping::Matrix(Box::new(C))));
     }
 
-    /// Returns the curves of a bushing, or a sentence that says what does not fit.
+    /// Returns the curves of a bushing. The error is the reason why the objects are unsuitable.
     fn curves(&mut self, car: &CarField) -> Result<[Interpolant; 6], String> {
         let programs = &self.programs;
         let array = |id| programs.numbers(id).unwrap_or_default().to_vec();
@@ -115,7 +116,7 @@ impl SystemCompiler<'_> {
             .map_err(|_| "a bushing has six curves".to_string())
     }
 
-    /// Adds a warning that says how the FIELDs of Adams/Car are read.
+    /// Adds a warning that explains how FIELDs of Adams/Car are read.
     pub(super) fn report_car_bushings(&mut self) {
         let active = self.model.pair_forces.iter().filter(|f| f.header.active);
         let read: Vec<&CarField> = active.filter_map(|field| field.car.as_ref()).collect();

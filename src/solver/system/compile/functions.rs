@@ -264,8 +264,8 @@ impl SystemCompiler<'_> {
             .collect()
     }
 
-    /// Returns every element and constraint that exerts a force, with the markers at which it acts: the marker on which the action acts
-    /// and, unless the force is action-only, the marker on which the reaction acts.
+    /// Returns every element and constraint that exerts a force, with the markers at which it acts. The first is the marker of the action.
+    /// The second is the marker of the reaction, unless the force is action-only.
     fn ends(&self) -> impl Iterator<Item = (Exerted, (usize, Option<usize>))> {
         let elements = self.elements.iter().enumerate();
         let elements = elements.map(|(k, e)| (Exerted::Element(k), (e.i, e.reaction.map(|_| e.j))));

@@ -1,7 +1,7 @@
 //! Compilation of the model to the fixed structure [`System`].
 //!
-//! Contains no solution method. Every statement that cannot be solved is reported together with the effect of leaving it out; nothing is
-//! dropped silently.
+//! The module contains no solution method. Every statement that cannot be solved is reported together with the effect of leaving it out;
+//! nothing is dropped silently.
 
 mod car_bushing;
 mod centres;
