@@ -431,8 +431,8 @@ pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 mod tests {
     use super::*;
 
-    /// Each reading of a channel is an effect of its own, with its own prior. Functions of a progressive law are alternatives, forms of another
-    /// cause are not.
+    /// Checks that each reading of a channel is a separate effect with its own prior. The functions of a progressive law are alternatives of
+    /// each other; the forms of any other cause are not.
     #[test]
     fn readings_are_effects_of_their_own_and_functions_are_alternatives() {
         let at = |cause, address: &str, form, number: &str| {

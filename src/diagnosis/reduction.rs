@@ -67,7 +67,7 @@ pub(super) struct Marginal {
     absorbed: DMatrix<f64>,
     /// Block of the information matrix of each effect.
     own: Vec<DMatrix<f64>>,
-    /// Columns of the information matrix `M` that were needed so far.
+    /// Columns of the information matrix `M` that were computed so far.
     columns: Vec<OnceLock<DVector<f64>>>,
 }
 

@@ -342,7 +342,7 @@ impl Selector<'_, '_> {
         x: &[f64],
     ) -> Option<Arc<FittedModel>> {
         let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
-        // What a law with memory promises rises while its slip length shortens.
+        // The predicted evidence of a law with memory rises while its slip length shortens, so its fit is not stopped early.
         let stopping = if effects.iter().any(|effect| effect.memory.is_some()) {
             EarlyStopping::NONE
         } else {
