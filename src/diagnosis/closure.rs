@@ -127,8 +127,8 @@ impl<'a> Sets<'a> {
         effect >= self.model.own && self.model.effects[effect].is_poorly_linearised()
     }
 
-    /// Returns the sets within Occam's window that are reached from `start` by adding, dropping and exchanging single effects. If `with_pairs` is
-    /// set, the best pairs of effects are start sets, too.
+    /// Returns the sets within Occam's window that are reached from `start` by adding, dropping and exchanging single effects. If `with_pairs`
+    /// is true, the best pairs of effects are further start sets.
     pub(super) fn closure(&self, start: &EffectSet, with_pairs: bool) -> Pool {
         let mut pool = Pool::new();
         if let Some(score) = self.score(start) {
