@@ -23,7 +23,7 @@ pub(super) struct Point {
     pub pools: Vec<Pool>,
     /// Sets that the fit must be compared with if it leads.
     pub challengers: Vec<Challenger>,
-    /// Indices in the list of known effects of the terms of each effect of `model`. A combined effect has two.
+    /// For each effect of `model`, the indices of its terms in the list of known effects. A combined effect has two terms.
     pub ids: Vec<Ids>,
 }
 

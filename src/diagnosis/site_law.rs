@@ -40,7 +40,7 @@ pub(super) struct Scanned {
     /// Log Bayes factor of the law against no force at the site.
     #[cfg(test)]
     pub ln_bayes_factor: f64,
-    /// Excess of the log Bayes factor of the law over that of a force with this pattern and a limit with a normal prior.
+    /// Log Bayes factor of the law, minus the log Bayes factor of a force with this fixed pattern and a normal prior of its limit.
     pub correction: f64,
     /// Parameters with which fits start: first those with a long slip length, because the objective is smooth there, then the most probable ones.
     pub starts: [SliderStart; 2],
