@@ -26,7 +26,7 @@ struct Listing {
     lines: BTreeSet<String>,
 }
 
-/// A module: its items, and the folder that its submodules are in.
+/// A module: its items, and the folder of its submodules.
 struct Module {
     items: Vec<Item>,
     folder: PathBuf,
@@ -260,7 +260,7 @@ fn parse(file: &Path) -> Vec<Item> {
         .items
 }
 
-/// The names that a `use` brings, each with its path.
+/// Returns the names that a `use` imports, each with its path.
 fn flat(tree: &UseTree, mut path: Vec<String>) -> Vec<(Vec<String>, String)> {
     match tree {
         UseTree::Path(of) => {
@@ -327,7 +327,7 @@ fn is_test(attributes: &[syn::Attribute]) -> bool {
         .any(|text| text.contains("cfg (test)") || text.contains("\"python\""))
 }
 
-/// Tokens with the blanks of `cargo fmt`, nearly.
+/// Returns tokens as text, with blanks nearly as by `cargo fmt`.
 fn text(tokens: &impl ToTokens) -> String {
     let mut text = tokens.to_token_stream().to_string();
     for (from, to) in [
@@ -387,7 +387,7 @@ fn the_public_surface_is_the_committed_one() {
     );
 }
 
-/// Items that are known to be there: the lists are not empty because the reader went astray.
+/// Checks known items, so that an error of the reader cannot leave the lists empty unnoticed.
 #[test]
 fn the_lists_hold_what_programs_use() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

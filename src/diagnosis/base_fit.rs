@@ -1,4 +1,4 @@
-//! Fit without effects, where every selection starts. Its residuals decide the weights of the readings.
+//! Fit without effects, from which every selection starts. Its residuals determine the weights of the readings.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use super::fit::{FittedModel, fit, refit};
 use super::lack_of_fit::{is_of_far_readings, is_structured, lack_of_fit_tests};
 use crate::settings::OUTLIER_ROUNDS;
 
-/// Fit without effects, with the study as the fit weights its readings.
+/// Fit without effects, and the study with the weights that this fit gives its readings.
 pub(super) struct BaseFit<'a> {
     /// Study, with the readings weighted by the residuals of the fit.
     pub subject: DiagnosisProblem<'a>,
@@ -41,7 +41,7 @@ pub fn fit_without_effects(
         Some(begun) => begun,
         None => fit(subject, &[], None, data)?,
     };
-    // A wrong reading hides others until it is left out.
+    // A wrong reading can mask other wrong readings until it is left out.
     for _ in 0..OUTLIER_ROUNDS {
         if subject.flag_three_mark_outliers(&none.residual) {
             subject.set_row_weights(None);
@@ -96,7 +96,7 @@ pub(super) mod tests {
     use crate::progress::Progress;
     use admire_identify::{LoadedStudy, Problem};
 
-    /// The shipped axle in which nothing is wrong.
+    /// Returns the shipped axle study, in which nothing is wrong.
     pub(in super::super) fn shipped_axle() -> LoadedStudy {
         let folder =
             std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../corpus/pseudo-mcpherson");
@@ -113,7 +113,7 @@ pub(super) mod tests {
         (subject, none)
     }
 
-    /// Checks that a fit to all cases that starts from a fit to some of them has the same result after fewer sweeps.
+    /// Checks that a fit to all cases, started from a fit to some of them, reaches the same result in fewer sweeps.
     #[test]
     fn a_fit_to_all_cases_begins_where_that_without_some_ended() {
         let loaded = shipped_axle();

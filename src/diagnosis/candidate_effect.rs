@@ -11,7 +11,7 @@ use admire_syntax::{Address, NewStatement};
 /// First-order effect of one parameter of a candidate on the model or on the readings, per unit of the parameter.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Sensitivity {
-    /// No first-order effect of its own. The parameter belongs to a random effect, or only a nonlinear fit can determine it.
+    /// No separate first-order effect. The parameter belongs to a random effect, or only a nonlinear fit can determine it.
     None,
     /// Changes of deck parameters that are the same in every load case. Each pair holds an address and the change.
     Always(Vec<(Address, f64)>),
@@ -124,11 +124,11 @@ pub struct CandidateEffect {
     pub joint_with: Option<Box<CandidateEffect>>,
 }
 
-/// Term of the force law of a cause. Only the main term is a cause of its own; the other terms are reported with it. Terms are ordered: each
+/// Term of the force law of a cause. Only the main term is a separate cause; the other terms are reported with it. Terms are ordered: each
 /// refines the terms before it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Term {
-    /// Main term, which is a cause of its own.
+    /// Main term, which is a separate cause.
     Main,
     /// Further term of the same law, counted from 1: a further slider of a friction law, or the growth of a bushing coupling with the
     /// deflection.
@@ -229,7 +229,7 @@ impl CandidateEffect {
         Self::plain(cause, address, form, numbers.collect())
     }
 
-    /// Iterates over the main terms in `all`, which are causes of their own.
+    /// Iterates over the main terms in `all`, each of which is a separate cause.
     pub fn causes(all: &[Self]) -> impl DoubleEndedIterator<Item = &Self> {
         all.iter().filter(|h| h.term == Term::Main)
     }
@@ -376,8 +376,8 @@ impl CandidateEffect {
 }
 
 impl EffectParameter {
-    /// Returns the value of the fit's unknown at which the effect is absent; `x` is its fitted value. A compliance gets a stiffness that
-    /// counts as rigid. A parameter without effect of its own, such as the slip length of friction, keeps its value.
+    /// Returns the value of the fit's unknown at which the effect is absent; `x` is its fitted value. A compliance gets a stiffness that counts
+    /// as rigid. A parameter without a separate effect, such as the slip length of friction, keeps its value.
     pub fn absent(&self, x: f64) -> f64 {
         match self.unknown {
             Parametrisation::Compliance(_) => x.max(-libm::log(ABSENT_COMPLIANCE * self.sd)),
@@ -431,8 +431,8 @@ pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 mod tests {
     use super::*;
 
-    /// Each reading of a channel is an effect of its own, with its own prior. Functions of a progressive law are alternatives, forms of another
-    /// cause are not.
+    /// Checks that each reading of a channel is a separate effect with its own prior. The functions of a progressive law are alternatives of
+    /// each other; the forms of any other cause are not.
     #[test]
     fn readings_are_effects_of_their_own_and_functions_are_alternatives() {
         let at = |cause, address: &str, form, number: &str| {

@@ -17,7 +17,7 @@ pub(super) enum Reason {
     OtherFunction,
     /// One effect is left out. Without it, other variance components may be more probable.
     LeftOut,
-    /// A law with memory has a further term, of which no linear model can judge.
+    /// A law with memory has a further term, whose evidence no linear model can estimate.
     FurtherTerm,
     /// One cause is exchanged for a cause whose size is unusual, so that its linear model is wrong.
     UnusualSize,

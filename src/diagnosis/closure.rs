@@ -94,7 +94,7 @@ impl<'a> Sets<'a> {
         {
             return false;
         }
-        // The other function of a law in the fit is fitted as a challenger.
+        // An alternative function of a law in the fit is fitted as a challenger.
         let is_of_fit = |own: &CandidateEffect| own.is_alternative(new);
         if effect >= self.model.own && self.model.effects[..self.model.own].iter().any(is_of_fit) {
             return false;
@@ -127,8 +127,8 @@ impl<'a> Sets<'a> {
         effect >= self.model.own && self.model.effects[effect].is_poorly_linearised()
     }
 
-    /// Returns the sets within Occam's window that are reached from `start` by adding, dropping and exchanging single effects. If `with_pairs` is
-    /// set, the best pairs of effects are start sets, too.
+    /// Returns the sets within Occam's window that are reached from `start` by adding, dropping and exchanging single effects. If `with_pairs`
+    /// is true, the best pairs of effects are further start sets.
     pub(super) fn closure(&self, start: &EffectSet, with_pairs: bool) -> Pool {
         let mut pool = Pool::new();
         if let Some(score) = self.score(start) {
@@ -327,7 +327,8 @@ impl<'a> Sets<'a> {
     }
 }
 
-/// Returns true for a cause and a force of unknown law at the same place: what the cause does not explain is a further term of its law.
+/// Returns true if a cause and a force of unknown law have the same address. A set contains only one of them: the part of the force that the
+/// cause does not explain is a further term of its law.
 fn is_rival(a: &CandidateEffect, b: &CandidateEffect) -> bool {
     a.address == b.address && a.is_in_catalogue() != b.is_in_catalogue()
 }

@@ -93,7 +93,7 @@ impl<'a> OperatingPoints<'a> {
         sites: &[((MarkerIx, MarkerIx), usize)],
     ) -> (Vec<DMatrix<f64>>, Vec<Vec<f64>>) {
         let cases = self.cases();
-        // If every row belongs to one case, one force in all cases shows the effects of all of them.
+        // If every row belongs to one case, a force in all cases at once gives the effects of the forces in all single cases.
         let channels = &self.measurement.channels;
         let is_split = channels.iter().all(Channel::is_of_single_cases);
         let acting = |(pair, axis): &((MarkerIx, MarkerIx), usize),
@@ -340,7 +340,7 @@ mod tests {
         }
     }
 
-    /// The first-order effect of a further term equals the derivative with respect to its parameters in the extended deck.
+    /// Checks that the first-order effect of a further term equals the derivative with respect to its parameters in the extended deck.
     #[test]
     fn a_further_part_does_what_its_numbers_in_the_deck_do() {
         let loaded = shipped_axle();
@@ -369,8 +369,8 @@ mod tests {
         compare(&subject, &fitted);
     }
 
-    /// A force in all cases at once shows the same effects as one force in each case. Whatever else holds the part makes the compliance of a
-    /// site smaller than that of its bushing.
+    /// Checks that a force in all cases at once gives the same effects as one force in each case. Other elements also hold the part, so the
+    /// compliance of a site is smaller than the compliance of its bushing alone.
     #[test]
     fn unit_forces_act_case_by_case() {
         let loaded = shipped_axle();

@@ -67,7 +67,7 @@ pub struct Rival {
     pub finding: CandidateEffect,
     /// Rival model, fitted to all cases.
     pub fitted: Arc<FittedModel>,
-    /// Cause that takes the place of the finding's cause in the rival model.
+    /// Cause that replaces the finding's cause in the rival model.
     pub instead: CandidateEffect,
 }
 

@@ -125,7 +125,7 @@ impl<'a> DiagnosisProblem<'a> {
         new
     }
 
-    /// Returns true if the measuring frame has an unknown pose of its own in each case.
+    /// Returns true if the pose of the measuring frame is a separate unknown in each case.
     pub fn has_frames(&self) -> bool {
         self.sizes.group(EffectGroup::FrameShifts).is_some()
     }

@@ -7,7 +7,7 @@ use crate::settings::{
     STILL_STEPS,
 };
 
-/// Evidence that a fit has to come near to.
+/// Criterion of early stopping: log evidence that a fit must approach.
 #[derive(Clone, Copy)]
 pub(super) struct EarlyStopping {
     /// Log evidence of the leading set in nats, without prior odds. A fit stops if it cannot come near this value.
@@ -20,21 +20,21 @@ impl EarlyStopping {
         lead: f64::NEG_INFINITY,
     };
 
-    /// Returns true if a fit with this log evidence and this predicted gain will not come near the lead.
+    /// Returns true if a fit with this log evidence and this predicted gain cannot come near the lead.
     pub(super) fn is_beaten(&self, ln_z: f64, gain: f64) -> bool {
         ln_z + gain < self.lead - LEAD_FAR_NATS
             || ln_z + LEAD_CLOSE_RISE * gain < self.lead - LEAD_CLOSE_NATS
     }
 
-    /// Returns true if a fit that goes on as in its last steps will not come near the lead. `course` holds the log evidence after each step,
-    /// `held` the number of first steps that are not judged, and `steps` the largest number of steps.
+    /// Returns true if a fit will not come near the lead at the pace of its last steps. `course` holds the log evidence after each step, `held`
+    /// the number of first steps that are not judged, and `steps` the maximum number of steps.
     pub(super) fn is_out_of_reach(&self, course: &[f64], (held, steps): (usize, usize)) -> bool {
         let count = course.len();
         if count <= held {
             return false;
         }
         let recent = &course[count - 1 - PACE_STEPS..];
-        // After new sizes or new derivatives set a fit back, its pace says nothing.
+        // If new variance components or new derivatives lowered the evidence, the pace is meaningless.
         if recent.windows(2).any(|pair| pair[1] < pair[0]) {
             return false;
         }
@@ -44,14 +44,14 @@ impl EarlyStopping {
         here + left * pace < self.lead - LEAD_CLOSE_NATS
     }
 
-    /// Returns true if a fit is far below the lead even with sizes of its own.
+    /// Returns true if the predicted log evidence of a fit is far below the lead.
     pub(super) fn is_lost(&self, predicted: &Solution) -> bool {
         predicted.ln_z + predicted.gain < self.lead - LEAD_LOST_NATS
     }
 }
 
-/// Returns true if a fit goes in a circle: none of its last steps reached more evidence than there was before them. A fit whose last step raised
-/// the evidence may still recover from a setback.
+/// Returns true if a fit is cycling: none of its last steps raised the log evidence noticeably above its value before these steps. A fit whose
+/// last step raised the evidence does not count, because it may still recover from a setback.
 pub(super) fn is_still(course: &[f64]) -> bool {
     let Some(from) = course.len().checked_sub(STILL_STEPS + 1) else {
         return false;
@@ -65,7 +65,8 @@ pub(super) fn is_still(course: &[f64]) -> bool {
 mod tests {
     use super::*;
 
-    /// A fit that goes up and down between two ends is still. One that exact derivatives set back, and that rises again, is not.
+    /// Checks that a fit counts as cycling if it alternates between two points. A fit that exact derivatives set back, and that rises again,
+    /// does not.
     #[test]
     fn a_fit_that_goes_in_a_circle_is_still() {
         let circle = [

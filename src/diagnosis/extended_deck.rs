@@ -108,7 +108,8 @@ mod tests {
     use super::super::operating_points::OperatingPoints;
     use super::*;
 
-    /// The deck of this test has angles in degrees. The statement of the split-off part has angles in radians, with truncated digits.
+    /// Checks the start pose of a split-off part. The deck has angles in degrees; the statement of the part has angles in radians, with
+    /// truncated digits.
     #[test]
     fn a_piece_begins_where_its_part_is() {
         let loaded = shipped_axle();

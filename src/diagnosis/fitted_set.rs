@@ -44,7 +44,7 @@ impl FittedSet {
         self.fits.iter().any(|fit| fit.forms == *forms)
     }
 
-    /// Log posterior probability of the set, up to a constant: the sum over the functions of its laws.
+    /// Returns the log posterior probability of the set, up to a constant: the sum over the functions of its laws.
     pub(super) fn ln_posterior(&self) -> f64 {
         let best = self
             .best()
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use crate::base_fit::tests::{axle_problem, shipped_axle};
 
-    /// Two functions of a law that are equally probable make a set twice as probable as either. The same function counts once.
+    /// Checks that two equally probable functions of a law make a set twice as probable as one of them. The same function counts only once.
     #[test]
     fn functions_of_a_law_add_up() {
         let loaded = shipped_axle();

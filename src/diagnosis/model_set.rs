@@ -113,9 +113,9 @@ pub(super) fn weighted(sets: Vec<ModelSet>) -> Vec<(ModelSet, f64)> {
     out
 }
 
-/// Returns the fit that is reported. It is the most probable fitted set; if some cause acts with a probability above one half, the most probable
-/// fitted set with a cause. Its effects that are less probable than not, with all that cannot be distinguished from them, are left out if the set without
-/// them is fitted, too.
+/// Returns the fit that is reported: the most probable fitted set, or the most probable one with a cause if some cause acts with a probability
+/// above one half. An effect is left out if the group of all effects indistinguishable from it is less probable than not. This requires that the
+/// set without such effects is fitted, too.
 pub(super) fn leading(models: &[(ModelSet, f64)], none: &Arc<FittedModel>) -> Arc<FittedModel> {
     let acts = none_of_these(models) < NAMED_PROBABILITY;
     let fits = || models.iter().filter_map(|(model, _)| model.fitted.as_ref());

@@ -23,7 +23,7 @@ pub(super) struct Point {
     pub pools: Vec<Pool>,
     /// Sets that the fit must be compared with if it leads.
     pub challengers: Vec<Challenger>,
-    /// Indices in the list of known effects of the terms of each effect of `model`. A combined effect has two.
+    /// For each effect of `model`, the indices of its terms in the list of known effects. A combined effect has two terms.
     pub ids: Vec<Ids>,
 }
 
@@ -45,7 +45,8 @@ impl Point {
         of.collect()
     }
 
-    /// Returns the starts of an effect in a new fit: all its forms, each with first guesses of its parameters. A form of a fitted law starts alone.
+    /// Returns the starts of an effect in a new fit: all its forms, each with first guesses of its parameters. An effect of the fit has only one
+    /// start, and so has an alternative function of a law in the fit.
     pub(super) fn starts(
         &self,
         k: usize,
@@ -68,7 +69,7 @@ impl Point {
         if effect.cause == Cause::FreePlay {
             return free_play::starts(effect, &guesses(k));
         }
-        // All forms of a law with memory, and all functions of another law.
+        // The starts are all forms of a law with memory, or all functions of any other law.
         let new = self.model.effects.iter().enumerate().skip(self.model.own);
         new.filter(|(_, form)| form.is_same_effect(effect))
             .map(|(j, form)| (form.clone(), guesses(j)))
@@ -80,8 +81,8 @@ impl Point {
         (0..self.model.own).all(|k| set.contains(&k))
     }
 
-    /// Returns the effects of this point that have these terms together. Of alternative functions of a law, the one in `forms` is preferred. Returns
-    /// `None` if a term is not a candidate at this point.
+    /// Returns the effects of this point whose terms together are `ids`. Among alternative functions of a law, the function in `forms` is
+    /// preferred. Returns `None` if a term is not a candidate at this point.
     pub(super) fn set_of(&self, ids: &Ids, forms: &Forms) -> Option<EffectSet> {
         let mut open = ids.clone();
         let mut set = EffectSet::new();
@@ -89,7 +90,7 @@ impl Point {
             let form = forms.get(id);
             form.is_some_and(|form| *form != self.model.effects[k].form)
         };
-        // Combined effects come first: their terms may be candidates of their own, too.
+        // Combined effects come first, because their terms may also be separate candidates.
         for (count, any_form) in [(2, false), (2, true), (1, false), (1, true)] {
             for (k, terms) in self.ids.iter().enumerate() {
                 if terms.len() == count
@@ -106,7 +107,7 @@ impl Point {
     }
 }
 
-/// Law whose linear model is rough.
+/// Law that its linear model approximates poorly.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum RoughLaw {
     /// Friction or creep. Each of them can look like the other.
@@ -115,7 +116,7 @@ pub(super) enum RoughLaw {
     Of(Cause),
 }
 
-/// Returns the effects of a set that are not in the fit of the point and whose laws are rough, with their laws.
+/// Returns the effects of a set that are not in the fit of the point and that a linear model approximates poorly, each with its law.
 pub(super) fn new_rough_laws(
     model: &EffectModel,
     set: &[usize],

@@ -65,9 +65,9 @@ pub(super) struct Marginal {
     cross: DMatrix<f64>,
     /// Decrease of `step` per unit of each effect parameter, one column per parameter.
     absorbed: DMatrix<f64>,
-    /// Block of the information matrix of each effect.
+    /// For each effect, its diagonal block of the information matrix.
     own: Vec<DMatrix<f64>>,
-    /// Columns of the information matrix `M` that were needed so far.
+    /// Columns of the information matrix `M` that were computed so far.
     columns: Vec<OnceLock<DVector<f64>>>,
 }
 
@@ -170,7 +170,7 @@ impl EffectModel {
         }
     }
 
-    /// Frees the memory of the products. Columns of the information matrix that were needed before remain known, no others.
+    /// Frees the memory of the products. Columns of the information matrix that were computed before remain known; no others can be computed.
     pub(super) fn forget_products(&mut self) {
         self.products = None;
     }
@@ -215,7 +215,7 @@ impl EffectModel {
         }
     }
 
-    /// Returns the reduced model.
+    /// Combines this model with one of its marginals.
     pub(super) const fn reduction<'m>(&'m self, marginal: &'m Marginal) -> Reduction<'m> {
         Reduction {
             model: self,
@@ -304,18 +304,18 @@ impl EffectModel {
 }
 
 impl Reduction<'_> {
-    /// Log evidence of the model without effects.
+    /// Returns the log evidence of the model without effects.
     #[cfg(test)]
     pub(super) const fn ln_z(&self) -> f64 {
         self.marginal.ln_z
     }
 
-    /// Gradient `g` of the log evidence with respect to the effect parameters.
+    /// Returns the gradient `g` of the log evidence with respect to the effect parameters.
     pub(super) const fn gradient(&self) -> &DVector<f64> {
         &self.marginal.gradient
     }
 
-    /// Returns column `k` of the information matrix; `None` if it was not needed before the products were forgotten.
+    /// Returns column `k` of the information matrix; `None` if it was not computed before the products were freed.
     pub(super) fn information_column(&self, k: usize) -> Option<&DVector<f64>> {
         let Marginal {
             columns,
@@ -331,7 +331,7 @@ impl Reduction<'_> {
         columns[k].get()
     }
 
-    /// Returns the lower triangle of the information matrix; `None` if the products were forgotten.
+    /// Returns the lower triangle of the information matrix; `None` if the products were freed.
     pub(super) fn information(&self) -> Option<DMatrix<f64>> {
         let Marginal {
             cross,
@@ -374,7 +374,7 @@ impl Reduction<'_> {
         let mut Q = &self.marginal.own[effect] + DMatrix::identity(own.len(), own.len());
         let mut g = self.marginal.gradient.select_rows(&own);
         if !set.columns.is_empty() {
-            // The columns of the set are at hand; those of the effect need not be computed.
+            // Only known columns of the set are read, so the columns of the effect need not be computed.
             let cross = self.block(&own, &set.columns)?.transpose();
             Q -= cross.tr_mul(&set.factor.solve(&cross));
             g -= cross.tr_mul(&set.mean);
@@ -520,7 +520,7 @@ mod tests {
         assert!(compared >= 2, "{compared}");
     }
 
-    /// The closure must contain every pair of effects within Occam's window. The test uses a part of the catalogue.
+    /// Checks that the closure contains every pair of effects within Occam's window. The test uses a part of the catalogue.
     #[test]
     fn the_closure_holds_all_pairs_within_the_window() {
         let loaded = shipped_axle();

@@ -1,5 +1,5 @@
-//! Errors of the rig that every study may have: loads that are not held exactly, a measuring frame that moves, a mount that yields. They are
-//! always among the tolerances. If the readings do not need them, their sizes become small.
+//! Errors of the rig that every study may have: loads that are not held exactly, a measuring frame that moves, and a mount that yields. Random
+//! effects represent them in every fit. If the readings do not need them, their standard deviations become small.
 
 use super::diagnosis_problem::DiagnosisProblem;
 use super::frame::{is_another, varying};
@@ -16,7 +16,7 @@ impl<'a> DiagnosisProblem<'a> {
     }
 }
 
-/// Returns the groups of tolerances for errors of the rig that the study leaves to be estimated.
+/// Returns the groups of random effects for errors of the rig whose size the study does not state.
 fn rig_errors(subject: &DiagnosisProblem<'_>) -> Vec<(EffectGroup, ScalePrior)> {
     let problem = &subject.problem;
     let cases = problem.programme.cases.len();

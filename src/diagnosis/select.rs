@@ -91,9 +91,9 @@ impl Selector<'_, '_> {
             && !self.subject.progress().is_stopped()
     }
 
-    /// Fits sets until the posterior of every set that is probable enough is known: first the sets with the fewest effects, because a linear model
-    /// errs least for them, and of these the most promising. A set that predicts the same as a fitted one is fitted only if its estimate is higher
-    /// than all fits.
+    /// Fits sets until the posterior of every sufficiently probable set is known. Sets with the fewest effects come first, because their linear
+    /// model has the smallest error; among them, the most probable set comes first. A set that predicts the same as a fitted set is fitted only
+    /// if its estimate exceeds all fits.
     fn confirm_estimates(&mut self) {
         while self.may_continue() {
             if self.challenge(true) {
@@ -183,7 +183,7 @@ impl Selector<'_, '_> {
         self.count > count
     }
 
-    /// Fits the sets that hold another cause in place of one of the leading set and are probable. Their estimates rest on the leading fit, which
+    /// Fits the probable sets in which another cause replaces one cause of the leading set. Their estimates rely on the leading fit, which
     /// predicts the same.
     fn fit_rivals(&mut self, leading: &FittedModel) {
         let least = leading.ln_posterior() + libm::log(RESOLVED_PROBABILITY);
@@ -342,7 +342,7 @@ impl Selector<'_, '_> {
         x: &[f64],
     ) -> Option<Arc<FittedModel>> {
         let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
-        // What a law with memory promises rises while its slip length shortens.
+        // The predicted evidence of a law with memory rises while its slip length shortens, so its fit is not stopped early.
         let stopping = if effects.iter().any(|effect| effect.memory.is_some()) {
             EarlyStopping::NONE
         } else {

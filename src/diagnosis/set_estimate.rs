@@ -22,17 +22,17 @@ pub(super) struct SetEstimate {
 /// Contribution of each effect of a set to the prediction: pairs of column index and coefficient.
 type Contributions = Vec<Vec<(usize, f64)>>;
 
-/// Fitted set as the linear model of a point sees it.
+/// Fitted set, evaluated in the linear model of a point.
 struct Reference {
     set: EffectSet,
     /// Contributions at each marginal.
     parts: Vec<Option<Contributions>>,
-    /// Log posterior of the fit above that of the linear model.
+    /// Log posterior of the fit minus the log posterior in the linear model.
     error: f64,
 }
 
-/// Estimates the log posterior of all probable sets that are not fitted. A linear model is used for the sets that hold all effects of its fit: it
-/// misjudges a set without a large effect of the fit.
+/// Estimates the log posterior of all probable sets that are not fitted. The linear model of a fit is used only for sets that contain all
+/// effects of the fit. It misjudges a set that lacks a large effect of the fit.
 pub(super) fn estimates(
     points: &[Point],
     fits: &BTreeMap<Ids, FittedSet>,
@@ -70,12 +70,13 @@ pub(super) fn estimates(
                         (distance, error) = (apart, known.error);
                     }
                 }
-                // A set that predicts the same as a fitted set has the same error. Any other set has at least the error of the fitted set that it
-                // enlarges.
+                // A set that predicts the same as a fitted set has the same error of the linear model. Any other set gets the error of its
+                // largest fitted subset.
                 let alike = libm::exp(-0.5 * distance);
                 let enlarged = error_of_subset(&references, set, false);
                 let mut correction = alike * error + (1.0 - alike) * enlarged;
-                // The linear model of a law is rough, in the same way for the same law at another place. A law that does nothing has no error.
+                // The linear model of such a law has a similar error for the same law at another site. A law with a negligible effect has no
+                // error.
                 for (k, law) in new_rough_laws(&point.model, set) {
                     let own = set.iter().position(|other| *other == k);
                     let part = own.and_then(|own| parts.get(own..=own));
@@ -91,7 +92,8 @@ pub(super) fn estimates(
                     marginal: r,
                     set: set.clone(),
                 };
-                // Of several linear models, that counts for which a fitted set predicts the same; else the one with the highest estimate.
+                // If several linear models estimate a set, the model with the nearest fitted set counts, provided that such a set predicts the
+                // same. Otherwise, the highest estimate counts.
                 let is_better = |old: &SetEstimate| {
                     let apart = new.distance - old.distance;
                     let is_known = new.distance.min(old.distance) <= EQUIVALENT_DISTANCE;
@@ -110,8 +112,8 @@ pub(super) fn estimates(
     out
 }
 
-/// Returns the fitted sets that the linear model of a point applies to. The variance components of a fit are free, so that its log posterior is
-/// compared with the highest one of the marginals.
+/// Returns the fitted sets to which the linear model of a point applies. The variance components of a fit are free, so its log posterior is
+/// compared with the highest log posterior among the marginals.
 fn references(point: &Point, fits: &BTreeMap<Ids, FittedSet>) -> Vec<Reference> {
     let sets = || {
         let each = point.marginals.iter();
@@ -130,8 +132,8 @@ fn references(point: &Point, fits: &BTreeMap<Ids, FittedSet>) -> Vec<Reference> 
     fits.iter().filter_map(of).collect()
 }
 
-/// Returns the error of the largest fitted subset of a set. If `is_proper` is set, the set itself does not count. Of several subsets of one size,
-/// that with the lowest error counts.
+/// Returns the error of the largest fitted subset of a set; zero without such a subset. If `is_proper` is true, the set itself does not count.
+/// Among subsets of the same size, the lowest error counts.
 fn error_of_subset(references: &[Reference], set: &EffectSet, is_proper: bool) -> f64 {
     let is_subset = |known: &&Reference| {
         known.set.iter().all(|k| set.contains(k)) && !(is_proper && known.set.len() == set.len())
@@ -144,7 +146,8 @@ fn error_of_subset(references: &[Reference], set: &EffectSet, is_proper: bool) -
     largest.map_or(0.0, |known| known.error)
 }
 
-/// Returns for each rough law by how much its fits exceed the estimates of the linear model, at the place where they do most.
+/// Returns, for each poorly linearised law, the largest error of the linear model over all fitted sets with this law. The error of the largest
+/// proper subset is subtracted if it is positive.
 fn errors_of_laws(point: &Point, references: &[Reference]) -> BTreeMap<RoughLaw, f64> {
     let mut out: BTreeMap<RoughLaw, f64> = BTreeMap::new();
     for known in references {
@@ -170,7 +173,8 @@ mod tests {
         }
     }
 
-    /// The largest fitted subset counts, the worse of two of one size, and a proper subset is not the set itself.
+    /// Checks that the largest fitted subset determines the error, and the lower error among two subsets of one size. The set itself is not a
+    /// proper subset.
     #[test]
     fn a_set_inherits_the_error_of_its_largest_fitted_subset() {
         let known = [

@@ -5,13 +5,13 @@ admire_study::constants! {
 
     /// Maximum number of Gauss-Newton steps of a fit.
     MAX_FIT_ITERATIONS: usize = 16, "";
-    /// Predicted evidence at the end of a fit, below the leading set, at which the fit stops.
+    /// Deficit of the predicted log evidence against the leading set, above which a fit stops.
     LEAD_FAR_NATS: f64 = 50.0, "nats";
-    /// Deficit against the leading set at which a fit stops once little is left to gain.
+    /// Deficit against the leading set above which a fit stops once little is left to gain.
     LEAD_CLOSE_NATS: f64 = 7.0, "nats";
     /// Ratio of the largest possible to the predicted gain, once little is left to gain.
     LEAD_CLOSE_RISE: f64 = 3.0, "";
-    /// Predicted evidence of a fit after its first steps, below the leading set, at which the fit stops.
+    /// Deficit of the predicted log evidence against the leading set, above which a fit stops in its first steps.
     LEAD_LOST_NATS: f64 = 200.0, "nats";
     /// Number of last steps from which the pace of a fit is estimated.
     PACE_STEPS: usize = 3, "";
@@ -161,7 +161,7 @@ admire_study::constants! {
     LAW_GRID_DECADES: f64 = 3.0, "";
     /// Largest limit of a friction law that is scanned, in prior standard deviations.
     LAW_MAX_LIMIT_SD: f64 = 10.0, "sd";
-    /// Number of times by which the steps of that grid are halved around its best value.
+    /// Number of times that the steps of this grid are halved around its best value.
     LAW_REFINEMENTS: usize = 6, "";
     /// Slip length of a friction law with which a fit starts, as a fraction of the range of the displacement.
     START_SLIP_LENGTH: f64 = 0.1, "of range";

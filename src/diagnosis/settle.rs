@@ -1,4 +1,4 @@
-//! Gauss and Newton's iteration of a fit, with the sizes of tolerances by their evidence.
+//! Gauss-Newton iteration of a fit, with variance components of maximum evidence.
 
 use std::sync::Arc;
 
@@ -14,63 +14,69 @@ use admire_identify::tolerance::{
     LinearModel, Posterior, RowsByVarianceClass, Solution, VarianceComponents, Whitening,
 };
 
-/// The longest step of the logarithm of a stiffness, at first and later.
+/// Largest change of the logarithm of a stiffness: in the first step of a fit, and in later steps.
 const REACH: [f64; 2] = [0.8, 1.2];
-/// Sizes of tolerances that are not free are held for so many steps of a fit, unless a step promises less than so many nats.
+/// Number of first steps of a fit in which variance components are held, unless they are free.
 const HELD: usize = 5;
+/// Predicted gain in nats below which variance components are no longer held.
 const NEAR: f64 = 30.0;
-/// A step that lowers the objective by less than this is a small one; after so many in a row a fit ends.
+/// Decrease of the objective below which a step counts as small.
 const LITTLE: f64 = 0.2;
+/// Number of successive small steps after which a fit ends.
 const SLOW: usize = 3;
-/// Steps that led uphill are damped so often: at first by so much, then by so many times more; what led down is damped less by so
-/// many times, and below a limit no more.
+/// Maximum number of trial steps from one point.
 const TRIALS: usize = 8;
+/// Damping after the first trial step that increases the objective.
 const FIRST: f64 = 0.3;
+/// Factor by which the damping grows after each further such step.
 const HARDER: f64 = 6.0;
+/// Divisor by which the damping falls after an accepted step.
 const EASE: f64 = 6.0;
+/// Damping below which an accepted step ends the damping.
 const EASED: f64 = 0.3;
-/// A part of a whole step that led uphill is tried where more than so many nats are promised, and is no shorter than this.
+/// Predicted gain in nats above which a step that increases the objective is first shortened and not damped, in a fit with causes.
 const WORTH: f64 = 10.0;
+/// Smallest fraction of a step to which it is shortened.
 const SHORTEST: f64 = 0.1;
-/// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
+/// Ratio of the actual to the predicted decrease below which derivatives with respect to random effects are computed again.
 const FAITHFUL: f64 = 0.5;
-/// Promises in nats that differ by less than this part are alike. Derivatives by small errors that promised what exact ones do are held
-/// for exact until so many nats are gained.
+/// Relative difference up to which two predicted gains count as equal.
 const ALIKE: f64 = 0.1;
+/// Gain in nats for which reused derivatives with respect to random effects count as exact, once they predicted the same gain as exact ones.
 const TRUSTED: f64 = 10.0;
-/// A fit ends where a whole step leads uphill though it promises no more than so many nats: sliders that stick or slip in other cases
-/// make kinks. A step along them has to promise more.
+/// Predicted gain in nats below which a fit ends if a full step increases the objective. The increase is then due to kinks of the objective, where
+/// sliders begin to stick or slip. A step along a kink needs a larger predicted gain.
 const KINKS: f64 = 0.5;
-/// Where a step leads uphill over a kink, so many steps along kinks are tried before shorter ones.
+/// Maximum number of steps along kinks that are tried before shorter steps.
 const ALONG: usize = 2;
 
-/// Derivatives by all unknowns.
+/// Derivatives of the residual with respect to all unknowns.
 struct Derivatives {
     jacobian: DMatrix<f64>,
-    /// The same of turned rows.
+    /// Whitened Jacobian.
     turned: DMatrix<f64>,
-    /// Of those the rows of each class.
+    /// Whitened Jacobian, split by variance class.
     by_class: RowsByVarianceClass,
 }
 
-/// Residuals and derivatives at some values of the unknowns.
+/// Linearisation of a fit at some values of the unknowns.
 pub(super) struct Point {
-    /// The unknowns.
+    /// Values of the unknowns.
     pub x: Vec<f64>,
-    /// Prediction minus reading of all rows in units of the declared noise.
+    /// Prediction minus reading of all rows, in units of the declared noise.
     pub residual: DVector<f64>,
-    /// The linear model.
+    /// Linear model at this point.
     pub linear: LinearModel,
-    /// Derivatives here, or those of a point nearby that `own` replaces in part.
+    /// Derivatives at this point, or at a nearby point. In the second case, `own` replaces some of the columns.
     derivatives: Arc<Derivatives>,
-    /// Columns of derivatives, and of turned ones, and which.
+    /// Indices of columns computed at this point, with these columns of the Jacobian and of the whitened Jacobian.
     own: Option<(Vec<usize>, [DMatrix<f64>; 2])>,
-    /// False where derivatives by small errors are those of a point nearby.
+    /// False if the derivatives with respect to random effects are those of a nearby point.
     is_exact: bool,
 }
 
 impl Point {
-    /// The Gram matrix of the change of the whitened derivatives by some unknowns, from here to there.
+    /// Returns the Gram matrix of the change of the whitened columns `places` from this point to `there`. Rows are multiplied by `weights`.
     fn bend(&self, there: &Self, places: &[usize], weights: &DVector<f64>) -> DMatrix<f64> {
         let turned = |point: &Self| match &point.own {
             Some((known, own)) if known == places => own[1].clone(),
@@ -83,7 +89,7 @@ impl Point {
         change.tr_mul(&change)
     }
 
-    /// Unknowns, residual, its derivatives and the linear model.
+    /// Returns the values of the unknowns, the residual, its Jacobian, and the linear model.
     pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, DMatrix<f64>, LinearModel) {
         let mut jacobian = match Arc::try_unwrap(self.derivatives) {
             Ok(own) => own.jacobian,
@@ -98,18 +104,18 @@ impl Point {
     }
 }
 
-/// The end of a fit.
+/// Result of a fit.
 pub(super) struct Settled {
-    /// Where.
+    /// Final point.
     pub point: Point,
-    /// Sizes of tolerances.
+    /// Final variance components.
     pub sizes: VarianceComponents,
-    /// What the readings say there.
+    /// Posterior of the linear model at the final point.
     pub posterior: Posterior,
 }
 
 impl Settled {
-    /// The evidence there, without what is promised beyond.
+    /// Returns the log evidence at the final point, without the gain predicted for a further step.
     pub(super) fn reached(&self) -> f64 {
         self.posterior.ln_z - self.posterior.gain
     }
@@ -123,35 +129,35 @@ impl Settled {
     }
 }
 
-/// Residuals as a function of the unknowns.
+/// Residuals of a fit as a function of its unknowns.
 pub(super) struct Sweep<'a> {
-    /// What is sought.
+    /// Unknowns of the fit.
     pub unknowns: &'a Unknowns,
-    /// What was read.
+    /// Readings.
     pub observations: Observations<'a>,
-    /// What solves.
+    /// Predictor of the readings.
     pub predictor: NativePredictor<'a>,
-    /// What makes rows independent.
+    /// Whitening transformation.
     pub whitening: &'a Whitening,
-    /// How many unknowns are stiffnesses; they come first.
+    /// Number of stiffnesses, which are the first unknowns.
     pub stiffnesses: usize,
-    /// Unknowns of the deck that are no small errors, in ascending order.
+    /// Indices of the deck's unknowns other than plain random effects, in ascending order.
     pub of_the_model: Vec<usize>,
-    /// What acts on rows directly, per unit, at the last evaluation.
+    /// Effects that act directly on rows, per unit, at the last evaluation. Each holds pairs of row index and change.
     pub on_rows: Vec<Vec<(usize, f64)>>,
-    /// Says when to stop.
+    /// Progress of the diagnosis, with the request to stop it.
     pub progress: &'a Progress,
 }
 
 impl Sweep<'_> {
-    /// Everything at `x`.
+    /// Computes residuals and all derivatives at `x`. Returns `None` if a case has no equilibrium.
     pub(super) fn at(&mut self, x: Vec<f64>) -> Option<Point> {
         let evaluation = self.evaluate(&x, None)?;
         Some(self.linearised(x, evaluation, true))
     }
 
-    /// At `x`, with the derivatives by small errors from the Jacobian of another model that has them too, and `theirs` unknowns of its
-    /// deck: they differ little.
+    /// Computes residuals at `x`, and derivatives with respect to the parameters of the model. All other columns are copied from the Jacobian
+    /// `known` of another fit, whose deck has `theirs` unknowns; they differ little. Returns `None` if a case has no equilibrium.
     pub(super) fn beside(
         &mut self,
         x: Vec<f64>,
@@ -200,7 +206,8 @@ impl Sweep<'_> {
         }
     }
 
-    /// At `x`, with the derivatives by small errors of a point nearby.
+    /// Computes residuals at `x`, and derivatives with respect to the parameters of the model. All other columns are those of the nearby `point`.
+    /// Returns `None` if a case has no equilibrium.
     fn near(&mut self, x: Vec<f64>, point: &Point) -> Option<Point> {
         let own = self.of_the_model.clone();
         let evaluation = self.evaluate(&x, Some(&own))?;
@@ -225,7 +232,8 @@ impl Sweep<'_> {
         })
     }
 
-    /// Solves all cases. Derivatives by these unknowns of the deck, in ascending order, side by side; else by all, each in its place.
+    /// Solves all cases at `x`. If `columns` lists unknowns of the deck, in ascending order, the Jacobian has only their columns. Otherwise, it has
+    /// one column per unknown. Returns `None` if a case has no equilibrium.
     fn evaluate(&mut self, x: &[f64], columns: Option<&[usize]>) -> Option<Evaluation> {
         let own = &self.unknowns.list;
         let count = own.len();
@@ -274,8 +282,8 @@ impl Sweep<'_> {
         Some(out)
     }
 
-    /// Sets the derivatives by errors of single cases to zero in all other cases. A law with memory would carry them on; their covariance is
-    /// taken case by case.
+    /// Sets the derivatives with respect to errors of single cases to zero in all other cases. A law with memory carries such an error on to later
+    /// cases, but its covariance is computed case by case.
     fn confine(&self, jacobian: &mut DMatrix<f64>, columns: Option<&[usize]>) {
         if self.unknowns.memories.is_empty() {
             return;
@@ -297,7 +305,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Derivatives by what acts on single rows, at the last evaluation.
+    /// Fills in the Jacobian columns of effects that act directly on rows, at the last evaluation.
     fn set_rows(&self, jacobian: &mut DMatrix<f64>) {
         let first = jacobian.ncols() - self.on_rows.len();
         for (k, column) in self.on_rows.iter().enumerate() {
@@ -307,7 +315,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Stiffnesses first, from the deck, as if all else were exact.
+    /// Replaces the stiffnesses in `x` by better start values, see [`homotopy_start`]. All other unknowns keep their values.
     pub(super) fn stiffnesses_alone(&mut self, x: &mut [f64]) {
         let count = self.stiffnesses;
         if count == 0 {
@@ -324,7 +332,8 @@ impl Sweep<'_> {
         x[..count].copy_from_slice(&homotopy_start(&mut alone, &start, &scale, &held));
     }
 
-    /// The point that a part of a step leads to, logarithms moving within `reach` in the whole one.
+    /// Returns the point after the fraction `part` of the step `reached`. In the full step, logarithms change by `reach` at most. Returns `None` if
+    /// a case has no equilibrium there.
     fn stepped(
         &mut self,
         from: &Point,
@@ -337,7 +346,7 @@ impl Sweep<'_> {
         let limits = low.into_iter().zip(high).enumerate();
         let limits = limits.filter(|(k, _)| self.unknowns.is_logarithm(*k));
         let limits: Vec<(usize, (f64, f64))> = limits.collect();
-        // A fit without causes that followed its valley so closely was seen to end behind the one that does not.
+        // Without causes, a fit with box-constrained steps was seen to end with less evidence than a fit with clamped steps.
         let step = if self.unknowns.has_causes() {
             reached.box_constrained_step(&limits)
         } else {
@@ -350,9 +359,10 @@ impl Sweep<'_> {
         self.near(there, from)
     }
 
-    /// Gauss-Newton over everything, the sizes by their evidence: at every step where they are `free`, as beside stiffnesses that were
-    /// fitted alone, or where no cause is new. Ends early where its aim says so. On the way derivatives by small errors stay as they
-    /// are; at the end, and where they lead nowhere, they are exact.
+    /// Fits all unknowns by Gauss-Newton steps, and the variance components by maximum evidence. If `free`, the variance components are optimised in
+    /// every step. This is suitable after a fit of the stiffnesses alone, or without a new cause. Derivatives with respect to random effects are
+    /// reused from step to step; they are exact at the end, and after a failed step. The fit ends early under the condition of `stopping`. Returns
+    /// `None` if a linear model has no finite solution, or if a case loses its equilibrium.
     pub(super) fn settle(
         &mut self,
         start: Point,
@@ -362,19 +372,19 @@ impl Sweep<'_> {
     ) -> Option<Settled> {
         let mut sizes = first.clone();
         let mut here = start;
-        // Steps of stiffnesses are made in what the deflections are linear in.
+        // Stiffnesses are stepped in coordinates in which the deflections are nearly linear.
         let mut list = self.unknowns.list.clone();
         list.set_load_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let (mut slow, mut damping) = (0, 0.0);
-        // The evidence of each step, without what is promised beyond.
+        // Log evidence after each step, without the gain predicted for the next step.
         let mut course: Vec<f64> = Vec::new();
-        // The objective where exact derivatives by small errors were found to promise what those of a point nearby did.
+        // Objective where exact derivatives with respect to random effects last predicted the same gain as reused derivatives.
         let mut confirmed: Option<f64> = None;
         for step_number in 0.. {
             if self.progress.is_stopped() {
                 return Settled::end(here, sizes);
             }
-            // Far from the answer the sizes would take up what is not fitted yet.
+            // Far from the optimum, the variance components would absorb misfit that later steps remove.
             let mut reached = here.linear.solve(&sizes, 0.0)?;
             if free || step_number >= HELD || reached.gain < NEAR {
                 sizes = here.linear.maximise_evidence(&sizes);
@@ -387,7 +397,7 @@ impl Sweep<'_> {
                 }
             }
             let objective = here.linear.objective(&sizes);
-            // What the linear model promises counts for the fit here.
+            // The gain predicted by the linear model counts in favour of the fit.
             let is_beaten = stopping.is_beaten(reached.ln_z, reached.gain);
             let own = reached.ln_z - reached.gain;
             course.push(own);
@@ -410,10 +420,10 @@ impl Sweep<'_> {
                 here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
             let reach = REACH[step_number.min(1)];
             let mut next = None;
-            // Where a whole step leads uphill a part of it comes first: what damping holds back most is not what bends most.
+            // If a full step increases the objective, it is first shortened. The directions that damping restrains most are not the most nonlinear.
             let (mut part, mut is_part) = (1.0, false);
-            // A slider that begins to slip makes a kink in the objective. Beyond it the linear model is wrong by the change of the Jacobian
-            // times the step. With the square of that added to the objective, a step goes along the kink instead of across it.
+            // A slider that begins to slip causes a kink in the objective. Beyond the kink, the linear model is wrong by the change of the Jacobian
+            // times the step. With the square of this error added to the objective, a step goes along the kink instead of across it.
             let along = if self.unknowns.memories.is_empty() {
                 0
             } else {
@@ -443,7 +453,7 @@ impl Sweep<'_> {
                         .as_ref()
                         .filter(|f| value(f) > objective + NEGLIGIBLE_GAIN_NATS)
                 {
-                    // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
+                    // In a curved valley of the objective, a full step ends on the wall, and the next step returns to the floor. Source:
                     // Chamberlain, Powell, Lemarechal and Pedersen, Mathematical Programming Study 16 (1982) 1.
                     let back = uphill.linear.solve(&sizes, 0.0);
                     let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
@@ -454,7 +464,7 @@ impl Sweep<'_> {
                 }
                 let is_down = |point: &Point| value(point) <= objective + NEGLIGIBLE_GAIN_NATS;
                 if let Some(further) = further.take_if(|further| is_down(further)) {
-                    // Where the model promised much more its derivatives have changed.
+                    // If the predicted decrease was much larger, the derivatives have changed.
                     let value = value(&further);
                     let is_less = objective - value < FAITHFUL * 2.0 * reached.gain;
                     let further = if is_less && !is_sure {
@@ -469,13 +479,13 @@ impl Sweep<'_> {
                     let small = objective - value < LITTLE;
                     slow = if small { slow + 1 } else { 0 };
                     next = Some(further);
-                    // Where a step had to be damped more than the last one the next will need as much.
+                    // If a step needed more damping than the previous one, the next step keeps this damping.
                     if trial == 0 || held_here.is_some() {
                         damping = if damping < EASED { 0.0 } else { damping / EASE };
                     }
                     break;
                 }
-                // The answers are those of the trial, and a further one would follow where it led.
+                // Without a rollback, the next trial would start from the equilibria of the rejected one.
                 self.predictor.rollback();
                 if bends < along
                     && reached.gain > KINKS
@@ -494,7 +504,7 @@ impl Sweep<'_> {
                 if !is_sure {
                     break;
                 }
-                // Kinks keep what little is promised.
+                // With so small a predicted gain, kinks prevent any decrease.
                 if reached.gain < KINKS {
                     break;
                 }
@@ -504,7 +514,7 @@ impl Sweep<'_> {
                     && reached.gain > WORTH
                     && let Some(led) = led
                 {
-                    // The lowest point of the parabola with the slope here that goes through what was found.
+                    // Minimum of the parabola with the slope at this point and the objective after the full step.
                     let slope = 4.0 * reached.gain;
                     let rise = led - objective + slope;
                     (part, is_part) = ((0.5 * slope / rise).max(SHORTEST), true);
@@ -531,12 +541,12 @@ impl Sweep<'_> {
     }
 }
 
-/// True for promises in nats that differ little.
+/// Returns true if two predicted gains in nats are nearly equal.
 fn is_alike(a: f64, b: f64) -> bool {
     (a - b).abs() < ALIKE * b + NEGLIGIBLE_GAIN_NATS
 }
 
-/// Stiffnesses alone, the rest where it is.
+/// Least-squares problem of the stiffnesses alone. All other unknowns keep the values in `rest`.
 struct Alone<'a, 'b> {
     sweep: &'a mut Sweep<'b>,
     rest: Vec<f64>,

@@ -94,8 +94,9 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    /// Leaves out the effects of a fit for which `is_out` holds. Their parameters must be zero where the effect is absent, as those of a force of
-    /// unknown law are. Laws with memory keep all parameters except their force. Returns `None` if the linear model has no finite solution.
+    /// Removes the effects for which `is_out` holds from the linear model of a fit. Zero parameters must mean that such an effect is absent, as
+    /// for a force of unknown law. The other laws with memory stay in the model, but of their parameters only the force is free; the others keep
+    /// their fitted values. Returns `None` if the linear model has no finite solution.
     pub(super) fn without(
         fitted: &FittedModel,
         is_out: impl Fn(&CandidateEffect) -> bool,

@@ -40,7 +40,7 @@ pub(super) struct Scanned {
     /// Log Bayes factor of the law against no force at the site.
     #[cfg(test)]
     pub ln_bayes_factor: f64,
-    /// Excess of the log Bayes factor of the law over that of a force with this pattern and a limit with a normal prior.
+    /// Log Bayes factor of the law, minus the log Bayes factor of a force with this fixed pattern and a normal prior of its limit.
     pub correction: f64,
     /// Parameters with which fits start: first those with a long slip length, because the objective is smooth there, then the most probable ones.
     pub starts: [SliderStart; 2],
@@ -91,12 +91,12 @@ impl SiteMotion<'_> {
         (forces.collect(), start)
     }
 
-    /// Scans the parameters of a slider. Returns `None` if no history of forces makes the readings more probable than none.
+    /// Scans the parameters of a slider. Returns `None` if the log Bayes factor is not finite.
     pub(super) fn scanned(&self, site: &SiteModel, priors: &SliderPriors) -> Option<Scanned> {
         let range = self.range();
         let mean_compliance =
             self.compliance.iter().map(|c| c.max(0.0)).sum::<f64>() / self.compliance.len() as f64;
-        // A force beyond this would hold the site still in all cases.
+        // A larger limit would hold the site still in all cases.
         let holding = range / mean_compliance.max(f64::MIN_POSITIVE);
         let largest = holding.min(LAW_MAX_LIMIT_SD * priors.limit);
         let ln_likelihood = |slider: &Slider| {
@@ -133,7 +133,7 @@ impl SiteMotion<'_> {
         }
         let (_, slider) = best?;
         let (peak, slider, curvature) = refined(&value, slider, grid.steps);
-        // Laplace's approximation in each parameter; the first force lies in an interval of length 2.
+        // Laplace approximation in each parameter. Each width is limited to the extent of the grid, which is 2 for the first force.
         let width = |(curvature, span): (&f64, &f64)| {
             let width = (2.0 * std::f64::consts::PI / curvature).sqrt();
             libm::log(width.min(*span))
@@ -168,9 +168,9 @@ struct Grid {
     limits: Vec<f64>,
     lengths: Vec<f64>,
     firsts: Vec<f64>,
-    /// Distances between neighbours.
+    /// Distances between neighbouring grid points, for each parameter.
     steps: [f64; 3],
-    /// Extent of the grid.
+    /// Extents of the grid, for each parameter.
     spans: [f64; 3],
 }
 
@@ -184,7 +184,7 @@ impl Grid {
             (each.collect(), step)
         };
         let (limits, limit_step) = below(largest, limits);
-        // The slip length with which fits start is one of the grid.
+        // The grid point nearest to the slip length with which fits start is replaced by that slip length.
         let (mut lengths, length_step) = below(range, lengths);
         let near = |a: f64| libm::log(a / (START_SLIP_LENGTH * range)).abs();
         if let Some(nearest) = lengths
@@ -216,7 +216,7 @@ impl Grid {
     }
 }
 
-/// Moves one parameter of a slider; limit and slip length move in their logarithms.
+/// Returns a slider with one parameter changed by `step`: the logarithm of the limit (0) or of the slip length (1), or the first force (2).
 fn moved(slider: &Slider, parameter: usize, step: f64) -> Slider {
     let mut out = *slider;
     match parameter {
@@ -227,8 +227,8 @@ fn moved(slider: &Slider, parameter: usize, step: f64) -> Slider {
     out
 }
 
-/// Climbs by single steps along each parameter until none leads up, and halves the steps. Returns the peak, its place, and the curvature there
-/// along each parameter, from differences over the shortest steps in which the value falls by half a nat.
+/// Maximises `value` by steps along single parameters, which are halved in every round. Returns the maximum, its location, and the curvature
+/// along each parameter. The curvature is computed from differences over the shortest step by which the value falls by half a nat.
 fn refined(
     value: &dyn Fn(&Slider) -> f64,
     mut at: Slider,
@@ -271,7 +271,7 @@ fn refined(
     (best, at, curvature)
 }
 
-/// Climbs as [`refined`] does, with the slip length held.
+/// Maximises `value` as [`refined`] does, at a fixed slip length.
 fn refined_at_length(
     value: &dyn Fn(&Slider) -> f64,
     at: Slider,
@@ -297,7 +297,7 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// A slider on a spring that yields: the forces solve the law and the yielding site together.
+    /// Checks a slider at a compliant site: the forces must satisfy both the law and the compliance of the site.
     #[test]
     fn forces_and_displacements_satisfy_law_and_compliance() {
         let u: Vec<f64> = (0..40).map(|k| libm::sin(0.35 * f64::from(k))).collect();
@@ -317,7 +317,7 @@ mod tests {
         for (u, f) in u.iter().zip(&forces) {
             let v = u + 0.002 * f;
             let stretch: f64 = v - anchor;
-            // The return map of the product's friction element at the displacement that the force leaves.
+            // Force by the return map of the solver's own friction element, at the displacement that includes the effect of the force.
             let slip = admire_solver::element::Slip::at(v, &[k, 100.0, anchor]);
             assert!((slip.force - k * stretch.clamp(-0.1, 0.1)).abs() < 1e-9);
             assert!((f + slip.force).abs() < 1e-9, "{f} {}", slip.force);
@@ -327,7 +327,7 @@ mod tests {
         assert!(slips > 10, "{slips}");
     }
 
-    /// Forces of a planted slider are read with an error of 5 N each. The scan finds the slider; without one it finds nothing.
+    /// Checks that the scan finds a planted slider whose forces are read with an error of 5 N each. Without a slider, it finds nothing.
     #[test]
     fn a_planted_slider_is_found() {
         let n = 40;

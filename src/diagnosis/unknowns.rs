@@ -96,7 +96,7 @@ impl Unknowns {
             .map(|unknown| own(unknown.mean, unknown.sd))
             .collect();
         let stiffnesses = list.len();
-        // A reading of several cases, such as a gradient, ties the errors of these cases together.
+        // A reading of several cases, such as a gradient, couples the errors of these cases.
         let channels = &problem.measurement.channels;
         let is_apart = channels.iter().all(Channel::is_of_single_cases);
         for member in &subject.layer.members {
@@ -315,8 +315,9 @@ const fn own(mean: f64, sd: f64) -> tolerance::Coefficient {
     }
 }
 
-/// Returns the unknowns of the measurement, with the tolerance group of each, and its case if it is confined to one: shifts and rotations of the measuring frame in each case,
-/// positions of marks on parts, and motions of the frame through the cases. Groups that the study switches off are left out.
+/// Returns the unknowns of the measurement: shifts and rotations of the measuring frame in each case, positions of marks on parts, and motions
+/// of the frame through the cases. Each unknown comes with its tolerance group, and with its case if it is confined to one. Groups that the
+/// study switches off are left out.
 fn measurement_unknowns(
     subject: &DiagnosisProblem<'_>,
     first: usize,

@@ -59,8 +59,8 @@ pub fn entries() -> impl Iterator<Item = Entry> {
     ENTRIES.iter().cloned()
 }
 
-/// Returns the entries that explain a word: words of the field first, then the keys, columns and causes of this name, then what the former
-/// refer to.
+/// Returns the entries that explain a word: first words of the field, then the keys, columns and causes of this name. The entries to which the
+/// words of the field refer follow.
 ///
 /// A word of the field is found in any spelling: case, hyphens, blanks, British or American, singular or plural. A unit after the word
 /// (`toe_angle.left [rad]`) is ignored.
@@ -100,7 +100,7 @@ fn find_term(word: &str) -> Vec<Entry> {
     let last = |term: &str| term.rsplit('.').next() == Some(word);
     let within = |term: &str| {
         let rest = term.strip_prefix(word);
-        // Extensions of files, such as `.sub`, are no parts of an empty word.
+        // A file extension such as `.sub` is not a component of an empty word.
         !word.is_empty() && rest.is_some_and(|rest| rest.starts_with('.'))
     };
     // A piece of a term in capitals, such as NAME, is a placeholder that matches any word.
@@ -259,7 +259,7 @@ mod tests {
         assert_eq!(find("tests.bounce.hold")[0].term, "tests.TEST.hold");
     }
 
-    /// What an engineer types without having read a page.
+    /// Words that an engineer types without having read a page.
     const TYPED: &str = "camber, toe, caster, kingpin, bump steer, roll steer, roll centre, scrub, trail, wheel rate, anti-dive, compliance steer, \
         chi-square, p-value, hardpoint, sigma, standard deviation, held out, degrees of freedom, covariance, prior, posterior, evidence, \
         interval, identifiable, bushing, preload, free length, slip, hysteresis, tolerance, outlier, mark, load case, K&C, wheel centre, \
@@ -312,7 +312,7 @@ mod tests {
         }
     }
 
-    /// The formula and the sign of a word come from the table of its column, so that they are stated once.
+    /// Checks that a word comes with the rows to which it refers. Formula and sign of a word are stated only once, in the table of its column.
     #[test]
     fn a_word_brings_the_rows_that_it_refers_to() {
         let said = |word: &str, term: &str, head: &str| {
@@ -347,7 +347,7 @@ mod tests {
         assert!(rows.len() > 100);
     }
 
-    /// Every cause on the page about diagnoses has an effect and a fingerprint. Every effect has an example.
+    /// Checks that every cause on the page about diagnoses has an effect and a fingerprint, and that every effect has an example.
     #[test]
     fn every_cause_has_an_effect_and_a_fingerprint() {
         let of = |section| entries().filter(move |entry| entry.section == section);

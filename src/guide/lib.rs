@@ -31,7 +31,7 @@ impl Page {
     }
 }
 
-/// Declares the list [`PAGES`] out of the parts of the guide and the topics of their pages.
+/// Declares the list [`PAGES`] from the parts of the guide and the topics of their pages.
 macro_rules! pages {
     ($($part:literal { $($topic:ident)* })*) => {
         /// All pages, in reading order.

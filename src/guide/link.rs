@@ -32,7 +32,7 @@ impl<'a> Link<'a> {
         self.address.starts_with("https://") || self.address.starts_with("http://")
     }
 
-    /// Returns the link in the words of a terminal. The name of the page or the address of the web follows the words, unless it is the same.
+    /// Returns the link as plain text for a terminal. The name of the page or the web address follows the words, unless it equals them.
     fn in_words(&self) -> String {
         let words = self.words;
         match self.topic() {
@@ -64,7 +64,7 @@ pub fn links(text: &str) -> Vec<Link<'_>> {
     found
 }
 
-/// Returns a text with its links in the words of a terminal.
+/// Returns a text with its links as plain text for a terminal.
 pub fn in_words(text: &str) -> String {
     let (mut out, mut done) = (String::with_capacity(text.len()), 0);
     for link in links(text) {
@@ -75,7 +75,7 @@ pub fn in_words(text: &str) -> String {
     out + &text[done..]
 }
 
-/// Returns the offset behind the code that begins with the backtick at `at`; of a lone backtick, the offset behind it.
+/// Returns the offset after the code that begins with the backtick at `at`. For an unpaired backtick, this is the offset after the backtick.
 fn after_code(text: &str, at: usize) -> usize {
     let close = text[at + 1..].find('`');
     close.map_or(at + 1, |length| at + length + 2)

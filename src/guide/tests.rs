@@ -1,4 +1,4 @@
-//! What holds for every page: it is in the book, its links lead somewhere, its paragraphs are short.
+//! Checks of every page: it is in the book, its links lead to existing targets, and its paragraphs are short.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -8,15 +8,14 @@ use crate::{PAGES, Page, page};
 
 /// Largest size of a picture in bytes.
 const MAX_PICTURE_BYTES: u64 = 150_000;
-/// A paragraph has fewer words than this.
+/// Number of words that a paragraph must not reach.
 const MAX_PARAGRAPH_WORDS: usize = 90;
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Returns the pieces of a page that are read in one go, each with the number of its first line: paragraphs, list items, table rows and
-/// headings. Code is left out.
+/// Returns the pieces of a page, each with the number of its first line: paragraphs, list items, table rows and headings. Code is left out.
 fn pieces(text: &str) -> Vec<(usize, String)> {
     let (mut code, mut goes_on) = (false, false);
     let mut found: Vec<(usize, String)> = Vec::new();
@@ -64,7 +63,7 @@ fn anchors(page: &Page) -> BTreeSet<String> {
         .collect()
 }
 
-/// Says what is wrong with a link on a page.
+/// Returns a description of the fault of a link on a page; `None` for a valid link.
 fn fault(from: &Page, link: &Link) -> Option<String> {
     let address = link.address;
     if link.is_web() {
@@ -79,7 +78,7 @@ fn fault(from: &Page, link: &Link) -> Option<String> {
         };
     }
     if let Some(report) = address.strip_prefix("reports/") {
-        // The book makes the reports with the commands of the page.
+        // A command of the page must create the report.
         let name = report.trim_end_matches(".html");
         let made = from
             .text
@@ -110,7 +109,7 @@ fn every_page_has_a_heading_and_is_found_by_its_topic() {
     }
 }
 
-/// The book has the pages of the terminal, in the same parts and order.
+/// Checks that the book has the same pages as the terminal, in the same parts and order.
 #[test]
 fn the_book_has_every_page() {
     let summary = include_str!("SUMMARY.md");
@@ -138,7 +137,7 @@ fn the_book_has_every_page() {
     );
 }
 
-/// Every link leads to a page, a heading or a picture that is there; every page named in backticks exists.
+/// Checks that every link leads to an existing page, heading or picture, and that every page named in backticks exists.
 #[test]
 fn every_link_leads_somewhere() {
     let (mut faults, mut count) = (Vec::new(), 0);
@@ -170,7 +169,7 @@ fn every_link_leads_somewhere() {
     );
 }
 
-/// No page is a dead end: each leads to another one and is reached from another one.
+/// Checks that no page is isolated: each page links to another page, and another page links to it.
 #[test]
 fn every_page_leads_on_and_is_reached() {
     let leads = |from: &Page| -> BTreeSet<String> {
@@ -190,7 +189,7 @@ fn every_page_leads_on_and_is_reached() {
     }
 }
 
-/// A table cell, a list item and a paragraph of prose are read in one go.
+/// Checks that table cells, list items and paragraphs of prose are short.
 #[test]
 fn paragraphs_are_short() {
     let mut long = Vec::new();

@@ -33,7 +33,7 @@ pub struct DeckUnknown {
     pub name: String,
     /// Address that names the unknown: that of its first number, or of the coordinate of a hardpoint.
     pub address: Address,
-    /// What the unknown is.
+    /// Form of the unknown: change, factor or value.
     pub form: UnknownForm,
     /// Numbers that the unknown sets.
     pub numbers: Vec<SetNumber>,
@@ -54,7 +54,7 @@ pub struct DeckUnknown {
 }
 
 impl DeckUnknown {
-    /// Returns what the user calls the value of the unknown: the change, the factor or the value.
+    /// Returns the value of the unknown as the user states it: the change, the factor or the value.
     pub fn shown(&self, x: f64) -> f64 {
         match self.form {
             UnknownForm::Factor => libm::exp(x),
@@ -62,7 +62,7 @@ impl DeckUnknown {
         }
     }
 
-    /// Returns the derivative of [`Self::shown`] by the coordinate.
+    /// Returns the derivative of [`Self::shown`] with respect to the coordinate.
     pub fn shown_rate(&self, x: f64) -> f64 {
         match self.form {
             UnknownForm::Factor => libm::exp(x),
@@ -70,7 +70,7 @@ impl DeckUnknown {
         }
     }
 
-    /// Returns the coordinate that leaves the deck as it is: that of the first number for a value.
+    /// Returns the coordinate at which the deck is unchanged. For a value, it is the coordinate of the first number.
     pub fn deck(&self) -> f64 {
         match self.form {
             UnknownForm::Change | UnknownForm::Factor => 0.0,
@@ -87,7 +87,7 @@ impl DeckUnknown {
         }
     }
 
-    /// Returns the derivative of each number by the coordinate, with its address.
+    /// Returns the derivative of each number with respect to the coordinate, with the address of the number.
     pub fn rates(&self, x: f64) -> Vec<(Address, f64)> {
         let rate = |number: &SetNumber| match self.form {
             UnknownForm::Change | UnknownForm::Value => number.factor,
@@ -99,8 +99,8 @@ impl DeckUnknown {
     }
 }
 
-/// Returns the numbers of the deck for the coordinates `x` of the unknowns, each with its address. Changes by several unknowns add up, as those
-/// of a hardpoint whose marker is turned against ground.
+/// Returns the numbers of the deck for the coordinates `x` of the unknowns, each with its address. If several unknowns change the same number,
+/// the changes add up. This happens for a hardpoint whose marker is rotated relative to ground.
 pub fn written_numbers(unknowns: &[DeckUnknown], x: &[f64]) -> Vec<(Address, f64)> {
     let mut all: BTreeMap<&Address, f64> = BTreeMap::new();
     for (unknown, x) in unknowns.iter().zip(x) {
@@ -132,7 +132,7 @@ impl Found {
         }
     }
 
-    /// Returns what makes the coordinate the same as another: its axis and the numbers that it sets.
+    /// Returns the key by which two coordinates are recognised as the same: the axis and the numbers that the coordinate sets.
     fn key(&self) -> (String, Vec<Address>) {
         let mut addresses: Vec<Address> = self.numbers.iter().map(|one| one.0.clone()).collect();
         addresses.sort();
@@ -146,15 +146,15 @@ struct Deck<'a> {
     model: &'a Model,
     study: &'a Source,
     mirror: Mirror,
-    /// Markers that denote a hardpoint without joining parts there, such as those of a steer axis.
+    /// Markers that define a hardpoint although no parts are joined there, such as those of a steer axis.
     further: &'a [MarkerIx],
 }
 
 /// Resolves the unknowns of a study in its deck.
 ///
-/// An address of QP of a marker is the hardpoint there: all markers at which connections end in this place move together, in ground axes.
-/// `further` lists markers that move along although no connection ends at them. Names that do not resolve are reported in `out`, at their
-/// place in `study.toml`.
+/// The address of a marker's QP denotes the hardpoint at that marker: all markers at this position in which connections end move together, in
+/// ground axes. `further` lists markers that move with a hardpoint although no connection ends at them. Names that cannot be resolved are
+/// reported in `out`, with their position in `study.toml`.
 pub fn resolved(
     settings: &[UnknownSettings],
     (dataset, model): (&Dataset, &Model),
@@ -202,7 +202,7 @@ impl Deck<'_> {
                 .flat_map(|address| every_number(address, self.dataset))
             {
                 let own = self.find(&address, settings, text.span)?;
-                // A hardpoint that is named by two of its markers, or by its mirror image too, is one unknown.
+                // A hardpoint named by two of its markers, or by its mirror image as well, is one unknown.
                 if taken.insert(own.key()) {
                     found.push(own);
                 }
@@ -232,7 +232,7 @@ impl Deck<'_> {
             .collect()
     }
 
-    /// Joins the numbers of one unknown: all of them, or for hardpoints those of each axis.
+    /// Groups the numbers of a table into unknowns: all numbers together, or for hardpoints one group per axis.
     fn joined(&self, found: impl Iterator<Item = (Found, f64)>) -> Vec<Vec<(Found, f64)>> {
         let mut groups: BTreeMap<String, Vec<(Found, f64)>> = BTreeMap::new();
         for (one, factor) in found {
@@ -384,7 +384,7 @@ impl Deck<'_> {
         }
     }
 
-    /// Makes one unknown of numbers with their factors.
+    /// Creates one unknown from numbers with their factors.
     fn unknown(
         &self,
         settings: &UnknownSettings,
@@ -471,7 +471,7 @@ impl Deck<'_> {
             Some(mean) => coordinate(mean)?,
             None => unknown.deck(),
         };
-        // The standard deviation of a factor is that of its logarithm, which is the relative one if it is small.
+        // The standard deviation of a factor refers to its logarithm. If it is small, it equals the relative standard deviation.
         if let Some(sd) = &settings.sd {
             unknown.sd = plain(sd)?;
         }

@@ -1,4 +1,4 @@
-//! Mirror images: which hardpoint or element of the other side of the vehicle belongs to one of this side.
+//! Mirror images: pairs of hardpoints or elements on the two sides of a vehicle.
 
 use crate::settings::MIRRORED_POINT_MM;
 use admire_solver::mechanics::Vec3;
@@ -19,7 +19,7 @@ impl Default for Mirror {
 }
 
 impl Mirror {
-    /// Returns the mirror image of a place or of a direction.
+    /// Returns the mirror image of a position or of a direction.
     pub fn image(&self, of: &Vec3) -> Vec3 {
         of - self.lateral * (2.0 * self.lateral.dot(of))
     }
@@ -30,8 +30,8 @@ impl Mirror {
         (self.image(place) - other).norm() < near
     }
 
-    /// Returns the address of the same number in the element whose markers I and J are the mirror images of those of this element. `None`
-    /// without such an element, and for a number of the middle of the vehicle.
+    /// Returns the address of the same number in the mirror element: the element of the same kind whose I and J markers are mirror images of
+    /// this element's markers. Returns `None` without such an element, as for a number in the middle of the vehicle.
     pub(crate) fn partner(
         &self,
         address: &Address,
@@ -64,7 +64,7 @@ impl Mirror {
     }
 }
 
-/// Returns the place of a marker in ground in the design position.
+/// Returns the position of a marker in ground, at the design position.
 pub(crate) fn place(model: &Model, marker: MarkerIx) -> Vec3 {
     let frame = &model.markers[marker.0];
     model.parts[frame.part.0].pose.point(&frame.qp)

@@ -30,7 +30,7 @@ admire_study::constants! {
 
     // ## Unknowns: mirror.rs
 
-    /// Distance between a hardpoint and the mirror image of another below which the two are a pair of both sides of the vehicle.
+    /// Distance between a hardpoint and the mirror image of another hardpoint, below which the two hardpoints form a left-right pair.
     MIRRORED_POINT_MM: f64 = 0.1, "mm";
 
     // ## Gauss-Newton fit: global/gauss_newton.rs, global/fit.rs

@@ -7,8 +7,8 @@ use admire_study::{Study, UnknownForm};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::{Address, Dataset};
 
-/// Adds the unknowns of the tables `[[identify.unknown]]` to those of `identify.bushings` and `identify.stiffnesses`. A number that both name
-/// has the start, the prior and the bounds of the table.
+/// Adds the unknowns of the tables `[[identify.unknown]]` to those of `identify.bushings` and `identify.stiffnesses`. If both name a number, the
+/// start, the prior and the bounds of the table apply.
 ///
 /// A table that the fit cannot seek is reported in `out` at its place. `is_known` returns true for the address of a number that the solver can
 /// change.
@@ -46,10 +46,10 @@ pub(crate) fn add_stated(
     }
 }
 
-/// Makes an unknown of a fit of a table.
+/// Creates an unknown of the fit from a table.
 ///
 /// # Errors
-/// Message and help if the fit cannot seek the numbers.
+/// Returns message and help if the fit cannot identify the numbers.
 fn of_table(
     study: &Study,
     (own, model): (&DeckUnknown, &Model),

@@ -69,9 +69,9 @@ pub(crate) fn gradient(
     sum
 }
 
-/// Returns the pairs of goals that are missed and of which each is improved only at the cost of the other, within the bounds.
+/// Returns the conflicting pairs of missed goals: each goal improves only at the cost of the other, within the bounds.
 pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Conflict> {
-    // A limit pulls wherever it is reached, so that it counts by the sign of its side alone.
+    // A limit acts wherever it is reached, so only the sign of its side counts.
     let reached: Vec<f64> = vec![1.0; end.values.len()];
     let scale = tuning.scale();
     let mut row = 0;
@@ -88,7 +88,7 @@ pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Con
             .iter()
             .zip(&end.values[rows])
             .map(|(own, value)| match goal.kind {
-                // A limit that is reached stands in the way, though it is met.
+                // A limit that is reached can conflict with other goals, although it is met.
                 GoalKind::Limit => {
                     let [least, most] = own.wanted;
                     let room = (value - least).min(most - value) / goal.tolerance;

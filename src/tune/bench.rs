@@ -1,4 +1,4 @@
-//! Searches on the double wishbone of the corpus, and derivatives against differences.
+//! Tests of the search on the double wishbone of the corpus, and of derivatives against finite differences.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use admire_study::Noise;
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../corpus");
 
-/// The rig of the double wishbone: its own motions of the wheels are left out.
+/// Rig of the double wishbone. The motions of the wheels in the deck are left out.
 const KC: &str = r#"
 [deck]
 axes = "adams-car"
@@ -62,7 +62,7 @@ fn corpus(name: &str) -> Vec<u8> {
     std::fs::read(Path::new(CORPUS).join(name)).expect(name)
 }
 
-/// Returns the curves of a run of the deck as it is, as a table of wanted curves.
+/// Returns the curves of a run of the unchanged deck, as a table of wanted curves.
 fn wanted(tuning: &Tuning, of: &[&str]) -> String {
     let mut text = format!(
         "test,value,{}\n",
@@ -92,7 +92,8 @@ fn wanted(tuning: &Tuning, of: &[&str]) -> String {
     text
 }
 
-/// From hardpoints that were moved by up to 10 mm, toe and camber over 80 mm of travel to both sides are those of the original again.
+/// Checks that the search corrects hardpoints that were moved by up to 10 mm: toe and camber over 80 mm of travel to both sides equal those of
+/// the original again.
 #[test]
 fn moved_hardpoints_find_the_curves_of_the_original() {
     let original = corpus("double-wishbone/model.adm");
@@ -137,7 +138,7 @@ fn moved_hardpoints_find_the_curves_of_the_original() {
     assert!(met >= 18, "{told}");
 }
 
-/// The derivatives of the solver are those of differences, for hardpoints, bushings, springs, factors and mirror images.
+/// Checks that the derivatives agree with finite differences, for hardpoints, bushings, springs, factors and mirror images.
 #[test]
 fn derivatives_are_those_of_differences() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -269,7 +270,7 @@ fn identified(section: &str) -> admire_identify::Fit {
     found.expect("a fit").fit
 }
 
-/// A table `[[identify.unknown]]` finds a spring rate like the short form, keeps its bounds, and makes one number of two.
+/// Checks that a table `[[identify.unknown]]` identifies a spring rate like the short form, keeps its bounds, and ties two numbers.
 #[test]
 fn tables_of_unknowns_are_identified_like_the_short_form() {
     let bushings = "[identify]\nbushings = [\"BUSHING/1\", \"BUSHING/2\"]\n";
@@ -293,12 +294,12 @@ fn tables_of_unknowns_are_identified_like_the_short_form() {
     assert!((bounded - 65.0).abs() < 1e-6, "{bounded}");
     let tied = "[[identify.unknown]]\nnumbers = [\"BUSHING/1.K.1\", \"BUSHING/1.K.2\"]\nform = \"factor\"\ntogether = true\n";
     let tied = identified(&format!("{bushings}{tied}"));
-    // Eleven stiffnesses are left of twelve.
+    // Two of the twelve stiffnesses are tied, so eleven are left.
     assert_eq!(tied.parameters.len(), 11);
     assert!(value(&tied, "BUSHING/1.K.1") > 0.0);
 }
 
-/// Limits hold although a goal pulls beyond, a minimax goal has two equal misses, and both are reported as what they are.
+/// Checks that limits hold although a goal pulls beyond them, and that a minimax goal has two equal misses. Both are reported by their kind.
 #[test]
 fn limits_hold_and_minimax_levels_the_misses() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -354,7 +355,7 @@ fn limits_hold_and_minimax_levels_the_misses() {
     assert!(near.count() >= 2, "{b:#?}");
 }
 
-/// Bad input is reported at its place in `study.toml`.
+/// Checks that bad input is reported at its position in `study.toml`.
 #[test]
 fn every_complaint_points_at_its_place() {
     let folder = tempfile::tempdir().expect("a folder");

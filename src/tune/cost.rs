@@ -5,8 +5,8 @@ use crate::goal::{Goal, GoalKind};
 use crate::tuning::Tuning;
 
 impl Tuning {
-    /// Returns the cost of misses and moves: for each goal half the mean square of its misses or half the square of the largest, in units of
-    /// its tolerance, and for each unknown half the square of its move, in units of its standard deviation.
+    /// Returns the cost of misses and moves. Each goal costs half the mean square of its misses, or half the square of its largest miss, in
+    /// units of its tolerance. Each unknown costs half the square of its move, in units of its standard deviation.
     pub(crate) fn cost(&self, values: &[f64], x: &[f64]) -> f64 {
         let goals: f64 = self.goal_costs(values).iter().sum();
         let moves = self.unknowns.iter().zip(x).map(|(unknown, x)| {
@@ -16,7 +16,7 @@ impl Tuning {
         goals + moves.sum::<f64>()
     }
 
-    /// Returns the part of the cost of each goal; zero for limits.
+    /// Returns the cost of each goal; zero for limits.
     pub(crate) fn goal_costs(&self, values: &[f64]) -> Vec<f64> {
         let mut values = values.iter();
         let of = |goal: &Goal| {
@@ -53,7 +53,7 @@ impl Tuning {
         worst
     }
 
-    /// Returns the values of all rows of the deck as it is.
+    /// Returns the values of all rows for the original deck.
     pub(crate) fn values_before(&self) -> Vec<f64> {
         values(self, &self.before)
     }

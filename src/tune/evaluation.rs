@@ -96,7 +96,7 @@ impl<'a> Evaluator<'a> {
             })
     }
 
-    /// Returns the derivatives of all values by one unknown as a difference, on the side where there is more room to the bound.
+    /// Returns the derivatives of all values with respect to unknown `k`, by a finite difference towards the more distant bound.
     fn difference(&mut self, x: &[f64], k: usize, values: &[f64]) -> Option<Vec<f64>> {
         let [least, most] = self.tuning.unknowns[k].bounds;
         let step = DIFFERENCE_STEP * self.tuning.scale()[k];
@@ -139,7 +139,7 @@ pub(crate) fn values(tuning: &Tuning, run: &KcRun) -> Vec<f64> {
         .collect()
 }
 
-/// Runs the tests on a deck, differentiated along these directions.
+/// Runs the tests on a deck, with derivatives along these directions.
 fn tests_on(
     tuning: &Tuning,
     deck: Source,

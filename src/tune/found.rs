@@ -1,6 +1,6 @@
 use crate::evaluation::Evaluation;
 
-/// Where a search from one start ended.
+/// End of a search from one start.
 #[derive(Clone, Debug)]
 pub(crate) struct Found {
     pub start: Vec<f64>,

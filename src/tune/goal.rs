@@ -1,4 +1,4 @@
-//! Goals: which samples of which test they read, and how far a value misses them.
+//! Goals: the samples of the tests that each goal reads, and the misses of its values.
 
 use admire_kc::{
     Branch, Config, Convention, KcRun, Reading, Sample, TestRun, driven_unit, has_reading_change,
@@ -9,7 +9,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 use admire_syntax::units::Units;
 
-/// How the misses of a goal count.
+/// Contribution of the misses of a goal to the cost.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum GoalKind {
     /// Half the mean square of the misses, in units of the tolerance, is part of the cost.
@@ -29,13 +29,13 @@ pub struct Goal {
     pub of: String,
     /// Part of the characteristic.
     pub scope: GoalScope,
-    /// How misses count.
+    /// Contribution of the misses to the cost.
     pub kind: GoalKind,
     /// Unit of values, tolerance and misses.
     pub unit: String,
     /// Unit of the test's variable; empty at ride height.
     pub at_unit: String,
-    /// Miss that counts as one, and up to which the goal is met.
+    /// Unit of the misses, and largest miss with which the goal is met.
     pub tolerance: f64,
     /// Values that are compared.
     pub rows: Vec<Row>,
@@ -48,14 +48,15 @@ pub struct Goal {
 pub struct Row {
     /// Value of the test's variable; 0 for a gradient and at ride height.
     pub at: f64,
-    /// Least and greatest value that are wanted. They are equal unless the goal is a limit.
+    /// Smallest and largest wanted value. They are equal unless the goal is a limit.
     pub wanted: [f64; 2],
-    /// Index of the test in the run and of the sample in the test, with its factor. Ride height if there is no index.
+    /// Samples of the combination, each with its factor. A sample is given by the index of its test in the run and its index in the test. `None`
+    /// stands for ride height.
     parts: Vec<(Option<(usize, usize)>, f64)>,
 }
 
 impl Goal {
-    /// Returns the name: the test, the characteristic, and which part of it unless it is a whole curve.
+    /// Returns the name: the test, the characteristic, and the part of the characteristic unless it is a whole curve.
     pub fn name(&self) -> String {
         let part = match self.scope {
             GoalScope::Curve => "",
@@ -72,7 +73,7 @@ impl Goal {
 }
 
 impl Row {
-    /// Returns how far a value misses the row: positive above, negative below, zero where nothing is missed.
+    /// Returns the miss of a value: positive above the wanted range, negative below it, and zero within it.
     pub fn miss(&self, value: f64) -> f64 {
         let [least, most] = self.wanted;
         if value < least {
@@ -123,7 +124,7 @@ fn reading<'r>(sample: Option<&'r Sample>, path: &str) -> Option<&'r Reading> {
     all.find(|reading| reading.entity == entity && reading.component == component)
 }
 
-/// What the resolution of goals reads.
+/// Inputs for the resolution of goals.
 struct Reader<'a> {
     study: &'a Source,
     run: &'a KcRun,
@@ -131,7 +132,7 @@ struct Reader<'a> {
     units: &'a Units,
 }
 
-/// Resolves the goals of a target. `run` is the run of the tests on the deck of the study. Names that do not resolve are reported in `out`.
+/// Resolves the goals of a target. `run` is the run of the tests on the deck of the study. Names that cannot be resolved are reported in `out`.
 pub(crate) fn goals(
     target: &TargetSettings,
     study: &Source,
@@ -268,7 +269,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Returns what is wanted at a value of the test's variable; nothing outside of a wanted curve.
+    /// Returns the wanted range as a function of the test's variable. The function returns `None` outside of a wanted curve.
     fn wanted(
         &self,
         goal: &GoalSettings,
@@ -363,7 +364,7 @@ fn curve(
         .collect()
 }
 
-/// Returns the weights of the samples in the slope of the least-squares line within the window, the mean of both branches.
+/// Returns the weights of the samples in a gradient: the slope of the least-squares line within the window, averaged over both branches.
 fn gradient((k, test): (usize, &TestRun), factor: f64) -> Vec<(Option<(usize, usize)>, f64)> {
     let inside = |sample: &Sample| sample.value.abs() <= test.settings.window * (1.0 + 1e-9);
     let branch = |branch: Branch| -> Vec<(usize, f64)> {
@@ -387,7 +388,8 @@ fn gradient((k, test): (usize, &TestRun), factor: f64) -> Vec<(Option<(usize, us
         .collect()
 }
 
-/// Returns the weights of the two samples beside a value of the test's variable, on the way up; `None` outside of the test.
+/// Returns the weights of the two samples next to a value of the test's variable, on the upward branch. Returns `None` outside of the test's
+/// range.
 fn value_at(
     (k, test): (usize, &TestRun),
     at: f64,
@@ -408,7 +410,7 @@ fn value_at(
     ])
 }
 
-/// Interpolates a curve linearly; `None` outside of it. Round-off at its ends is tolerated.
+/// Interpolates a curve linearly. Returns `None` outside of the curve; round-off at its ends is tolerated.
 fn interpolated(points: &[(f64, f64)], at: f64) -> Option<f64> {
     let (first, last) = (points.first()?, points.last()?);
     let slack = 1e-9 * (last.0 - first.0);

@@ -1,11 +1,12 @@
 //! Design to a target: numbers of a deck that give wanted kinematics and compliance.
 //!
 //! [`Tuning`] is a study with a section `[target]`, with all names resolved. [`Tuning::search`] looks for the numbers, from the start of the
-//! study and from Sobol points within the bounds. [`Outcome`] says what moved, what is met, what stands against it and which numbers matter.
+//! study and from Sobol points within the bounds. [`Outcome`] states the moved numbers, the goals that are met, the conflicts, and the
+//! importance of each unknown.
 //!
 //! The misses of all goals form a least-squares problem, which the trust-region Gauss-Newton method of `admire-identify` solves within the
-//! bounds. The derivatives of places, angles and wheel loads are exact. Limits and minimax goals are constraints, held by the method of
-//! multipliers.
+//! bounds. The derivatives of positions, angles and wheel loads are exact. Limits and minimax goals are constraints, handled by the augmented
+//! Lagrangian method (method of multipliers).
 #![warn(unreachable_pub)]
 // The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

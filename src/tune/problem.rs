@@ -7,7 +7,7 @@ use admire_identify::global::Evaluation as Residuals;
 use admire_identify::global::gauss_newton::{LeastSquares, Prior};
 use nalgebra::{DMatrix, DVector};
 
-/// Receives the number of evaluations of the present start, and returns false to stop the search.
+/// Callback that receives the number of evaluations from the current start. It returns false to stop the search.
 pub type Watch<'a> = dyn FnMut(usize) -> bool + 'a;
 
 /// A constraint `sign (value - bound) / tolerance - t <= 0` on a value; `t` is zero for limits and the largest miss of a minimax goal.
@@ -38,13 +38,13 @@ pub(crate) struct Problem<'a, 'b> {
     pub evaluations: usize,
     /// Number of evaluations after which the search stops.
     pub most: usize,
-    /// Last evaluations, the newest at the end: the last of the search and the one it stands at.
+    /// Cache of at most two evaluations, the latest one used at the end.
     kept: Vec<Evaluation>,
     /// Number of minimax goals.
     pub largest: usize,
-    /// Start and number of the evaluations, told to whoever watches.
+    /// Callback that observes the search, and can stop it.
     pub watch: &'b mut Watch<'b>,
-    /// True once the watcher has stopped the search.
+    /// True once the callback has stopped the search.
     pub is_stopped: bool,
 }
 
@@ -90,8 +90,8 @@ impl<'a, 'b> Problem<'a, 'b> {
         self.evaluator.tuning.unknowns.len()
     }
 
-    /// Returns the evaluation at coordinates of the deck's unknowns. The last two are kept, because rounds of multipliers begin where the last
-    /// one ended.
+    /// Returns the evaluation at coordinates of the deck's unknowns. The last two evaluations are cached, because each round of multipliers
+    /// starts at the end of the previous round.
     pub(crate) fn at(&mut self, x: &[f64]) -> Option<&Evaluation> {
         if let Some(k) = self.kept.iter().position(|kept| kept.x == x) {
             let found = self.kept.remove(k);

@@ -21,7 +21,8 @@ const SMALL_TABLE: usize = 100;
 impl Tuning {
     /// Searches from the start of the study and from Sobol points within the bounds.
     ///
-    /// `watch` receives the number of the start and of the evaluations so far, and returns false to stop. A stopped search still has an outcome.
+    /// `watch` receives the number of the start and the number of evaluations so far. It returns false to stop. A stopped search still has an
+    /// outcome.
     ///
     /// # Errors
     /// [`TuneError`] if the axle has no equilibrium at any start.
@@ -116,7 +117,7 @@ fn search_from<'b>(
         };
         let constrained = problem.constraint_values(&end.values, largest);
         let mut violation: f64 = 0.0;
-        // The miss of a constraint, or the slack of one whose multiplier still pulls.
+        // Largest remaining violation: miss of a constraint, or slack of a constraint with a positive multiplier.
         let mut unsettled: f64 = 0.0;
         for (value, multiplier) in constrained.iter().zip(&mut problem.multipliers) {
             violation = violation.max(*value);

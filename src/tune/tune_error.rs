@@ -3,8 +3,8 @@ use admire_kc::BenchError;
 /// A test without an equilibrium.
 #[derive(Clone, Debug)]
 pub struct TuneError {
-    /// Unknowns, by what the user calls their values; empty for the deck of the study.
+    /// Values of the unknowns as the user states them; empty for the deck of the study.
     pub unknowns: Vec<f64>,
-    /// Why the rig gives no result.
+    /// Reason why the rig gives no result.
     pub why: BenchError,
 }

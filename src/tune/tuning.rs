@@ -36,12 +36,12 @@ pub struct Tuning {
     pub before: KcRun,
 }
 
-/// A study with a target that cannot be tuned: what is wrong, or why its deck has no equilibrium.
+/// Reason why a study with a target cannot be tuned.
 #[derive(Clone, Debug)]
 pub enum Refused {
-    /// The diagnostics say it.
+    /// The input is wrong, as the diagnostics state.
     Input,
-    /// A test of the deck as it is has no equilibrium.
+    /// A test of the original deck has no equilibrium.
     Start(TuneError),
 }
 

@@ -49,8 +49,8 @@ fn no_public_file_is_complained_of() {
     }
 }
 
-/// Every value of every file: an edit to the same text changes nothing; an edit to another value changes the bytes of that value alone, and the
-/// way back restores the file.
+/// Checks every value of every file. An edit to the same text changes nothing. An edit to another value changes only the bytes of that value,
+/// and the reverse edit restores the file.
 #[test]
 fn every_value_is_edited_without_touching_another_byte() {
     for (path, bytes) in files() {
@@ -81,7 +81,7 @@ fn every_value_is_edited_without_touching_another_byte() {
             let behind = bytes.len() - span.end();
             assert_eq!(new[..span.start()], bytes[..span.start()], "{name}");
             assert_eq!(new[new.len() - behind..], bytes[span.end()..], "{name}");
-            // The reread of every tenth value keeps this test short.
+            // Only every tenth value is read again, to keep this test short.
             if at % 10 == 0 {
                 let again = PropertyFile::parse(Source::new(name.as_str(), new.as_slice())).value;
                 assert_eq!(again.source().bytes(), new);
@@ -146,7 +146,7 @@ fn a_subsystem_has_hardpoints_parameters_and_blocks() {
         (drive.kind.as_str(), drive.value.number()),
         ("real", Some(75.0))
     );
-    // Blocks of one name are told apart by USAGE, and by their order.
+    // Blocks with the same name are distinguished by USAGE and by their order.
     for (address, expected) in [
         ("PART_ASSEMBLY/upright.IXX", 508.381_210_529_8),
         ("LINK_GEOMETRY/lca_rear.RADIUS", 9.525),

@@ -1,4 +1,4 @@
-//! Results of `identify` and `diagnose`, written back in the words of Adams/Car.
+//! Results of `identify` and `diagnose`, written back with the terms of Adams/Car.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ fn check_says_what_the_deck_and_the_subsystem_share() {
         said.contains("9 of 10 hardpoints and 3 of 6 bushings of the subsystem are in the deck"),
         "{said}"
     );
-    // In metres, no hardpoint is where a marker is.
+    // With the coordinates taken as metres, no hardpoint coincides with a marker.
     let sub = folder.path().join("front.sub");
     let text = std::fs::read_to_string(&sub).unwrap();
     std::fs::write(&sub, text.replace("LENGTH  =  'mm'", "LENGTH  =  'meter'")).unwrap();
@@ -59,7 +59,7 @@ fn check_says_what_the_deck_and_the_subsystem_share() {
     );
 }
 
-/// A study that the virtual rig measured has all the files that it names.
+/// Checks that a study measured by the virtual rig has all the files that it names.
 #[test]
 fn a_measured_study_keeps_its_subsystem() {
     let folder = study(&format!("{CAR}{BUSHINGS}"));
@@ -110,7 +110,8 @@ fn names_that_exist_nowhere_are_refused_at_their_place() {
     }
 }
 
-/// The deck says 10000 N/mm for every stiffness; each factor is the identified stiffness over that. Expected values come from `identified.adm`.
+/// Checks the scale factors. The deck has 10000 N/mm for every stiffness, so each factor is the ratio of the identified stiffness to this value.
+/// Expected values come from `identified.adm`.
 #[test]
 fn identified_stiffnesses_are_scale_factors_of_the_subsystem() {
     let folder = study(&format!("{CAR}{BUSHINGS}"));
@@ -121,7 +122,7 @@ fn identified_stiffnesses_are_scale_factors_of_the_subsystem() {
     assert_eq!(code, 0, "{errors}");
     assert!(errors.contains("fx_scaling_factor"), "{errors}");
     assert!(out.contains("\nfor Adams/Car: out/adams_car\n"), "{out}");
-    // The user's own file is as it was.
+    // The user's own file is unchanged.
     assert!(std::fs::read(here.join("front.sub")).unwrap() == before);
     let new = parse(&here.join("out/adams_car/front.sub"));
     let found = diff(
@@ -220,7 +221,7 @@ const ARM_STUDY: &str = "[model]\ndeck = \"model.adm\"\n[loads]\nfile = \"load_c
 
 const ARM_MARKS: &str = "part,mark,x,y,z\nPART/2,1,100,-50,20\nPART/2,2,-120,-60,10\nPART/2,3,20,-300,30\nPART/2,4,-30,-340,-20\n";
 
-/// Measures the arm with planted effects on the virtual rig and diagnoses it. Returns the folder of the study; the answer is in `out`.
+/// Measures the arm with planted effects on the virtual rig, and diagnoses it. Returns the folder of the study, with the results in `out`.
 fn diagnosed(effects: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let levels = [1.0, 2.0, 3.0, -1.0, -2.0, -3.0];
@@ -273,7 +274,7 @@ fn diagnosed(effects: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-/// The rubber of the front bushing stiffens across its axis. The `.bus` file holds the fitted law, and the subsystem names it.
+/// Checks a front bushing that stiffens across its axis. The `.bus` file must hold the fitted law, and the subsystem must name this file.
 #[test]
 fn a_learned_curve_is_a_property_file_with_the_law_of_the_extended_deck() {
     let folder = diagnosed(&["progressive-stiffness@BUSHING/1.K.1:law=cubic,cubic=30000"]);
@@ -290,7 +291,7 @@ fn a_learned_curve_is_a_property_file_with_the_law_of_the_extended_deck() {
     ));
     assert_eq!(read.diagnostics, []);
     let property = BushingProperty::of(&read.value, &Units::default());
-    // The finding and the stiffness of the extended deck give the same law at every point.
+    // The law of the finding and the law of the extended deck, with its stiffness, agree at every point.
     let diagnosis = changes(&here.join("out/diagnosis.json"));
     let finding = diagnosis["findings"]
         .as_array()
@@ -332,7 +333,7 @@ fn a_learned_curve_is_a_property_file_with_the_law_of_the_extended_deck() {
         new.value.hardpoints[0].place(Side::Single),
         Some([0.15, 0.0, 0.0])
     );
-    // What differs is in the blocks of bushings only.
+    // Only the blocks of bushings differ.
     let old = PropertyFile::parse(Source::new("front.sub", ARM_SUB)).value;
     for one in diff(&old, &new.value.file, DiffTolerance::default()) {
         assert!(one.address.starts_with("BUSHING_ASSEMBLY/"), "{one:?}");

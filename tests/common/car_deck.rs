@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // Each test binary uses its own part.
 
-/// Values of the arrays: scale, preload, offset and scale of the displacement.
+/// Values of the arrays for each axis: scale, preload, offset and scale of the displacement.
 pub type Axes = [[f64; 4]; 6];
 
 pub const PLAIN: Axes = [[1.0, 0.0, 0.0, 1.0]; 6];
@@ -15,7 +15,7 @@ pub fn knots(axis: usize) -> Vec<f64> {
     (-3..=3).map(|k| f64::from(k) * unit).collect()
 }
 
-/// Odd curves through the knots; at the knots they are exact.
+/// Returns the value of an odd curve through the knots, which is exact at the knots.
 pub fn curve(axis: usize, x: f64) -> f64 {
     let cubic = |k: f64, bend: f64| k * x + bend * x * x * x;
     match axis {
@@ -33,7 +33,7 @@ fn list(values: impl IntoIterator<Item = f64>) -> String {
     words.join(", ")
 }
 
-/// SPLINE/31 to 36 with their names.
+/// Returns the statements SPLINE/31 to 36, with their names.
 pub fn splines() -> String {
     let mut text = String::new();
     for (axis, word) in WORDS.iter().enumerate() {
@@ -48,7 +48,7 @@ pub fn splines() -> String {
     text
 }
 
-/// ARRAY/31 to 36 with their names.
+/// Returns the statements ARRAY/31 to 36, with their names.
 pub fn arrays(axes: &Axes) -> String {
     let mut text = String::new();
     for (axis, word) in WORDS.iter().enumerate() {
@@ -65,7 +65,7 @@ pub fn arrays(axes: &Axes) -> String {
     text
 }
 
-/// The FIELD between MARKER/20 of a part and MARKER/1, with these parameters.
+/// Returns the FIELD between MARKER/20 of a part and MARKER/1, with these parameters.
 pub fn field(parameters: &str) -> String {
     format!(
         "! adams_view_name='axle.bkl_arm_outer.field'\nFIELD/1, I = 20, J = 1, FUNCTION = USER({parameters})\\\n, ROUTINE = abgVDM::fie900\n"
@@ -74,7 +74,7 @@ pub fn field(parameters: &str) -> String {
 
 pub const PARAMETERS: &str = "902, 31, 32, 33, 34, 35, 36";
 
-/// The same law as a GFORCE with AKISPL.
+/// Returns the same law as a GFORCE with AKISPL.
 pub fn gforce(axes: &Axes) -> String {
     let q = |axis: usize| {
         let letter = ["X", "Y", "Z"][axis % 3];
@@ -104,7 +104,7 @@ pub fn gforce(axes: &Axes) -> String {
     )
 }
 
-/// A part at MARKER/20 and a force and torque on it along the axes of ground.
+/// Returns a part at MARKER/20, with a force and a torque on it along the axes of ground.
 pub fn part(load: [f64; 6]) -> String {
     let [fx, fy, fz, tx, ty, tz] = load;
     format!(

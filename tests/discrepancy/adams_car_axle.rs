@@ -1,11 +1,11 @@
-//! The shipped axle of Adams/Car: its deck has linear bushings, its readings are the places of a real axle with noise.
+//! The shipped axle of Adams/Car: its deck has linear bushings, and its readings are positions of a real axle with noise.
 
 use std::path::Path;
 
 use admire_diagnosis::{Cause, GainCheck, Progress, Verdict, diagnose_watched, held_out};
 use admire_identify::LoadedStudy;
 
-/// Along their axes both bushings of the arm soften beyond 3 mm.
+/// Checks that both bushings of the arm are found to soften along their axes beyond 3 mm.
 #[test]
 #[ignore = "minutes: .ci/full"]
 fn the_curves_of_a_real_axle_are_found_from_linear_bushings() {

@@ -26,8 +26,8 @@ const MARKS: [[f64; 3]; 4] = [
     [-40.0, -40.0, 20.0],
 ];
 
-/// Writes a study of a chain in which one of the springs has the fraction `part` of its rate. The last body moves by `F sum(1 / k)`. Which spring
-/// it is does not show; its number seeds the noise. `settings` end the file of the study.
+/// Writes a study of a chain in which one of the springs has the fraction `part` of its rate. The last body moves by `F sum(1 / k)`, which does
+/// not reveal the spring. The number of the spring seeds the noise. `settings` are appended to the study file.
 fn write(folder: &Path, (springs, differs): (usize, usize), part: f64, settings: &str) {
     let mut deck = String::from(
         "chain\nUNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=MILLIMETER,TIME=SECOND\nPART/1,GROUND\nMARKER/100,PART=1\n",
@@ -82,7 +82,8 @@ fn write(folder: &Path, (springs, differs): (usize, usize), part: f64, settings:
     file("study.toml", &study);
 }
 
-/// Settings of a chain whose loads and seats are known. Otherwise a seat that yields is more probable than a rate that is 40 percent off.
+/// Settings of a chain whose loads and spring seats are known. Otherwise, a compliant seat is more probable than a rate that is wrong by 40
+/// percent.
 const KNOWN: &str = "[priors]\nspring_seat_compliance_mm_per_n = 1e-6\nload_gain = 1e-3\n";
 
 /// Returns the diagnosis of the chain and its sentences.
@@ -111,8 +112,8 @@ fn have_rivals(sentences: &[String]) -> bool {
     each.any(|text| text.contains("or one of its rivals acts"))
 }
 
-/// Checks that an effect matters although a refit would absorb it: a rate of 0.6 moves the last body by 1.3 mm, 130 times the noise. A rate of 1.5
-/// moves it by half of that, so that rates of all springs near the limit of their tolerance keep some probability.
+/// Checks that an effect counts as important although a refit would absorb it. A rate of 0.6 moves the last body by 1.3 mm, 130 times the noise.
+/// A rate of 1.5 moves it by half of that, so that wrong rates of all springs near the limit of their tolerance keep some probability.
 #[test]
 fn the_verdict_follows_the_evidence_whatever_a_refit_would_take_up() {
     for (part, limit) in [(0.6, 0.01), (1.5, 0.05)] {
@@ -188,8 +189,9 @@ fn all_springs_of_a_chain_are_listed_alike() {
         let each = listed.iter().map(|(_, probability)| *probability);
         let most = each.clone().fold(0.0, f64::max);
         let least = each.fold(1.0, f64::min);
-        // Fits end within a few thousandths of a nat of each other. Of twelve springs one is fitted, because no cause is nearly as probable as one; its
-        // sets with a further effect that does nothing count for it, those of the others lie outside of the window of the first linear model.
+        // Fits end within a few thousandths of a nat of each other. For twelve springs, only one spring is fitted, because the absence of a
+        // cause is nearly as probable. The sets with this spring and a further effect without influence count for it. The corresponding sets of
+        // the other springs lie outside the window of the first linear model.
         let apart = if count < 12 { 0.02 } else { 0.1 };
         assert!(most - least <= apart * most, "{listed:?}");
     }

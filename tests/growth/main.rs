@@ -1,7 +1,7 @@
-//! Every reader takes time and memory in proportion to its file: eight times the bytes, counted bytes of memory and processor time.
+//! Checks that every reader takes time and memory in proportion to the size of its file, at eight times the bytes.
 //!
-//! Quadratic growth would be a factor of 64; what is counted doubles its room now and then, so that up to 16 is linear. Alone in its
-//! process: every allocation is counted.
+//! Quadratic growth would be a factor of 64. A factor of up to 16 counts as linear, because buffers double their capacity now and then. The test
+//! has its own process, because every allocation of the process is counted.
 
 use std::alloc::System as Memory;
 
@@ -24,14 +24,14 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static COUNTED: &StatsAlloc<Memory> = &INSTRUMENTED_SYSTEM;
 
-/// A file that a pattern fills: the reader of its kind, how it begins, what comes again and again. `#` in it is the number of the round.
+/// File filled by a pattern: kind, reader, beginning, and repeated text. In the repeated text, `#` is replaced by the number of the repetition.
 type Filled<'a> = (&'a str, fn(&[u8]), &'a str, &'a str);
 
 const SHORT: usize = 40_000;
 const TIMES: usize = 8;
 
 const FILES: &[Filled<'static>] = &[
-    // Good files that are long.
+    // Long valid files.
     (
         "dataset",
         dataset,
@@ -110,7 +110,7 @@ const FILES: &[Filled<'static>] = &[
     ),
     ("expression", expression, "1", "+#*TIME"),
     ("expression", expression, "MAX(1", ",MIN(1,#)"),
-    // Files that mean no good.
+    // Long malicious files.
     ("dataset", dataset, "t\n", "BUSHING/#, I=#, J=#\n"),
     ("dataset", dataset, "t\n", "PRAT/#, MAS=#\n"),
     ("dataset", dataset, "t\n", "MARKER/1, PART=#, ZP=1,2,3\n"),
@@ -254,7 +254,7 @@ fn property(bytes: &[u8]) {
     PropertyFile::parse(Source::new("a.bus", bytes));
 }
 
-/// Graphics of one part: how they begin, and a frame of them.
+/// Returns the graphics of one part: the beginning of the file, and one frame.
 fn pictures() -> (String, String) {
     let head = GraphicsHead {
         title: "a title".to_string(),
@@ -280,7 +280,7 @@ fn pictures() -> (String, String) {
     (none, frame)
 }
 
-/// Results before XRF, of one part: how they begin, and an equilibrium of them.
+/// Returns the results of one part in the format before XRF: the beginning of the file, and one equilibrium.
 fn equilibria() -> (String, String) {
     let block = |name: &str, lines: &[&str]| {
         format!(
@@ -332,7 +332,7 @@ fn filled(lead: &str, piece: &str, size: usize) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Bytes of memory asked for in all, and seconds of processor time.
+/// Returns the total number of allocated bytes, and the processor time in seconds.
 fn taken(read: fn(&[u8]), bytes: &[u8]) -> (usize, f64) {
     let (region, start) = (Region::new(COUNTED), ProcessTime::now());
     read(bytes);
@@ -361,7 +361,7 @@ fn time_and_memory_grow_with_the_file_and_not_faster() {
             filled(lead, piece, SHORT),
             filled(lead, piece, TIMES * SHORT),
         );
-        // What is made once is made before.
+        // Tables that are created once are created here, before the measurement.
         read(&short);
         let what = format!("{kind}, {lead:.20?} {piece:?}");
         let (less, more) = (taken(read, &short), taken(read, &long));
@@ -369,7 +369,7 @@ fn time_and_memory_grow_with_the_file_and_not_faster() {
         if more.0 > 2 * TIMES * less.0 + (1 << 20) {
             wrong.push(format!("{what}: {} and {} bytes", less.0, more.0));
         }
-        // One good measurement of several is enough.
+        // One good measurement among several is enough.
         let slow = |(less, more): (f64, f64)| more > 3.0 * TIMES as f64 * less + 0.5;
         let again = || (taken(read, &short).1, taken(read, &long).1);
         if slow((less.1, more.1)) && (0..4).all(|_| slow(again())) {

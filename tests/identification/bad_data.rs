@@ -1,11 +1,11 @@
-//! Bad data as a user meets them: `admire identify` names each before any fit, and says what it does about it.
+//! Bad data in a study: `admire identify` names each fault before any fit, and states its consequence.
 
 use std::path::Path;
 use std::process::Command;
 
 use crate::setup::copy;
 
-/// What `admire identify` says on standard error about a study whose file was changed, and its exit code.
+/// Returns the standard error output of `admire identify` for a study with one changed file, and the exit code.
 fn said(file: &str, change: impl Fn(&str) -> String) -> (String, i32) {
     let (_folder, path) = copy("pseudo-mcpherson");
     let target = path.join(file);
@@ -121,7 +121,7 @@ fn each_fault_is_named_before_any_fit() {
     insta::assert_snapshot!(all);
 }
 
-/// Ninety tonnes on one wheel: the case is named and left out, and the others give the stiffnesses as if it were not there.
+/// Checks a case with ninety tonnes on one wheel: it is named and left out, and the other cases give the same stiffnesses as without it.
 #[test]
 fn a_case_the_solver_cannot_reach_is_named_and_left_out() {
     let (_folder, path) = copy("pseudo-mcpherson");
@@ -148,7 +148,7 @@ fn a_case_the_solver_cannot_reach_is_named_and_left_out() {
     assert!((chi2 - 1.0).abs() < 0.2, "{chi2}");
 }
 
-/// Marks and readings of one part, each set drawn together about its own middle; a rigid motion takes one to the other as before.
+/// Shrinks the marks and the readings of one part, each set towards its own centroid. A rigid motion still maps one set to the other.
 fn drawn_together(text: &str, group: usize, part: &str, share: f64) -> String {
     let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
     let numbers = |row: &[&str]| -> Vec<f64> {
@@ -175,7 +175,7 @@ fn drawn_together(text: &str, group: usize, part: &str, share: f64) -> String {
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A study whose two files of marks were changed.
+/// Runs a study with both files of marks changed. Returns the standard error output and the exit code.
 fn both_changed(change: impl Fn(&str, usize) -> String) -> (String, i32) {
     let (_folder, path) = copy("pseudo-mcpherson");
     for (file, group) in [("marks_on_parts.csv", 0), ("marks_measured.csv", 1)] {
@@ -186,7 +186,8 @@ fn both_changed(change: impl Fn(&str, usize) -> String) -> (String, i32) {
     identify(&path)
 }
 
-/// A rod's marks often sit in a bunch on it. Readings that agree with the list and put the part where the deck has it are no unit slip.
+/// Checks marks that are close together, as on a rod. If the readings agree with the list, and the part is where the deck has it, this is no
+/// unit error.
 #[test]
 fn marks_close_together_are_not_taken_for_centimetres() {
     let (said, code) = both_changed(|text, group| drawn_together(text, group, "TIE_ROD", 0.12));

@@ -1,4 +1,4 @@
-//! The command backend: our own `mdi` behind it gives what the built-in solver gives, and programs that behave badly give nothing.
+//! The command backend: it gives the results of the built-in solver if it runs our own `mdi`, and no results if a program misbehaves.
 
 use std::time::Duration;
 
@@ -72,7 +72,7 @@ fn nothing_of_a_bad_run_is_taken_for_an_answer() {
     };
     let fake = env!("CARGO_BIN_EXE_mdi");
     assert!(run(&["no-such-program-anywhere"], 5.0).contains("cannot be started"));
-    // A program that ends well and writes nothing.
+    // A program that exits successfully without writing results.
     assert!(
         run(&[fake, "-c", "ru-standard", "i", "absent.acf", "exit"], 5.0).contains("exit code")
     );
@@ -97,7 +97,7 @@ fn nothing_of_a_bad_run_is_taken_for_an_answer() {
     }
 }
 
-/// Licences are refused for a while, as on a Monday morning: the run is made again until there is one.
+/// Checks that a run is repeated while the licence server refuses a licence, until the run gets one.
 #[test]
 #[cfg(unix)]
 fn a_refused_licence_is_waited_for() {
@@ -125,7 +125,8 @@ fn a_refused_licence_is_waited_for() {
     assert_eq!(sweep.cases.len(), loaded.programme.cases.len());
 }
 
-/// Ctrl-C ends a diagnosis after its step: it writes what it has, marked, and says where.
+/// Checks that Ctrl-C ends a diagnosis after its current step. The diagnosis writes its results so far, marked as interrupted, and states the
+/// folder.
 #[test]
 #[cfg(unix)]
 fn an_interrupted_diagnosis_writes_what_it_has() {
@@ -156,7 +157,7 @@ fn an_interrupted_diagnosis_writes_what_it_has() {
     assert!(out.join("extended.adm").exists());
 }
 
-/// Ctrl-C: the run ends after its step, keeps what it has, says so, and exits with 130 as shells do.
+/// Checks that Ctrl-C ends a run after its current step. The run keeps its results, reports the interruption, and exits with 130 as shells do.
 #[test]
 #[cfg(unix)]
 fn an_interrupted_run_keeps_what_it_found() {
@@ -166,7 +167,7 @@ fn an_interrupted_run_keeps_what_it_found() {
         let path = entry.unwrap().path();
         std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
     }
-    // A step test that is never met: it would go on for hours.
+    // With this step test, which is never met, the run would take hours.
     let settings = folder.path().join("study.toml");
     let text = std::fs::read_to_string(&settings).unwrap()
         + "\n[regression]\nepsilon = 1e-12\nmax_iterations = 1000000\n";

@@ -1,4 +1,4 @@
-//! The direct solution on both axles: exact without noise, a start and a check with it.
+//! The direct solution on both axles: exact without noise; a start and a check of the fit with noise.
 
 use std::ops::ControlFlow;
 
@@ -47,7 +47,7 @@ fn exact_on_the_mcpherson() {
             .map(|e| format!("{e:.1e}"))
             .collect::<Vec<_>>()
     );
-    // The marks are given to 1e-9 mm.
+    // The marks are written to 1e-9 mm.
     assert_eq!(errors.len(), 12);
     assert!(errors.iter().all(|e| e.abs() < 1e-4), "{errors:?}");
 }

@@ -1,4 +1,4 @@
-//! Motions that nothing resists: nothing depends on where parts are along them, and nobody's answer does.
+//! Motions without resistance: neither the predictions nor the results of any solver depend on the positions along them.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,7 +12,7 @@ use admire_solver::statics::Balance;
 
 use crate::setup::{copy, replace};
 
-/// The shipped McPherson, its reference as the reality, measured on the virtual rig with `effects`.
+/// Measures the shipped McPherson on the virtual rig, with its reference deck as the reality and with `effects`.
 fn measured(change: impl Fn(&Path), effects: &[&str]) -> (tempfile::TempDir, PathBuf) {
     let (folder, path) = copy("pseudo-mcpherson");
     std::fs::rename(path.join("reference.adm"), path.join("model.adm")).unwrap();
@@ -35,13 +35,13 @@ fn measured(change: impl Fn(&Path), effects: &[&str]) -> (tempfile::TempDir, Pat
     (folder, out)
 }
 
-/// With ball joints at both ends of the tie rod.
+/// Puts ball joints at both ends of the tie rod.
 fn spins(folder: &Path) {
     let inner = "JOINT/5\n, UNIVERSAL";
     replace(folder, "model.adm", inner, "JOINT/5\n, SPHERICAL");
 }
 
-/// With a tie rod of two parts that carry marks, which spin together where it has ball joints.
+/// Splits the tie rod into two parts with marks, which spin together if the rod has ball joints.
 fn in_two(folder: &Path) {
     let end = "MARKER/15\n, PART = 6\n";
     replace(folder, "model.adm", end, "MARKER/15\n, PART = 50\n");
@@ -76,7 +76,7 @@ fn identified(folder: &Path) -> Identification {
     study.identify(false, &SharedProgress::default()).unwrap()
 }
 
-/// Estimates and intervals are those of a rod that cannot spin, read with the same noise.
+/// Checks that estimates and intervals equal those of a rod that cannot spin, with the same noise.
 #[test]
 fn a_link_that_spins_is_as_good_as_one_that_is_held() {
     let nothing: fn(&Path) = |_| {};
@@ -91,7 +91,7 @@ fn a_link_that_spins_is_as_good_as_one_that_is_held() {
         let mut compared = 0;
         for (a, b) in held.parameters.iter().zip(&free.parameters) {
             let share = |p: &admire::fit::ParameterFit| p.std_error.unwrap() / p.value;
-            // A number that is hardly known has an interval that goes with its value.
+            // The interval of a poorly determined parameter depends on its estimated value.
             if share(a) > 0.1 {
                 continue;
             }
@@ -105,7 +105,7 @@ fn a_link_that_spins_is_as_good_as_one_that_is_held() {
     }
 }
 
-/// A tie rod that yields is found where it spins as where it cannot, with the same probability, and its deck keeps its masses.
+/// Checks that a compliant tie rod is found with the same probability whether it can spin or not, and that its deck keeps its masses.
 #[test]
 fn a_cause_in_a_link_that_spins_is_as_probable_as_in_one_that_is_held() {
     let yields = ["link-compliance@PART/6:stiffness=6000"];
@@ -136,7 +136,7 @@ fn a_cause_in_a_link_that_spins_is_as_probable_as_in_one_that_is_held() {
     );
 }
 
-/// `check` names the motion, and repeated loads show the noise of the marks: 0.05 mm.
+/// Checks that `check` names the motion, and that repeated loads show the noise of the marks, 0.05 mm.
 #[test]
 fn check_says_what_is_ignored() {
     for (change, name) in [
@@ -157,7 +157,7 @@ fn check_says_what_is_ignored() {
     }
 }
 
-/// A solver that leaves the tie rod turned by an angle of its choice.
+/// Solver that leaves the tie rod rotated by an arbitrary angle.
 #[derive(Debug)]
 struct Spun {
     solver: NativeBackend,
@@ -175,7 +175,7 @@ impl Backend for Spun {
         let [a, b] = [13, 15].map(|id| model.marker(id).unwrap());
         let part = model.markers[a.0].part.0;
         for found in sweep.cases.iter_mut().flatten() {
-            // Another angle each time.
+            // The angle differs for every case.
             self.turned = (self.turned * 7.3 + 0.2) % 0.9;
             let pose = &mut found.poses[part];
             let [a, b] = [a, b].map(|marker| pose.point(&model.markers[marker.0].qp));
@@ -235,7 +235,7 @@ fn nothing_depends_on_where_a_solver_leaves_the_link() {
     }
 }
 
-/// What a page says of the error before and after is what the two decks do by themselves.
+/// Checks that the stated errors before and after the fit are those of the two decks on their own.
 #[test]
 fn errors_are_those_of_the_decks_that_are_written() {
     let (_folder, study) = measured(spins, &[]);

@@ -12,7 +12,8 @@ fn options<'a>() -> Options<'a> {
     }
 }
 
-/// Worst error of ln K and sweeps over the load cases; two more sweeps compare wheel and held-out cases before and after.
+/// Returns the largest error of ln K and the number of sweeps over the load cases. The two sweeps that compare readings before and after the fit
+/// are not counted.
 fn exact(loaded: &Loaded, start: Start) -> (f64, usize) {
     let problem = loaded.problem();
     let prepared = Prepared::new(&problem).unwrap();
@@ -57,8 +58,8 @@ fn noise_free_multilink_is_exact_from_the_papers_start() {
     }
 }
 
-/// Errors of ln K over their claimed standard deviations stay within what normal draws show: the largest of 48 exceeds 4 with a
-/// probability of 0.3 percent. The marks are those shipped, made by an independent implementation.
+/// Checks the errors of ln K, relative to their stated standard deviations. For normal errors, the largest of 48 exceeds 4 with a probability of
+/// 0.3 percent. The marks are shipped files from an independent implementation.
 #[test]
 fn noisy_axles_are_found_within_their_claimed_uncertainty() {
     for (name, most) in [("pseudo-mcpherson", 15), ("multilink", 60)] {
@@ -68,11 +69,11 @@ fn noisy_axles_are_found_within_their_claimed_uncertainty() {
         let found = fit_study(&problem, &prepared, None, options()).unwrap();
         let sweeps = found.problem.predictor.sweeps() - 2;
         println!("{name}: {sweeps} sweeps");
-        // From 1e4 everywhere, with offsets and noise: no more than without either.
+        // The fit starts at 1e4 for all stiffnesses. Offsets and noise do not increase the number of sweeps.
         assert!(sweeps <= most, "{name}: {sweeps}");
         assert!(found.fit.converged);
         let chi2 = found.fit.marks.unwrap().chi2_per_dof.unwrap();
-        // 780 and 1,092 coordinates: the sd of chi-square per degree of freedom is 0.05.
+        // For 780 and 1,092 coordinates, the standard deviation of chi-square per degree of freedom is 0.05.
         assert!((chi2 - 1.0).abs() < 0.2, "{name}: {chi2}");
         for (k, (parameter, truth)) in found
             .fit

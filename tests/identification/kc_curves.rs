@@ -1,4 +1,4 @@
-//! Curves of a K&C rig as measurements: what they are, how their file is read, and stiffnesses from them alone.
+//! Curves of a K&C rig as measurements: their definition, the reader of their file, and stiffnesses identified from them alone.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ fn rigs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/rigs/kc-curves")
 }
 
-/// The shipped rig with more in its study.
+/// Copies the shipped rig, with further lines in its study.
 fn folder(more: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in ["model.adm", "kc.csv", "study.toml"] {
@@ -42,7 +42,8 @@ fn columns(run: &RigRun, name: &str) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The wheel's own section has other code: its angles are those of the design position, right-handed about z, and its place is one.
+/// Checks the curves against the section for the wheel, which has separate code. Its angles are relative to the design position and right-handed
+/// about z; its position is absolute.
 #[test]
 fn curves_are_those_of_the_wheel() {
     let wheel = "[wheel]\nmarker = \"MARKER/20\"\naxis = \"y\"\n";
@@ -50,7 +51,7 @@ fn curves_are_those_of_the_wheel() {
                 rear = { function = \"DX(20)\", sigma = 1.0 }\n";
     let folder = folder(&format!("{wheel}{tilt}"));
     std::fs::write(folder.path().join("readings.csv"), "case,rear\n").unwrap();
-    // Far from design: the tie rod is turned as well.
+    // A soft bushing moves the wheel far from design, where the tie rod rotates as well.
     let effects = ["element-parameter@BUSHING/2.K.2:factor=0.1"];
     let options = RigOptions {
         sigma: Some(0.0),
@@ -65,7 +66,7 @@ fn curves_are_those_of_the_wheel() {
     let mut widest = [0.0_f64; 6];
     for k in 0..47 {
         let [x, y, z, camber, steer] = [1, 2, 3, 4, 5].map(|c| since(&wheel[c], k));
-        // A left wheel: toe-in is a turn to the right, against z.
+        // For a left wheel, toe-in is a rotation to the right, against z.
         let expected = [-steer, camber, f64::NAN, z, x, y];
         for (curve, expected) in expected.into_iter().enumerate() {
             let found = kc[4 + curve][k];
@@ -82,7 +83,7 @@ fn curves_are_those_of_the_wheel() {
     assert!(widest.iter().all(|w| *w > 0.01), "{widest:?}");
 }
 
-/// Another lab's file: semicolons, decimal commas, other names and units, no labels, displays at zero in another case.
+/// Checks a file of another laboratory: semicolons, decimal commas, other names and units, no labels, and gauges set to zero in another case.
 #[test]
 fn files_of_other_labs_are_read() {
     let plain = folder("");
@@ -141,7 +142,7 @@ fn files_of_other_labs_are_read() {
     );
     let found = read.value.unwrap().measurement;
     assert_eq!(found.channels.len(), 3);
-    // Minutes of arc: the sd is stated in the column's unit.
+    // The standard deviation is stated in the column's unit, minutes of arc.
     assert!((found.channels[0].sigma - 0.005 / 60.0).abs() < 1e-12);
     for (case, other) in expected.cases.iter().zip(&found.cases) {
         assert_eq!(case.loads, other.loads);
@@ -152,7 +153,7 @@ fn files_of_other_labs_are_read() {
     }
 }
 
-/// Rows that repeat a case are averaged, and tell the noise that is not stated; a column that is not there is said.
+/// Checks that rows which repeat a case are averaged, and that they determine the noise if it is not stated. A missing column is reported.
 #[test]
 fn repeats_tell_the_noise() {
     let study = folder("");
@@ -191,12 +192,13 @@ fn repeats_tell_the_noise() {
     );
     let found = LoadedStudy::read(study.path()).value.unwrap().measurement;
     assert!((found.cases[2].channels[0].unwrap() - 0.3).abs() < 1e-12);
-    // Of the mean of three readings that scatter by 0.01.
+    // Standard error of the mean of three readings with a standard deviation of 0.01.
     assert!((found.channels[0].sigma - 0.01 / 3f64.sqrt()).abs() < 1e-9);
     assert!(!found.channels[0].sigma_estimated);
 }
 
-/// Stiffnesses from the wheel's curves alone, hardpoints and gains a little off: intervals hold the truth.
+/// Checks the stiffnesses identified from the curves of the wheel alone, with small errors of hardpoints and gains: the intervals contain the
+/// true values.
 #[test]
 fn intervals_from_curves_alone_hold_the_truth() {
     let study = folder("");

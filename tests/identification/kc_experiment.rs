@@ -1,11 +1,11 @@
-//! The study of the paper's section 4.4 is what the virtual rig reads on the specification kept beside it.
+//! The study of section 4.4 of the paper equals the readings of the virtual rig with the specification kept beside it.
 
 use std::path::{Path, PathBuf};
 
 use admire_rig::effect::EffectSpec;
 use admire_rig::{RigOptions, virtual_rig};
 
-/// The seed its README names.
+/// Seed stated in the README of the study.
 const SEED: u64 = 44;
 
 fn corpus(name: &str) -> PathBuf {
@@ -36,7 +36,7 @@ fn the_shipped_study_is_reproduced() {
             assert_eq!(bytes, &there, "{name:?}");
         }
     }
-    // What was planted stays outside of the study.
+    // The planted effects are kept outside of the study.
     for entry in std::fs::read_dir(&shipped).unwrap() {
         let text = std::fs::read_to_string(entry.unwrap().path()).unwrap();
         for effect in &options.effects {
@@ -47,7 +47,7 @@ fn the_shipped_study_is_reproduced() {
     assert!(readme.contains(&format!("--seed {SEED}")));
 }
 
-/// Alike to a millionth of a millimetre: another machine's mathematics may differ in the last digits of an equilibrium.
+/// Compares numbers to a millionth of a millimetre, because the last digits of an equilibrium may differ between machines.
 fn same_numbers(ours: &str, theirs: &str) {
     assert_eq!(ours.lines().count(), theirs.lines().count());
     for (a, b) in ours.lines().zip(theirs.lines()) {

@@ -1,4 +1,4 @@
-//! Gradients and widths of loops as readings of a K&C study, and curves that are held out.
+//! Gradients and widths of loops as readings of a K&C study, and held-out curves.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use admire_syntax::Address;
 
 use crate::setup::replace;
 
-/// What a laboratory hands over beside its curves. The lateral loop is cases 20 to 35, the bounce loop 1 to 19.
+/// Table of a laboratory, in addition to its curves. The lateral loop is cases 20 to 35, the bounce loop cases 1 to 19.
 const TABLE: &str = "name,curve,kind,over,from,to,per,at,unit,value,sigma
 toe bounce,toe,gradient,travel,1,13,100,,deg,,0.01
 camber lateral,camber,gradient,Fy [N],21,27,1000,,min,,0.3
@@ -25,7 +25,7 @@ toe width,toe,width,Fy [N],20,35,,0,deg,,0.004
 track width,track,width,Fz [N],1,19,,4500,mm,,0.1
 ";
 
-/// The shipped rig with this table and these further lines in its study.
+/// Copies the shipped rig, with this table and further lines in its study.
 fn folder(table: &str, more: &str) -> tempfile::TempDir {
     let rigs = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/rigs/kc-curves");
     let folder = tempfile::tempdir().unwrap();
@@ -59,7 +59,7 @@ fn text(run: &RigRun, name: &str) -> String {
     String::from_utf8(found.unwrap_or_else(|| panic!("{name}")).1.clone()).unwrap()
 }
 
-/// The study as the rig hands it over.
+/// Measures a study on the virtual rig, and reads the result.
 fn measured(
     table: &str,
     more: &str,
@@ -78,7 +78,7 @@ fn measured(
     (folder, loaded)
 }
 
-/// A column of a file, by its number.
+/// Returns a column of a file, given by its index.
 fn column(text: &str, at: usize) -> Vec<f64> {
     let cells = text
         .lines()
@@ -87,7 +87,7 @@ fn column(text: &str, at: usize) -> Vec<f64> {
     cells.map(|cell| cell.parse().unwrap()).collect()
 }
 
-/// What the rig writes is the slope and the width of the curves it writes, here taken by hand.
+/// Checks that the rig writes the slopes and the widths of its own curves, computed here in a simple independent way.
 #[test]
 fn a_rig_takes_gradients_and_widths_from_its_own_curves() {
     let folder = folder(TABLE, "");
@@ -116,7 +116,8 @@ fn a_rig_takes_gradients_and_widths_from_its_own_curves() {
         (values[1] - steep).abs() < 1e-5 * steep.abs(),
         "{values:?} {steep}"
     );
-    // Where the load passes a value falling, less where it passes it rising; the ends of a run have one neighbour.
+    // Width of a loop: mean reading where the load passes a value while falling, minus the mean where it passes while rising. The ends of a run
+    // have only one neighbour.
     let width = |x: &[f64], y: &[f64], at: f64| {
         let mut ways = [Vec::new(), Vec::new()];
         for k in (0..x.len()).filter(|k| x[*k] == at) {
@@ -137,7 +138,7 @@ fn a_rig_takes_gradients_and_widths_from_its_own_curves() {
         "{values:?} {track_width}"
     );
     assert!(track_width.abs() > 0.01, "friction shows: {track_width}");
-    // Without friction a loop has no width.
+    // Without friction, a loop has no width.
     let smooth = column(&text(&rig(folder.path(), &[], Some(0.0)), "summary.csv"), 9);
     assert!(
         smooth[2].abs() < 1e-7 && smooth[3].abs() < 1e-6,
@@ -145,7 +146,7 @@ fn a_rig_takes_gradients_and_widths_from_its_own_curves() {
     );
 }
 
-/// Derivatives of every summary, one over a curve among them, against central differences of whole equilibria.
+/// Checks the derivatives of every summary against central differences of whole equilibria. One summary is a gradient over another curve.
 #[test]
 fn gradients_and_widths_are_differentiated_exactly() {
     let (_folder, loaded) = measured(TABLE, "", &[], None);
@@ -188,13 +189,12 @@ fn gradients_and_widths_are_differentiated_exactly() {
             );
         }
     }
-    // Gradients follow the stiffnesses; a width without friction follows nothing.
-    // In the order of their last cases.
+    // Gradients depend on the stiffnesses; widths without friction do not. The order is that of the last cases of the summaries.
     assert!(sizes[0] > 0.1 && sizes[2] > 0.1, "{sizes:?}");
     assert!(sizes[1] < 1e-4 && sizes[3] < 1e-4, "{sizes:?}");
 }
 
-/// A table of numbers alone lowers the errors, and a number that contradicts the curves is seen.
+/// Checks that a table of summaries alone reduces the standard errors, and that a summary which contradicts the curves is detected.
 #[test]
 fn gradients_are_readings_of_a_fit() {
     let sharp = TABLE.replace(",0.01\n", ",0.0005\n");
@@ -215,10 +215,10 @@ fn gradients_are_readings_of_a_fit() {
         (sds, found.fit.values())
     };
     let (sds, values) = found(&with);
-    // The prior of the study is half an e-fold.
+    // The prior standard deviation in this study is 0.5 in ln K.
     assert!(sds.iter().all(|sd| *sd < 0.5 + 1e-9), "{sds:?}");
     assert!(sds.iter().any(|sd| *sd < 0.4), "{sds:?}");
-    // Another gradient, other stiffnesses.
+    // With another gradient, the stiffnesses differ.
     let channels = &with.measurement.channels;
     let at = channels
         .iter()
@@ -232,7 +232,7 @@ fn gradients_are_readings_of_a_fit() {
     assert!(most.fold(0.0, f64::max) > 0.05, "{values:?} {others:?}");
 }
 
-/// A curve that is held out has no say in the fit, whatever it shows; how well it is predicted is told.
+/// Checks that a held-out curve does not affect the fit, whatever its readings, and that its prediction error is reported.
 #[test]
 fn a_curve_is_held_out() {
     let hold = "\n[validate]\nhold_out = [\"toe\", \"toe width\"]\n";
@@ -268,7 +268,7 @@ fn a_curve_is_held_out() {
     let again = fit(&other);
     assert_eq!(found.values(), again.values());
     assert!(again.held_out.curves[0].rms_after > 0.1, "{again:?}");
-    // A summary of cases that are held out in part is none either.
+    // A summary over cases of which some are held out does not affect the fit either.
     let mut subject_cases = vec![false; 47];
     subject_cases[30] = true;
     let problem = loaded.problem();
@@ -344,7 +344,7 @@ fn a_wrong_table_is_told_where() {
     }
 }
 
-/// Curves, gradients and a curve that is held out with another solver in between: it gives places, from which all of them follow.
+/// Checks curves, gradients and a held-out curve with another solver. The solver returns poses, from which all of them are computed.
 #[test]
 fn another_solver_is_fitted_to_curves_and_gradients() {
     let hold = "\n[validate]\nhold_out = [\"toe\"]\n";
@@ -356,7 +356,7 @@ fn another_solver_is_fitted_to_curves_and_gradients() {
         .unwrap()
         .fit;
     let prepared = Prepared::external(&problem).unwrap();
-    // The built-in solver behind the interface of any other: poses of every case.
+    // The built-in solver is used through the interface of an external solver, and returns the poses of every case.
     let mut backend = admire_session::backend::NativeBackend::new();
     let other = fit_study(&problem, &prepared, Some(&mut backend), Options::default())
         .unwrap()
@@ -380,11 +380,11 @@ fn another_solver_is_fitted_to_curves_and_gradients() {
     );
 }
 
-/// A solver to which a bushing is softer than the deck says.
+/// Solver in which one bushing is softer than in the deck.
 struct Softer(admire_session::backend::NativeBackend);
 
 const SOFTER: f64 = 0.9;
-/// BUSHING/2.K.1.
+/// Stiffness BUSHING/2.K.1 in the deck.
 const IN_THE_DECK: f64 = 310.0;
 
 impl Backend for Softer {
@@ -406,8 +406,8 @@ impl Backend for Softer {
     }
 }
 
-/// All readings are channels: the last fit of a diagnosis takes them from the solver of the study, which takes the
-/// bushing for softer than its number. Without them the number would stay that of the built-in one.
+/// Checks that the final fit of a diagnosis uses the solver of the study, if all readings are channels. In this solver, the bushing is softer
+/// than its value in the deck. A fit to the built-in solver would give another value.
 #[test]
 fn the_last_fit_of_a_diagnosis_takes_channels_of_another_solver() {
     let rubber = format!("element-parameter@BUSHING/2.K.1:factor={SOFTER}");
@@ -429,13 +429,13 @@ fn the_last_fit_of_a_diagnosis_takes_channels_of_another_solver() {
     );
     let mut other = Softer(admire_session::backend::NativeBackend::new());
     assert_eq!(outcome.by_the_study(&mut other), None);
-    // Ten percent are more than ten standard errors.
+    // Ten percent is more than ten standard errors.
     let (foreign, error) = found(&outcome);
     assert!((foreign - IN_THE_DECK).abs() < 3.0 * error, "{foreign}");
     assert!((foreign - native) > 10.0 * error, "{foreign} {native}");
 }
 
-/// What only the solver knows, a reaction, is refused by name.
+/// Checks that a reaction, which only the other solver could provide, is refused by name.
 #[test]
 fn a_reaction_is_no_channel_of_another_solver() {
     let more = "\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\n\
@@ -456,10 +456,10 @@ fn a_reaction_is_no_channel_of_another_solver() {
     );
 }
 
-/// A curve that is held out is predicted by a search that has not seen it, and it confirms what that found.
+/// Checks that a search without a held-out curve predicts this curve and confirms the findings of the full search.
 #[test]
 fn a_diagnosis_predicts_a_curve_that_it_has_not_seen() {
-    // Otherwise errors of the loads of a case, known from its other curves, predict its camber without the cause, too.
+    // Without this setting, load errors of single cases would predict the camber as well, even without the cause, from the other curves.
     let hold = "\n[validate]\nhold_out = [\"camber\"]\n[tolerances]\nload_repeatability = 0\n";
     let friction = ["dry-friction@JOINT/3:force=120,stiffness=3000"];
     let (_folder, loaded) = measured(TABLE, hold, &friction, None);

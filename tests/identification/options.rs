@@ -1,4 +1,4 @@
-//! What a fit can be told besides marks: nuisances, losses, wheel and sensors, other numbers; and what its intervals are worth.
+//! Options of a fit besides marks: nuisances, losses, wheel, sensors and other deck parameters; and the validity of its intervals.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use admire_study::settings::{Amount, Loss, ShiftSd};
 
 use crate::setup::{copy, replace};
 
-/// A shipped study whose folder was changed before it was read.
+/// Reads a shipped study after its folder was changed.
 fn study(name: &str, change: impl Fn(&Path)) -> LoadedStudy {
     let (_folder, path) = copy(name);
     change(&path);
@@ -23,7 +23,7 @@ fn study(name: &str, change: impl Fn(&Path)) -> LoadedStudy {
         .unwrap_or_else(|| panic!("{:?}", read.diagnostics))
 }
 
-/// The McPherson without offsets as unknowns.
+/// Reads the McPherson study, without offsets among its unknowns.
 fn plain(change: impl Fn(&Path)) -> LoadedStudy {
     let mut loaded = study("pseudo-mcpherson", change);
     loaded.study.identify.offset_sd = ShiftSd {
@@ -33,7 +33,7 @@ fn plain(change: impl Fn(&Path)) -> LoadedStudy {
     loaded
 }
 
-/// Fits and looks at the answer.
+/// Fits a study, and evaluates the result with `look`.
 fn fitted<T>(loaded: &LoadedStudy, profile: bool, look: impl FnOnce(&GlobalFit<'_>) -> T) -> T {
     let problem = loaded.problem();
     let prepared = Prepared::new(&problem).unwrap();
@@ -44,7 +44,7 @@ fn fitted<T>(loaded: &LoadedStudy, profile: bool, look: impl FnOnce(&GlobalFit<'
     look(&fit_study(&problem, &prepared, None, options).unwrap())
 }
 
-/// (error of ln K, claimed sd) of every number with a reference.
+/// Returns the error of ln K and the stated standard deviation of every parameter with a reference value.
 fn errors(loaded: &LoadedStudy, found: &GlobalFit<'_>) -> Vec<(f64, f64)> {
     let truth = loaded.reference_values();
     let of = |(k, truth): (usize, &Option<f64>)| {
@@ -59,9 +59,9 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (all.iter().map(|v| v * v).sum::<f64>() / all.len() as f64).sqrt()
 }
 
-/// 30 seeds of 0.05 mm on the McPherson: about 330 numbers known to better than 0.3. Standardised errors of that many normal draws
-/// have an rms of 1 +- 0.04, 95 percent intervals miss 5 +- 1.2 percent of them; four standard deviations are allowed, and a little
-/// for numbers of one seed not being independent.
+/// Checks 30 seeds with noise of 0.05 mm on the McPherson: about 330 parameters whose ln K has a standard deviation below 0.3. The standardised
+/// errors of as many normal draws have an rms of 1 +- 0.04, and 95 percent intervals miss 5 +- 1.2 percent of them. Four standard deviations are
+/// allowed, and a little more because the parameters of one seed are not independent.
 #[test]
 fn claimed_uncertainty_is_real_over_seeds() {
     let mut loaded = crate::setup::load("pseudo-mcpherson", |_| {});
@@ -102,7 +102,7 @@ fn claimed_uncertainty_is_real_over_seeds() {
     assert!(z.len() > 250);
     assert!((0.83..1.17).contains(&spread), "{spread}");
     assert!((0.005..0.11).contains(&share), "{share}");
-    // 780 coordinates less 12 numbers, 30 times: 1 +- 0.01.
+    // Each of 30 seeds has 780 coordinates and 12 parameters, so the mean is 1 +- 0.01.
     assert!((mean - 1.0).abs() < 0.04, "{mean}");
 }
 
@@ -131,7 +131,7 @@ fn a_frame_that_moved_in_one_case_is_a_nuisance_if_asked_for() {
     });
     println!("chi2 {blind:.2} -> {chi2:.2}, standardised errors {wrong:.2} -> {right:.2}");
     assert!(blind > 1.5 && (0.8..1.2).contains(&chi2), "{blind} {chi2}");
-    // Twelve standardised errors: an rms above 1.75 has a probability of 1e-4.
+    // An rms above 1.75 of twelve standardised errors has a probability of 1e-4.
     assert!(right < 1.75 && right < wrong, "{right} {wrong}");
 }
 
@@ -151,7 +151,7 @@ fn a_robust_loss_bears_a_wrong_mark() {
     assert!(huber < 2.0 && huber < 0.5 * gaussian, "{huber} {gaussian}");
 }
 
-/// The spring's stiffness, wrong in the deck, beside twelve bushing stiffnesses.
+/// Checks that the stiffness of a spring, wrong in the deck, is identified together with twelve bushing stiffnesses.
 #[test]
 fn other_numbers_of_the_deck_are_identified_beside_stiffnesses() {
     let loaded = study("pseudo-mcpherson", |folder| {
@@ -173,7 +173,7 @@ fn other_numbers_of_the_deck_are_identified_beside_stiffnesses() {
     assert_ne!(deck, loaded.dataset.bytes());
 }
 
-/// A study with marks, wheel and two sensors, as the virtual rig gives it.
+/// Returns a study with marks, wheel and two sensors, measured by the virtual rig.
 pub fn with_sensors() -> (tempfile::TempDir, LoadedStudy) {
     let (_folder, path) = copy("pseudo-mcpherson");
     std::fs::rename(path.join("reference.adm"), path.join("model.adm")).unwrap();
@@ -205,7 +205,7 @@ pub fn with_sensors() -> (tempfile::TempDir, LoadedStudy) {
     (folder, loaded)
 }
 
-/// Every derivative of every kind of row against central differences of whole equilibria.
+/// Checks the derivatives of every kind of row against central differences of whole equilibria.
 #[test]
 fn marks_wheel_and_sensors_are_differentiated_exactly() {
     let (_folder, loaded) = with_sensors();
@@ -222,7 +222,7 @@ fn marks_wheel_and_sensors_are_differentiated_exactly() {
         .native(&problem, observations.observed.clone())
         .unwrap();
     let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
-    // A frame that sits elsewhere, and one that goes on from case to case.
+    // One frame is displaced, and another one drifts from case to case.
     let count = problem.measurement.cases.len();
     global.layout.motions = Some(FrameMotions {
         first: global.start().len(),
@@ -277,7 +277,7 @@ fn wheel_and_sensors_lower_the_uncertainty_and_are_explained() {
             .map(|k| found.covariance[(k, k)].sqrt())
             .collect::<Vec<_>>()
     });
-    // The estimates differ a little, and so do the sensitivities there.
+    // The estimates differ slightly, and so do the sensitivities there.
     assert!(
         with.iter().zip(&without).all(|(a, b)| *a < 1.1 * b),
         "{with:?} {without:?}"
@@ -288,8 +288,8 @@ fn wheel_and_sensors_lower_the_uncertainty_and_are_explained() {
     );
 }
 
-/// Ten times the noise of a good CMM: some stiffnesses are hardly known and their intervals come from the profile of the likelihood.
-/// At their ends the objective, minimised anew over everything else, has risen by 1.92; and they hold the truth.
+/// Checks the intervals by profile likelihood of poorly determined stiffnesses, at ten times the noise of a good CMM. At their ends, the
+/// objective, minimised again over all other unknowns, must have risen by 1.92. The intervals must contain the true values.
 #[test]
 fn profile_intervals_end_where_the_likelihood_says() {
     let (mut held_truth, mut count) = (0, 0);
@@ -337,7 +337,7 @@ fn profile_intervals_end_where_the_likelihood_says() {
                     "{}: {end:.0} rise {rise:.2}",
                     found.fit.parameters[k].address
                 );
-                // The ends are read off between a few points: to a seventh of their distance.
+                // The ends are interpolated between a few points, to a seventh of their distance.
                 assert!((1.6..2.25).contains(&rise), "{rise}");
             }
         }
@@ -348,7 +348,7 @@ fn profile_intervals_end_where_the_likelihood_says() {
         }
     }
     println!("{held_truth} of {count} hold");
-    // Of 15 or more, 95 percent each: fewer than four in five has a probability of a percent.
+    // For 15 or more intervals of 95 percent, coverage below four in five has a probability of one percent.
     assert!(count >= 15, "{count}");
     assert!(held_truth * 5 >= count * 4, "{held_truth} of {count}");
 }

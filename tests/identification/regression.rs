@@ -1,4 +1,4 @@
-//! What guide/paper.md says the loop of the paper does, found again.
+//! Behaviour of the loop of the paper, as stated in guide/paper.md.
 
 use std::ops::ControlFlow;
 
@@ -45,7 +45,7 @@ fn noise_free_mcpherson_stops_where_the_notes_say() {
             "{k}: {ratio} against {expected}"
         );
     }
-    // The step test fires early: the rotational stiffnesses of B still move, and the loop says so.
+    // The step test is passed too early: the rotational stiffnesses of B still change, and the loop reports this.
     assert!(
         fit.remarks
             .iter()
@@ -60,8 +60,8 @@ fn noise_free_mcpherson_stops_where_the_notes_say() {
     );
 }
 
-/// guide/paper.md: noisy multilink (0.05 mm, epsilon 0.05) as printed does not converge in 200 iterations; with the weights of (16)
-/// turned round in 4 to 15.
+/// Checks guide/paper.md: as printed, the noisy multilink (0.05 mm, epsilon 0.05) does not converge in 200 iterations. With the weights of
+/// equation 16 inverted, it converges in 4 to 15.
 #[test]
 fn noisy_multilink_needs_the_corrected_weights() {
     let mut medians = Vec::new();
@@ -90,7 +90,7 @@ fn noisy_multilink_needs_the_corrected_weights() {
     assert!(medians[1] < 0.35, "{medians:?}");
 }
 
-/// guide/paper.md 2, 4 and 5: what each misreading of the printed equations does.
+/// Checks guide/paper.md 2, 4 and 5: the effect of each misreading of the printed equations.
 #[test]
 fn misread_equations_lose_stiffnesses() {
     let loaded = exact_mcpherson(|_| {});
@@ -107,7 +107,7 @@ fn misread_equations_lose_stiffnesses() {
     };
     let reading = regression::EquationInterpretation::default();
     assert!(lost(reading).is_empty());
-    // With the sign ADAMS reports nothing is ever identified.
+    // With the sign that ADAMS reports, no parameter is ever identified.
     assert_eq!(
         lost(regression::EquationInterpretation {
             force_on_i: true,
@@ -136,9 +136,9 @@ fn misread_equations_lose_stiffnesses() {
     assert!(at_j.len() >= 3, "{at_j:?}");
 }
 
-/// guide/paper.md 7: with both corrections the noisy multilink (0.05 mm, epsilon 0.05) ends in about ten iterations, median log error
-/// 0.17. One realisation of the noise may leave a hardly known stiffness drifting just above epsilon (the shipped one does, for 75
-/// iterations), so the claim is about the middle of several.
+/// Checks guide/paper.md 7: with both corrections, the noisy multilink (0.05 mm, epsilon 0.05) ends after about ten iterations, with a median
+/// log error of 0.17. In a single draw of the noise, a poorly determined stiffness may drift by just more than epsilon; in the shipped one it
+/// does so for 75 iterations. The test therefore uses the median of several draws.
 #[test]
 fn inverse_regression_removes_the_bias_of_the_noise() {
     let mut loaded = load("multilink", |_| {});

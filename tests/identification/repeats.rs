@@ -1,11 +1,11 @@
-//! Bootstrap and posterior: the closed form where there is one, the same bytes on any number of threads and after any interruption.
+//! Bootstrap and posterior sampling, compared with closed forms. The bytes must not depend on the number of threads or on interruptions.
 
 use std::path::Path;
 use std::process::Command;
 
 use admire_sweep::{Stream, normal};
 
-/// A block on a bushing at its own middle, pushed along three axes.
+/// A block on a bushing at its own centre, pushed along three axes.
 const BLOCK: &str = "block
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
 PART/1,GROUND
@@ -26,8 +26,8 @@ const SIGMA: f64 = 0.05;
 const MARKS: usize = 6;
 const FRAME: f64 = 0.01;
 
-/// The study; forces and what they displace, axis by axis. The measuring frame may shift in every case, and is marginalised; all
-/// tolerances are off then.
+/// Writes the study, and returns the forces of each case along the three axes. In every case, the measuring frame has an unknown shift, which is
+/// marginalised. All tolerances are off.
 fn study(folder: &Path) -> Vec<[f64; 3]> {
     study_with(
         folder,
@@ -103,7 +103,7 @@ fn bootstrap_and_posterior_have_the_spread_of_the_closed_form() {
     let options = ["--bootstrap", "2000", "--posterior", "2000"];
     let (answer, _) = identify(folder.path(), "out", &options);
     let noise_ratio = answer["bootstrap"]["noise_ratio"].as_f64().unwrap();
-    // Residuals over the stated noise: one within their number.
+    // The ratio of the residuals to the stated noise is one, within the uncertainty of their number.
     assert!(
         (noise_ratio - 1.0).abs() < 4.0 / f64::sqrt(2.0 * 216.0),
         "{noise_ratio}"
@@ -111,7 +111,7 @@ fn bootstrap_and_posterior_have_the_spread_of_the_closed_form() {
     for axis in 0..3 {
         let found = &answer["parameters"][axis];
         let value = found["value"].as_f64().unwrap();
-        // u = F / K: the derivative by ln K is -u. All marks read it, and share the shift of their frame in a case.
+        // The displacement is u = F / K, so its derivative by ln K is -u. All marks of a case read it, and they share the shift of the frame.
         let squares: f64 = cases.iter().map(|case| (case[axis] / value).powi(2)).sum();
         let sd = ((SIGMA.powi(2) / MARKS as f64 + FRAME.powi(2)) / squares).sqrt();
         let relative = |key: &str| found[key]["std_error"].as_f64().unwrap() / value / sd;
@@ -136,7 +136,7 @@ fn bootstrap_and_posterior_have_the_spread_of_the_closed_form() {
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 let end = found[key]["interval95"][side].as_f64().unwrap();
                 let expected = sign * 1.959_964 * scale;
-                // A quantile of n normal numbers at 97.5 percent is off by 2.67 / sqrt(n).
+                // The 97.5 percent quantile of n normal draws has a standard error of 2.67 / sqrt(n).
                 let off = (end / value).ln() / sd - expected;
                 assert!(
                     off.abs() < 4.0 * 2.67 / f64::sqrt(n) + 0.05,
@@ -151,7 +151,8 @@ fn bootstrap_and_posterior_have_the_spread_of_the_closed_form() {
     }
 }
 
-/// The error of a load's gain is that of the stiffness it meets: a tolerance that no reading can tell from the answer.
+/// Checks a tolerance that no reading can separate from the result: the gain error of a load is equivalent to an error of the stiffness along
+/// it.
 #[test]
 fn tolerances_widen_both_as_the_closed_form_has_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -199,7 +200,8 @@ fn repeats_are_the_same_on_any_number_of_threads_and_after_an_end_in_the_middle(
     };
     let one = run("one", "1");
     assert!(one == run("four", "4"), "other threads, other bytes");
-    // A run that is killed leaves its journal; the next goes on from it. Here the journal of the posterior is made by ending runs early.
+    // A killed run leaves its journal, and the next run continues from it. Here, the journal of the posterior sampling arises from runs that are
+    // ended early.
     let mut seen = 0;
     for wait in [150, 250, 350, 500, 700] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_admire"))

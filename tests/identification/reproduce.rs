@@ -1,4 +1,4 @@
-//! `admire reproduce`: what the paper printed beside what the same methods give on our axles.
+//! `admire reproduce`: values printed in the paper, beside the results of the same methods on our axles.
 
 use admire_report::ReproducedSection as Section;
 use reproduction::{STAGES, reproduce};
@@ -26,7 +26,7 @@ fn the_papers_tables_stand_beside_ours() {
     let [mcpherson, multilink, experiment] = &sections[..] else {
         panic!("three sections")
     };
-    // Figure 7 and its text.
+    // Figure 7 of the paper and the text about it.
     assert_eq!(
         cell(mcpherson, "convergence", "iterations", "the paper"),
         "24"

@@ -1,4 +1,4 @@
-//! Sensors whose noise nobody states, gauges set to zero before each load, and a robot that was really measured.
+//! Sensors with unknown noise, gauges that are set to zero before each load, and a real measured robot.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn read(folder: &Path) -> LoadedStudy {
     read.value.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
 
-/// The shipped McPherson measured in 31 cases, its reference deck the reality, with these channels.
+/// Measures the shipped McPherson in 31 cases with these channels; its reference deck is the reality.
 fn measured(channels: &str, sigma: Option<f64>) -> tempfile::TempDir {
     let (_folder, path) = copy("pseudo-mcpherson");
     std::fs::rename(path.join("reference.adm"), path.join("model.adm")).unwrap();
@@ -64,7 +64,7 @@ fn a_gauge_set_to_zero_before_each_load_reads_the_steps() {
         assert!((step[k].unwrap() - moved).abs() < 1e-6, "case {k}");
     }
     assert!(step.iter().flatten().any(|step| step.abs() > 5.0));
-    // A reading in the first case, where nothing is before, is left out with a warning.
+    // A reading in the first case, which has no preceding case, is left out with a warning.
     let path = folder.path().join("readings.csv");
     let text = std::fs::read_to_string(&path).unwrap();
     let first = text.lines().nth(1).unwrap().to_string();
@@ -79,7 +79,7 @@ fn a_gauge_set_to_zero_before_each_load_reads_the_steps() {
     assert_eq!(read.value.unwrap().measurement.cases[0].channels[1], None);
 }
 
-/// 31 readings of 0.2 mm noise: their sd is known to 13 percent.
+/// Checks the estimated noise of 31 readings with 0.2 mm; its relative standard error is 13 percent.
 #[test]
 fn noise_that_is_not_stated_is_what_the_fit_leaves() {
     let channels = "travel = { function = \"DM(18,17)\", sigma = 0.2 }\n";
@@ -87,7 +87,7 @@ fn noise_that_is_not_stated_is_what_the_fit_leaves() {
     replace(folder.path(), "study.toml", ", sigma = 0.2", "");
     let mut loaded = read(folder.path());
     assert!(loaded.measurement.channels[0].sigma_estimated);
-    // Before the fit only the size of the readings is known.
+    // Before the fit, only the magnitude of the readings is known.
     assert!(loaded.measurement.channels[0].sigma > 10.0);
     estimate_noise(&mut loaded, None).unwrap();
     let found = loaded.measurement.channels[0].sigma;
@@ -101,9 +101,9 @@ fn noise_that_is_not_stated_is_what_the_fit_leaves() {
     assert!(said.contains("The noise of travel is not stated"), "{said}");
 }
 
-/// 43 poses of a robot, pulled by a cable. Each joint bends by its torque over its stiffness, so that the displacement is linear in the
-/// six compliances: least squares of that closed form (numpy, from the same tables, each axis weighted by its own residuals)
-/// gives `linear`, N.mm/rad. The robot's authors found `authors` by their own way.
+/// Checks 43 poses of a robot that is pulled by a cable. Each joint bends by its torque over its stiffness, so the displacement is linear in the
+/// six compliances. `linear` is the least-squares solution of this closed form in N.mm/rad (by numpy from the same tables, each axis weighted by
+/// its own residuals). `authors` are the values of the robot's authors, by their own method.
 #[test]
 fn the_joints_of_a_robot() {
     let mut loaded = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/fanuc-r2000ic"));
@@ -119,7 +119,7 @@ fn the_joints_of_a_robot() {
     for ((parameter, linear), authors) in fit.parameters.iter().zip(linear).zip(authors) {
         let (value, error) = (parameter.value, parameter.std_error.unwrap());
         println!("{} {value:.4e} +- {error:.1e}", parameter.address);
-        // Noise of its own for each axis weighs the rows a little otherwise.
+        // The fit estimates the noise of each axis separately, so its weights differ slightly.
         assert!(
             (value - linear).abs() < 0.7 * error,
             "{} {value:e}",

@@ -1,11 +1,11 @@
-//! What a study folder may say, and what `admire` may replace in one.
+//! Permitted contents of a study folder, and files in it that `admire` may replace.
 
 use std::path::Path;
 use std::process::Command;
 
 use crate::setup::{copy, replace};
 
-/// Code and standard error of `admire` in a folder.
+/// Returns exit code and standard error of `admire` in a folder.
 fn said(folder: &Path, words: &[&str]) -> (i32, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_admire"))
         .current_dir(folder)
@@ -33,7 +33,7 @@ fn a_study_that_does_not_mean_what_it_says_is_refused() {
     }
 }
 
-/// The same readings as a German spreadsheet writes them give the same stiffnesses, and it is said how they were read.
+/// Checks that the same readings in the format of a German spreadsheet give the same stiffnesses, and that the assumed format is reported.
 #[test]
 fn readings_with_semicolons_and_decimal_commas_are_the_same_readings() {
     let answer = |folder: &Path| {
@@ -70,7 +70,7 @@ fn readings_with_semicolons_and_decimal_commas_are_the_same_readings() {
     );
 }
 
-/// Outputs of an earlier run are replaced; what the user wrote or changed is not, unless that is asked for, and it is named.
+/// Checks that outputs of an earlier run are replaced. A file that the user wrote or changed is named, and replaced only on request.
 #[test]
 fn only_outputs_of_an_earlier_run_are_replaced_unasked() {
     let (_folder, path) = copy("pseudo-mcpherson");
@@ -83,13 +83,13 @@ fn only_outputs_of_an_earlier_run_are_replaced_unasked() {
         errors.contains("study.toml") && errors.contains("marks_measured.csv"),
         "{errors}"
     );
-    // The deck would be the same.
+    // The deck is not named, because its content would be the same.
     assert!(!errors.contains("model.adm"), "{errors}");
     assert_eq!(
         (read("study.toml"), read("marks_measured.csv")),
         (toml, marks)
     );
-    // The same command twice.
+    // The same command is run twice.
     for seed in ["1", "2"] {
         let (code, errors) = said(&path, &["rig", ".", "--out", "new", "--seed", seed]);
         assert_eq!((code, errors.as_str()), (0, ""));

@@ -1,10 +1,10 @@
-//! The number of threads is nobody's business: every byte of an answer is the same.
+//! Checks that every byte of a result is independent of the number of threads.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What a command prints and every file it writes, by name.
+/// Returns the output of a command and all files that it writes, by name.
 fn answer(command: &str, options: &[&str], threads: &str) -> BTreeMap<String, Vec<u8>> {
     let place = tempfile::tempdir().unwrap();
     let study = place.path().join("study");

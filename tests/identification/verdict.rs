@@ -1,4 +1,4 @@
-//! The verdict on a fit: the chi-square test, structure in what is left, and runs that were ended early.
+//! Verdict on a fit: the chi-square test, structure in the residuals, and interrupted runs.
 
 use admire_diagnosis::fit_with_random_effects;
 use admire_identify::global::{Options, Prepared, fit_study};
@@ -37,7 +37,7 @@ fn the_exact_test_decides_at_any_number_of_readings() {
         );
         assert!(lead(&fit).contains("as well as their noise allows"));
     }
-    // Chi-square per degree of freedom is 1.23 then, which a fixed limit of 1.3 would pass: 3.7 standard deviations of it.
+    // Chi-square per degree of freedom is then 1.23, which is 3.7 standard deviations above one. A fixed limit of 1.3 would not detect this.
     loaded.measurement.sigma = 0.02 * 0.9;
     let fit = fitted(&loaded);
     assert_eq!(verdict(&fit), FitVerdict::Misfit, "{:?}", fit.fit_test);
@@ -51,7 +51,7 @@ fn the_exact_test_decides_at_any_number_of_readings() {
     assert_eq!(verdict(&fitted(&loaded)), FitVerdict::NoiseOverstated);
 }
 
-/// A part whose marks are all read less than a sigma off in all cases.
+/// Checks a part whose marks are all displaced by less than one sigma in all cases.
 #[test]
 fn structure_shows_where_the_sum_of_squares_does_not() {
     let mut loaded = exact_mcpherson(|_| {});
@@ -74,7 +74,7 @@ fn structure_shows_where_the_sum_of_squares_does_not() {
     assert!(lead(&fit).contains("has structure"), "{}", lead(&fit));
 }
 
-/// A study of wheel and sensors only.
+/// Checks a study with wheel and sensors only.
 #[test]
 fn readings_without_marks_are_tested_too() {
     let (_folder, mut loaded) = with_sensors();
@@ -89,7 +89,7 @@ fn readings_without_marks_are_tested_too() {
     assert_eq!(kinds[..2], ["wheel position", "wheel angles"]);
     assert_eq!(kinds.len(), 5, "three sensors beside: {kinds:?}");
     assert!(lead(&fit).contains("degree of freedom"), "{}", lead(&fit));
-    // A camber that is off by a tenth of a degree, up and down, is no noise of a hundredth.
+    // An alternating camber error of a tenth of a degree cannot be noise of a hundredth.
     for (k, case) in loaded.measurement.cases.iter_mut().enumerate() {
         if let Some(wheel) = &mut case.wheel {
             wheel.camber_deg += if k % 2 == 0 { 0.1 } else { -0.1 };
@@ -106,7 +106,7 @@ fn a_run_that_is_ended_early_names_what_it_left() {
     let problem = loaded.problem();
     let prepared = Prepared::new(&problem).unwrap();
     let ended = |after_steps: bool| {
-        // Either in the third step of the fit, or as soon as it has converged and its intervals are refined.
+        // The run is stopped in the third step of the fit, or after convergence during the refinement of the intervals.
         let (mut steps, mut asked_at_the_end) = (0, 0);
         let mut last = usize::MAX;
         let watch = move |iteration: usize, _: usize, _: f64| {
@@ -138,7 +138,8 @@ fn a_run_that_is_ended_early_names_what_it_left() {
     assert!(fit.to_json().contains("\"interrupted\": true"));
 }
 
-/// The numbers told are those of the fit with tolerances: where that came to its end, the fit that takes all else for exact need not have.
+/// Checks that the convergence of the fit with tolerances counts, because the reported values come from it. The stiffness-only fit need not
+/// converge.
 #[test]
 fn the_fit_with_tolerances_says_whether_its_numbers_can_be_used() {
     let mut loaded = exact_mcpherson(|_| {});

@@ -1,4 +1,4 @@
-//! The virtual rig: it measures what the solver says, and every cause of the study format can be planted.
+//! The virtual rig: its readings are those of the solver, and every cause of the study format can be planted.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use admire_rig::{LoadTable, RigOptions, RigRun, Scatter, Tolerances, virtual_rig
 
 use crate::setup::replace;
 
-/// The shipped McPherson with its reference deck as the reality, a wheel and two sensors.
+/// Copies the shipped McPherson, with its reference deck as the reality, a wheel and two sensors.
 fn folder() -> tempfile::TempDir {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
     let folder = tempfile::tempdir().unwrap();
@@ -50,7 +50,7 @@ fn file(run: &RigRun, name: &str) -> String {
     String::from_utf8(found.unwrap_or_else(|| panic!("{name}")).1.clone()).unwrap()
 }
 
-/// The numbers of a CSV file from the given column on.
+/// Returns the numbers of a CSV file from the given column on.
 fn numbers(text: &str, first: usize) -> Vec<f64> {
     let rows = text.lines().skip(1);
     rows.flat_map(|row| {
@@ -78,11 +78,11 @@ fn an_honest_rig_reads_the_reference_marks() {
         numbers(&expected, 3),
     );
     assert!(ours.iter().zip(&theirs).all(|(a, b)| (a - b).abs() < 2e-6));
-    // Relative to case 3, which therefore reads zero.
+    // The readings are relative to case 3, which therefore reads zero.
     let readings = file(&run, "readings.csv");
     assert!(readings.starts_with("case,height,travel\n"));
     assert_eq!(numbers(&readings, 1)[5], 0.0);
-    // Camber and steer at 4500 N and +-4000 N lateral differ and are degrees, not radians.
+    // Camber and steer at 4500 N differ between +4000 N and -4000 N lateral, and are in degrees.
     let wheel = numbers(&file(&run, "wheel.csv"), 1);
     assert!(
         (wheel[5 * 5 + 3] - wheel[8 * 5 + 3]).abs() > 0.05,
@@ -104,7 +104,7 @@ fn noise_has_its_size_and_its_seed() {
         file(&a, "marks_measured.csv")
     );
     assert!(file(&a, "study.toml").contains("sigma = 0.05"));
-    // An effect leaves the noise of the readings alone.
+    // A planted effect does not change the noise of the readings.
     let shifted = numbers(
         &file(
             &rig(&["frame-drift@case 2:x=1"], 0.05, 7),
@@ -193,7 +193,7 @@ fn every_cause_can_be_planted() {
     assert_eq!(faulty[1], good[1]);
 }
 
-/// Laws that no hypothesis uses meet the assumed ones in a limit, and differ from them elsewhere.
+/// Checks laws that differ from the assumed ones: in a limit they agree with the assumed law, and elsewhere they differ.
 #[test]
 fn other_laws_meet_the_assumed_ones_in_a_limit() {
     let marks = |spec: &str| numbers(&file(&rig(&[spec], 0.0, 1), "marks_measured.csv"), 3);
@@ -218,8 +218,8 @@ fn other_laws_meet_the_assumed_ones_in_a_limit() {
         assert!(apart(limit) < 1e-6, "{assumed}{limit}: {}", apart(limit));
         assert!(apart(other) > 1e-3, "{assumed}{other}: {}", apart(other));
     }
-    // An error that grows with a load is whole at the largest one and nothing where there is none to be wrong; cases 6 and 9 carry
-    // 4000 N of lateral force either way, cases 1 to 5 none.
+    // An error that grows with a load has its full size at the largest load, and vanishes without load. Cases 6 and 9 have 4000 N of lateral
+    // force in opposite directions, cases 1 to 5 have none.
     let nothing = numbers(&file(&rig(&[], 0.0, 1), "marks_measured.csv"), 3);
     let per_case = nothing.len() / 13;
     for assumed in [
@@ -240,7 +240,7 @@ fn other_laws_meet_the_assumed_ones_in_a_limit() {
         }
         assert!(apart(&nothing, &grown, 1) < 1e-6, "{assumed} in case 1");
     }
-    // Half of the contact point's shift moves the wheel about half as far.
+    // Half of the shift of the contact point moves the wheel about half as far.
     let (whole, half) = (
         marks("load-point-error@MARKER/19:x=2"),
         marks("load-point-error@MARKER/19:x=1"),
@@ -256,8 +256,8 @@ fn other_laws_meet_the_assumed_ones_in_a_limit() {
 
 #[test]
 fn friction_depends_on_the_order_of_the_loads() {
-    // 4500 N is reached from below in case 3 only; a rig that applies case 5 first comes from above. The strut's travel is the
-    // displacement that follows the vertical load one way; a bushing of the arms turns back near the design position.
+    // Case 3 reaches 4500 N from below; if the rig applies case 5 first, from above. Only the travel of the strut follows the vertical load
+    // monotonically. A bushing of the arms reverses near the design position.
     let spec = "dry-friction@JOINT/3:force=100,stiffness=500";
     let at_case_3 = |reorder: bool, effects: &[&str]| {
         let folder = folder();
@@ -287,17 +287,17 @@ fn friction_depends_on_the_order_of_the_loads() {
     };
     assert!(rms_difference(&at_case_3(false, &[]), &at_case_3(true, &[])) < 1e-8);
     let loop_width = rms_difference(&at_case_3(false, &[spec]), &at_case_3(true, &[spec]));
-    // From one limit to the other the strut carries 200 N more, against a wheel rate of some 40 N/mm.
+    // From one friction limit to the other, the strut carries 200 N more, against a wheel rate of about 40 N/mm.
     println!("loop {loop_width:.4}");
     assert!((1.0..8.0).contains(&loop_width), "{loop_width}");
-    // At the same loads, one after the other, nothing moves any more.
+    // If the same loads are applied again, nothing moves.
     assert!(rms_difference(&at_case_3(true, &[spec]), &at_case_3(true, &[spec])) < 1e-9);
 }
 
 #[test]
 fn the_state_before_the_first_case_is_what_the_effect_says() {
-    // The friction takes 33 mm of travel to build up, so it matters in the first case where it began; once all have slid the same
-    // way, as at 7500 N, nothing tells any more.
+    // The friction builds up over 33 mm of travel, so its initial state matters in the first case. Once the slider has moved through in one
+    // direction, as at 7500 N, the initial state has no effect.
     let marks = |start: f64| {
         let spec = format!("dry-friction@JOINT/3:force=100,stiffness=3,start={start}");
         let text = file(&rig(&[&spec], 0.0, 1), "marks_measured.csv");
@@ -338,7 +338,7 @@ fn what_is_outside_the_catalogue_can_be_planted_too() {
 
 #[test]
 fn creep_and_drift_go_on_when_the_loads_do_not() {
-    // Cases 3 and 14 apply the same loads. Only what goes on with time tells them apart.
+    // Cases 3 and 14 have the same loads, so only a drift over time distinguishes them.
     let folder = folder();
     let path = folder.path().join("load_cases.csv");
     let loads = std::fs::read_to_string(&path).unwrap();
@@ -362,7 +362,7 @@ fn creep_and_drift_go_on_when_the_loads_do_not() {
     };
     assert!(apart("progressive-stiffness@BUSHING/2.K.1:cubic=300") < 1e-6);
     assert!(apart("creep@BUSHING/2.K.1:rate=0.05") > 0.01);
-    // 11 of 13 steps of 2e-4, at some 600 mm from the origin.
+    // Drift of 11 of 13 steps of 2e-4, at about 600 mm from the origin.
     let drift = apart("thermal-drift@rig:growth=2e-4");
     assert!((0.02..0.12).contains(&drift), "{drift}");
 }
@@ -383,12 +383,12 @@ fn tolerances_have_their_sizes_and_the_folder_tells_only_what_a_data_sheet_would
     assert!(file(&run, "load_cases.csv").contains("2,5980,0,0\n"));
     let deck = std::fs::read_to_string(folder.path().join("model.adm")).unwrap();
     assert_eq!(file(&run, "model.adm"), deck);
-    // The first session is off by 0.02 mm: 60 coordinates, known to 9 percent.
+    // The first session has an error of 0.02 mm in 60 coordinates; its rms is known to 9 percent.
     let listed = numbers(&file(&run, "marks_on_parts.csv"), 2);
     let true_list = std::fs::read_to_string(folder.path().join("marks_on_parts.csv")).unwrap();
     let off = rms_difference(&listed, &numbers(&true_list, 2));
     assert!((off / 0.02 - 1.0).abs() < 0.3, "{off}");
-    // Hardpoints and gains move the marks by more than the noise, and by less than a wrong deck would.
+    // Errors of hardpoints and gains move the marks by more than the noise, but by less than a wrong deck would.
     let exact = |list: &str| {
         let options = RigOptions {
             seed: 3,
@@ -411,14 +411,14 @@ fn tolerances_have_their_sizes_and_the_folder_tells_only_what_a_data_sheet_would
         let moved = rms_difference(&exact(list), &plain);
         assert!((0.005..1.0).contains(&moved), "{list}: {moved}");
     }
-    // 13 cases, 5 parts, 3 coordinates: 195 numbers, known to 5 percent. Marks move rigidly with them.
+    // There are 195 numbers (13 cases, 5 parts, 3 coordinates), so the rms is known to 5 percent. The marks move rigidly with their parts.
     let posed = exact("pose=0.05");
     let moved = rms_difference(&posed, &plain);
     assert!((moved / 0.05 - 1.0).abs() < 0.25, "{moved}");
     for k in 0..3 {
         assert!((posed[k] - plain[k] - (posed[k + 3] - plain[k + 3])).abs() < 1e-8);
     }
-    // The frame moves all marks of a case alike.
+    // The frame moves all marks of a case together.
     let framed = exact("frame=0.05");
     let of_a_case = plain.len() / 13;
     for k in 0..of_a_case {
@@ -426,7 +426,7 @@ fn tolerances_have_their_sizes_and_the_folder_tells_only_what_a_data_sheet_would
         assert!((shift(k) - shift(k % 3)).abs() < 1e-8);
         assert!((shift(k) - shift(of_a_case + k)).abs() > 1e-6);
     }
-    // Sixty places of marks, the same in every case.
+    // There are sixty mark coordinates on the parts, the same in every case.
     let on_parts = rms_difference(&exact("marks_on_parts=0.05"), &plain);
     assert!((on_parts / 0.05 - 1.0).abs() < 0.4, "{on_parts}");
 }
@@ -457,7 +457,7 @@ fn effects_that_sit_nowhere_are_refused() {
     }
 }
 
-/// What was drawn can be planted again, effect by effect, and gives the same readings: the truth is complete.
+/// Checks that the recorded truth is complete: the drawn errors, planted again one by one, give the same readings.
 #[test]
 fn the_truth_of_tolerances_plants_them_again() {
     let folder = folder();
@@ -481,11 +481,11 @@ fn the_truth_of_tolerances_plants_them_again() {
     };
     let again = virtual_rig(folder.path(), &again).unwrap();
     let marks = |run: &RigRun| numbers(&file(run, "marks_measured.csv"), 3);
-    // Outliers come last in either order of planting, so that the numbers agree to the digits of the file.
+    // Outliers are applied last in both runs, so the readings agree to the digits of the file.
     assert!(rms_difference(&marks(&drawn), &marks(&again)) < 1e-7);
 }
 
-/// Student t of three degrees of freedom: the quartiles are those of the law; declared noise is what the folder says.
+/// Checks noise by Student's t with three degrees of freedom: its quantiles are those of the distribution. The folder states the declared noise.
 #[test]
 fn heavy_tails_and_a_wrong_declaration() {
     let folder = folder();
@@ -522,7 +522,7 @@ fn heavy_tails_and_a_wrong_declaration() {
     );
 }
 
-/// A point of the car moves on both parts: the same as a deck in which both markers of the joint were edited by hand.
+/// Checks that a moved hardpoint moves on both parts, as in a deck in which both markers of the joint were edited by hand.
 #[test]
 fn a_point_moves_on_all_parts_that_meet_there() {
     let folder = folder();
@@ -540,7 +540,8 @@ fn a_point_moves_on_all_parts_that_meet_there() {
     let effect = |form: &str| format!("hardpoint-error@MARKER/15:form={form},x=0.5,z=2");
     let point = marks(folder.path(), &[&effect("point")]);
     let part = marks(folder.path(), &[&effect("part")]);
-    // The tie rod's inner joint: MARKER/16 on ground, MARKER/15 on the tie rod, whose axes are 90, 3, 0 degrees (body 3-1-3).
+    // The inner joint of the tie rod has MARKER/16 on ground and MARKER/15 on the tie rod, whose axes are rotated by 90, 3, 0 degrees (body
+    // 3-1-3).
     let (s, c) = 3f64.to_radians().sin_cos();
     let (x, z) = (0.5, 2.0);
     let own = [0.0, z * s - x * c, x * s + z * c];
@@ -562,7 +563,7 @@ fn a_point_moves_on_all_parts_that_meet_there() {
     assert!(rms_difference(&point, &part) > 0.05);
 }
 
-/// Where a strut slides in the carrier, the line of both goes along, and the spring that sits there as well.
+/// Checks a hardpoint at which a strut slides in the carrier: the line of motion moves on both parts, and so does the spring seat there.
 #[test]
 fn a_point_of_a_sliding_joint_takes_its_line_along() {
     let folder = folder();
@@ -579,11 +580,11 @@ fn a_point_of_a_sliding_joint_takes_its_line_along() {
     };
     assert!(deck.contains("JOINT/3\n, CYLINDRICAL\n, I = 11\n, J = 12"));
     let point = |id: u32| vec![format!("hardpoint-error@MARKER/{id}:form=point,y=1")];
-    // MARKER/12 (strut on the carrier) and MARKER/17 (spring seat) are one point; the address is any of them.
+    // MARKER/12 (strut on the carrier) and MARKER/17 (spring seat) are one hardpoint, which either address denotes.
     assert!(rms_difference(&marks(&point(12)), &marks(&point(17))) < 1e-9);
     let plain = marks(&[]);
     assert!(rms_difference(&marks(&point(12)), &plain) > 0.005);
-    // Carrier alone: the rod is bent over to its line.
+    // If the point moves on the carrier alone, the rod tilts towards the line of the carrier.
     let alone = vec!["hardpoint-error@MARKER/12:y=0.98".to_string()];
     let (with, without) = (marks(&point(12)), marks(&alone));
     assert!(rms_difference(&with, &without) > 0.05);

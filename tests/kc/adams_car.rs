@@ -1,10 +1,10 @@
-//! The double wishbone of the corpus in the states Adams/Car 2024.1 reports.
+//! The double wishbone of the corpus, in states that Adams/Car 2024.1 reports.
 
 use admire_kc::{Given, Inputs, Side, Variant};
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, corpus};
 
-/// What the ten digits of the Adams datasets leave, as in `tests/solver/double_wishbone.rs`.
+/// Error due to the ten digits of the Adams datasets, as in `tests/solver/double_wishbone.rs`.
 const ASSEMBLY_MM: f64 = 2e-7;
 const ASSEMBLY_DEG: f64 = 5e-8;
 const HELD: Variant = Variant {
@@ -52,14 +52,14 @@ fn wheel_centre_toe_and_camber() {
                 of(path)
             );
         }
-        // Nothing but the rig holds the wheels: there is no compliance to speak of.
+        // Only the rig holds the wheels, so no compliance is defined.
         assert_eq!(found.axle.compliance, None);
         seen += 1;
     }
     assert_eq!(seen, 3);
 }
 
-/// Caster and kingpin inclination of the line through the ball joints at design, from the drawing.
+/// Checks caster and kingpin inclination at design: the line through the ball joints in the drawing.
 #[test]
 fn caster_and_kingpin_of_the_drawing() {
     let axle = Axle::new(&corpus("double-wishbone/model.adm"), DOUBLE_WISHBONE);
@@ -78,7 +78,8 @@ fn caster_and_kingpin_of_the_drawing() {
     }
 }
 
-/// With rigid links and the lower ball joint locked neither ball joint moves under steering: the screw axis is the line through them.
+/// Checks the screw axis under steering. With rigid links and a locked lower ball joint, neither ball joint moves, so the axis is the line
+/// through them.
 #[test]
 fn the_instant_axis_is_the_line_of_the_ball_joints() {
     let deck = crate::axles::sprung_wishbone();

@@ -40,7 +40,7 @@ impl Axle {
     }
 }
 
-/// The largest translation per force, rotation per force and rotation per torque of a compliance matrix.
+/// Returns the largest translation per force, rotation per force and rotation per torque of a compliance matrix.
 pub fn largest(c: &Compliance) -> [f64; 3] {
     [(0, 0), (1, 0), (1, 1)].map(|(row, column)| {
         let all = (0..12).flat_map(|i| (0..12).map(move |j| (i, j)));
@@ -49,7 +49,7 @@ pub fn largest(c: &Compliance) -> [f64; 3] {
     })
 }
 
-/// Directions of the loads in a level road: rearward and to the right in the heading of the wheel.
+/// Returns the directions of the loads in a level road: rearward and to the right, relative to the heading of the wheel.
 pub fn heading(wheel: &Wheel) -> [Vec3; 2] {
     let across = Vec3::new(wheel.spin.x, wheel.spin.y, 0.0).normalize();
     let right = across * wheel.side.outboard_sign();
@@ -115,7 +115,7 @@ range = [-2000, 2000]
 range = [-15, 15]
 ";
 
-/// The double wishbone of the corpus on rubber: bushings in the place of the revolute joints, coil springs and an anti-roll bar.
+/// Returns the double wishbone of the corpus on rubber: bushings replace the revolute joints, and coil springs and an anti-roll bar are added.
 pub fn double_wishbone() -> String {
     let mut deck = corpus("double-wishbone/model.adm");
     for joint in [11, 12, 21, 22] {
@@ -134,7 +134,7 @@ SPRINGDAMPER/1, I = 150, J = 151, TRANSLATION, K = 250, FORCE = 9000, LENGTH = 4
 SPRINGDAMPER/2, I = 250, J = 251, TRANSLATION, K = 250, FORCE = 9000, LENGTH = 471.805
 SFORCE/1, I = 150, J = 250, ACTIONONLY, TRANSLATION, FUNCTION = 0
 END";
-    // The anti-roll bar: a vertical force on each arm by the difference of their heights.
+    // The anti-roll bar is a vertical force on each arm, proportional to the difference of the arms' heights.
     let bar = "GFORCE/1, I = 150, JFLOAT = 152, RM = 1\n, FX = 0\\\n, FY = 0\\\n, FZ = -15*(DZ(150,250,1))\\\n, TX = 0\\\n, TY = 0\\\n, TZ = 0
 GFORCE/2, I = 250, JFLOAT = 252, RM = 1\n, FX = 0\\\n, FY = 0\\\n, FZ = 15*(DZ(150,250,1))\\\n, TX = 0\\\n, TY = 0\\\n, TZ = 0
 MARKER/152, PART = 1, FLOATING
@@ -147,7 +147,7 @@ END";
     deck.trim_end().strip_suffix("END").unwrap().to_string() + &springs + "\n"
 }
 
-/// The double wishbone of the corpus with its rigid joints, on springs.
+/// Returns the double wishbone of the corpus with its rigid joints, on springs.
 pub fn sprung_wishbone() -> String {
     let deck = corpus("double-wishbone/model.adm");
     deck.trim_end().strip_suffix("END").unwrap().to_string()

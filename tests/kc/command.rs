@@ -1,9 +1,9 @@
-//! `admire kc` as a user runs it.
+//! `admire kc` as a process.
 use serde_json::Value;
 
 use crate::run::{admire, corpus, said};
 
-/// Values of one reading in a test of `kc.json`.
+/// Returns the values of one reading in a test of `kc.json`.
 fn values(json: &Value, test: &str, path: &str) -> Vec<f64> {
     let columns = json["columns"].as_array().unwrap();
     let at = columns.iter().position(|c| c["path"] == path).unwrap();
@@ -37,11 +37,11 @@ fn the_written_decks_give_the_same_wheels() {
     let out = folder.path().join("kc");
     let json: Value = serde_json::from_slice(&std::fs::read(out.join("kc.json")).unwrap()).unwrap();
     for test in ["bounce", "lateral", "braking", "aligning"] {
-        // The command file is what any ADAMS runs; its results hold the motions of the carrier.
+        // The command file runs in any ADAMS, and its results contain the motions of the carrier.
         let solved = admire(&out, &["solve", &format!("{test}.acf")]);
         assert!(solved.status.success(), "{test}");
         if test == "bounce" {
-            // What follows the two points of the steer axis is read as a flag of its own.
+            // The word after the two points of the steer axis is parsed as a separate flag.
             let points = ["KNUCKLE@0,0,0", "KNUCKLE@0,0,200"];
             let mut arguments = vec!["results", "bounce.res", "--kc", "--wheel", "KNUCKLE"];
             arguments.extend(["--spin", "y", "--steer-axis", points[0], points[1]]);
@@ -82,7 +82,7 @@ fn the_written_decks_give_the_same_wheels() {
         said(&read, 0);
         let read: Value = serde_json::from_slice(&read.stdout).unwrap();
         for path in [
-            // The axes of the part are not those of the wheel: its places, and its pitch since design.
+            // Only positions and the pitch since design are compared, because the axes of the part differ from those of the wheel.
             "side_view_angle.left",
             "wheel_travel_track.track_left",
             "wheel_travel.vertical_left",
@@ -95,7 +95,7 @@ fn the_written_decks_give_the_same_wheels() {
             assert_eq!(steps.len(), expected.len(), "{test}");
             for (step, expected) in steps.iter().zip(expected) {
                 let value = step["values"][at].as_f64().unwrap();
-                // The deck's own EQUILIBRIUM asks for fewer digits than the tests do.
+                // The EQUILIBRIUM of the deck has a looser tolerance than the tests.
                 assert!(
                     (value - expected).abs() < 2e-5,
                     "{test} {path}: {value} {expected}"
@@ -105,7 +105,7 @@ fn the_written_decks_give_the_same_wheels() {
     }
 }
 
-/// Existing scripts find their columns: the results file of a test has the requests of Adams/Car.
+/// Checks that the results file of a test has the requests of Adams/Car, in which existing scripts find their columns.
 #[test]
 fn results_have_the_names_of_adams_car() {
     let folder = tempfile::tempdir().unwrap();
@@ -159,7 +159,7 @@ fn results_have_the_names_of_adams_car() {
     }
 }
 
-/// Vectors turn with the axes, what has a meaning of its own does not.
+/// Checks that vectors are rotated with the axes, and that quantities with a definition of their own are not.
 #[test]
 fn conventions_turn_vectors() {
     let folder = tempfile::tempdir().unwrap();
@@ -237,7 +237,7 @@ fn wrong_files_are_refused_at_their_place() {
         ("SFORCE/3", "SFORCE/33", "kc.toml:5", "SFORCE/33"),
         ("SFORCE/3\"", "KNUCKLE\"", "kc.toml:5", "no load"),
         ("radius = 300.0", "radius = -1.0", "kc.toml", "tyre.radius"),
-        // Metres in a deck in millimetres, percent.
+        // Metres in a deck in millimetres, and percent.
         (
             "radius = 300.0",
             "radius = 0.3",
@@ -276,7 +276,7 @@ fn wrong_files_are_refused_at_their_place() {
     }
     write(&(good.replace("mirror = true", "mirror = false") + "[tests.roll]\n"));
     assert!(said(&run(), 1).contains("needs two wheels"));
-    // Within bounds, but not of this axle.
+    // The radius is within its bounds, but not that of this axle.
     write(&good.replacen("radius = 300.0", "radius = 30.0", 1));
     let warned = said(&run(), 0);
     assert!(
@@ -285,11 +285,11 @@ fn wrong_files_are_refused_at_their_place() {
     );
     write(&good);
     assert!(!said(&run(), 0).contains("of the deck's track"));
-    // A second run replaces its own files; those of others it leaves.
+    // A second run replaces its own files, and leaves the files of the user.
     said(&run(), 0);
     std::fs::write(folder.path().join("out/report.html"), "mine").unwrap();
     said(&run(), 1);
-    // Out of reach.
+    // The load is out of reach.
     write(&(good + "[tests.lateral]\nrange = [-1e7, 1e7]\n"));
     let errors = said(
         &admire(
@@ -302,8 +302,8 @@ fn wrong_files_are_refused_at_their_place() {
     assert!(!folder.path().join("far").exists());
 }
 
-/// Toe per lateral force: degrees per kilonewton on the terminal, in the table and on the page, from the same run as kc.json in radians per
-/// newton. A table of curves can be read again as a measurement.
+/// Checks toe per lateral force: the terminal, the table and the page have degrees per kilonewton, kc.json of the same run has radians per
+/// newton. A table of curves must be readable as a measurement.
 #[test]
 fn units_are_the_same_on_the_terminal_in_tables_and_on_the_page() {
     let folder = tempfile::tempdir().unwrap();
@@ -365,7 +365,7 @@ fn units_are_the_same_on_the_terminal_in_tables_and_on_the_page() {
     assert!(page.contains("measured, fitted"), "curves of itself");
 }
 
-/// Curves of another deck and of a measurement stand in the report.
+/// Checks that the report shows curves of another deck and of a measurement.
 #[test]
 fn the_report_compares() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The compliance matrix and what follows from it, against differences, sweeps and itself.
+//! The compliance matrix and quantities computed from it, compared with finite differences and with sweeps, and checked for symmetry.
 
 use admire_kc::{
     BenchError, Compliance, Drive, Hold, Inputs, Observation, Side, Unit, Variant, given, run,
@@ -34,7 +34,7 @@ const HELD: Variant = Variant {
     steering_locked: true,
 };
 
-/// Both wheels under these loads.
+/// Returns inputs with these loads on both wheels.
 fn loads(fx: f64, fy: f64, fz: f64, mz: f64) -> Inputs {
     Inputs {
         loads: [[fx, fy, fz, mz]; 2],
@@ -42,18 +42,18 @@ fn loads(fx: f64, fy: f64, fz: f64, mz: f64) -> Inputs {
     }
 }
 
-/// Translation and rotation of a wheel from one state to another, the rotation about the place between.
+/// Returns the translation and the rotation of a wheel between two states. The rotation vector refers to the orientation halfway between them.
 fn moved(from: &Observation, to: &Observation, side: Side) -> Vec6 {
     let wheel = |seen: &Observation| seen.axle.wheels[side.index()].unwrap().wheel;
     let (a, b) = (wheel(from), wheel(to));
     let shift = b.centre - a.centre;
     let turn = log(&(b.turn * a.turn.transpose()));
-    // Both seen from the middle of the way.
+    // The rotation is expressed at half the angle.
     let turn = exp(&(turn * -0.5)) * turn;
     Vec6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
 }
 
-/// Central difference of fourth order.
+/// Computes a fourth-order central difference.
 fn difference(mut at: impl FnMut(f64) -> Observation, step: f64, side: Side) -> Vec6 {
     let mut one = |h: f64| {
         let (minus, plus) = (at(-h), at(h));
@@ -63,8 +63,8 @@ fn difference(mut at: impl FnMut(f64) -> Observation, step: f64, side: Side) -> 
     (fine * 4.0 - coarse) / 3.0
 }
 
-/// Columns of X, Y, Z and RZ of both wheels against differences of the statics, loaded and unloaded, at the wheel centre. Loads along X and Y
-/// follow the heading of the wheel.
+/// Checks the columns of X, Y, Z and RZ of both wheels against finite differences of the statics, loaded and unloaded, at the wheel centre.
+/// Loads along X and Y follow the heading of the wheel.
 #[test]
 fn the_matrix_is_the_derivative_of_the_statics() {
     for (name, axle) in axles() {
@@ -102,7 +102,7 @@ fn the_matrix_is_the_derivative_of_the_statics() {
                             step,
                             seen,
                         );
-                        // The largest entry of the block of rows: translations, rotations.
+                        // Largest entry of the column in a block of rows: translations, then rotations.
                         for block in [0, 3] {
                             let largest = (0..12)
                                 .flat_map(|i| [0, 6].map(|o| (i, o)))
@@ -126,7 +126,7 @@ fn the_matrix_is_the_derivative_of_the_statics() {
     }
 }
 
-/// Displacement per unit of a force at the wheel centre in this direction.
+/// Returns the displacement per unit force at the wheel centre in this direction.
 fn along(c: &Compliance, row: (Side, usize), loaded: Side, force: &Vec3) -> f64 {
     let parts = force.iter().enumerate();
     parts
@@ -134,7 +134,7 @@ fn along(c: &Compliance, row: (Side, usize), loaded: Side, force: &Vec3) -> f64 
         .sum()
 }
 
-/// Columns of RX and RY: loads in the road plane at the patch are loads at the centre with their moment.
+/// Checks the columns of RX and RY: a load in the road plane at the patch is a load at the centre together with its moment.
 #[test]
 fn moments_come_with_loads_at_the_patch() {
     for (name, axle) in axles() {
@@ -172,7 +172,8 @@ fn moments_come_with_loads_at_the_patch() {
     }
 }
 
-/// The multilink with its spin axis turned about the vehicle's X axis: as it is its camber has one sign under all loads.
+/// Returns the multilink with its spin axis rotated about the X axis of the vehicle. Without this rotation, the camber has the same sign under
+/// all loads.
 fn leaning_multilink(lean: f64) -> Axle {
     let deck = corpus("multilink/reference.adm");
     let plain = Axle::new(&deck, MULTILINK);
@@ -193,8 +194,8 @@ fn leaning_multilink(lean: f64) -> Axle {
     )
 }
 
-/// A wheel loaded at its contact patch, as a rig does it, moves as the columns of the wheel centre say where its camber is zero: there the
-/// patch is straight below.
+/// Checks the slopes of a load sweep at the contact patch, as on a rig. They must equal the columns of the wheel centre at zero camber, where
+/// the patch is straight below the centre.
 #[test]
 fn a_sweep_of_the_load_at_the_patch_has_the_slopes_of_the_columns_at_zero_camber() {
     let mut compared = 0;
@@ -250,11 +251,11 @@ fn a_sweep_of_the_load_at_the_patch_has_the_slopes_of_the_columns_at_zero_camber
             compared += 1;
         }
     }
-    // Three rows of each of the three kinds of axle.
+    // Three rows are compared for each of the three axles.
     assert_eq!(compared, 9);
 }
 
-/// With the heights held by motions the matrix is the same, and a load then gives the locked columns.
+/// Checks that the matrix is the same if motions hold the heights, and that a load then gives the locked columns.
 #[test]
 fn locked_and_free() {
     for (name, axle) in axles() {
@@ -297,7 +298,7 @@ fn locked_and_free() {
                 let column = if k == 3 { 6 } else { k + 1 };
                 let heading = heading(&held.axle.wheels[0].unwrap().wheel);
                 for side in Side::BOTH {
-                    // A mirrored axle has no coupling; its other side is driven alike.
+                    // The two sides of a mirrored axle are not coupled, and the other side is driven in the same way.
                     let rate = held.rates[side.index()].unwrap();
                     for i in 1..=6 {
                         let expected = match heading.get(k) {
@@ -318,7 +319,7 @@ fn locked_and_free() {
     }
 }
 
-/// Size of a matrix with lengths in units of 100 mm.
+/// Returns the norm of a matrix with lengths in units of 100 mm.
 fn scaled(c: &Compliance) -> f64 {
     let mut sum = 0.0;
     for i in 0..12_i32 {
@@ -331,7 +332,7 @@ fn scaled(c: &Compliance) -> f64 {
     sum.sqrt()
 }
 
-/// Columns from the matrix against slopes of a sweep in which both wheel centres are driven up and down.
+/// Checks columns from the matrix against slopes of a sweep in which both wheel centres are driven up and down.
 #[test]
 fn columns_are_slopes_of_wheel_centre_sweeps() {
     for (name, axle) in axles() {
@@ -383,7 +384,7 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
                 rate,
             );
             near("load rate", centre.rates[k].unwrap().load, rate);
-            // Rates of the functions of the pose themselves, at any camber.
+            // These rates are those of functions of the pose, at any camber.
             let wheel = centre.axle.wheels[k].unwrap().wheel;
             let turn: Vec3 = centre.rates[k].unwrap().motion.fixed_rows::<3>(3).into();
             let exact = admire_kc::wheel::angle_rates(side, &wheel.spin, &turn);
@@ -398,7 +399,7 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
                 read(&centre, &format!("ride_steer.{w}")),
                 steer,
             );
-            // In phase, as driven.
+            // The vertical loads are in phase, as the wheels are driven.
             let y = slope(&mut bench, &|seen| {
                 seen.axle.wheels[k].unwrap().wheel.centre.y
             });
@@ -418,9 +419,10 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
     }
 }
 
-/// A symmetric axle: left and right agree with the signs of the definitions, in every column, at ride height, to 1e-12 of what a column is
-/// made of. Beyond 1e-12 of itself are small differences of large numbers alone, which the test prints, by 3e-12 at most: the base change
-/// of 0.085 mm is off by 1e-13 mm, two units in the last place of its coordinates of 267 mm; the anti effects by 2e-13 of 100 percent.
+/// Checks a symmetric axle at ride height: in every column, left and right agree up to the signs of the definitions, to 1e-12 of the terms from
+/// which a column is computed. Relative to the column itself, only small differences of large numbers exceed 1e-12. The test prints them; they
+/// are at most 3e-12. The base change of 0.085 mm has an error of 1e-13 mm, two units in the last place of coordinates of 267 mm. The anti
+/// effects have an error of 2e-13 of 100 percent.
 #[test]
 fn a_mirrored_axle_has_mirrored_columns() {
     let axle = Axle::new(&double_wishbone(), DOUBLE_WISHBONE);
@@ -442,10 +444,10 @@ fn a_mirrored_axle_has_mirrored_columns() {
         }
         use admire_kc::Sense::{AboutX, AboutZ, ToTheRight, Y};
         let odd = matches!(reading.sense, Y | AboutX | AboutZ | ToTheRight);
-        // Over a roll angle, itself odd: caster left - and right +, steer alike.
+        // Derivatives by the roll angle, which is itself odd, change parity: caster is opposite on the two sides, steer is equal.
         let odd = odd != (path.contains("roll_steer") || path.contains("roll_caster"));
         let sign = if odd { -1.0 } else { 1.0 };
-        // What comes from entries of the matrix is compared with the largest of its block, as those of sides that cancel are small.
+        // Values from entries of the matrix are compared with the largest entry of its block, because entries of sides that cancel are small.
         let (mut a, mut b) = (reading.value, sign * other);
         let floor = match reading.unit {
             Unit::Angle | Unit::Length => 1.0,
@@ -463,7 +465,7 @@ fn a_mirrored_axle_has_mirrored_columns() {
         let apart = (a - b).abs() / a.abs().max(floor);
         worst = f64::max(worst, apart);
         let own = (a - b).abs() / a.abs();
-        // A travel of next to nothing is round-off of places in the deck.
+        // A nearly vanishing travel is round-off of positions in the deck.
         let is_round_off = matches!(reading.unit, Unit::Length) && a.abs().max(b.abs()) < 1e-9;
         assert!(
             a == b || own <= 1e-11 || is_round_off,
@@ -483,7 +485,7 @@ fn a_mirrored_axle_has_mirrored_columns() {
     assert!(compared > 50, "{compared}");
 }
 
-/// Springs alone are conservative; bushings under load are not, and the run says how much.
+/// Checks that springs alone are conservative. Bushings under load are not, and the run states the asymmetry.
 #[test]
 fn symmetry_shows_conservative_forces() {
     let axle = Axle::new(&sprung_wishbone(), DOUBLE_WISHBONE);
@@ -507,7 +509,7 @@ fn symmetry_shows_conservative_forces() {
     }
 }
 
-/// A wheel that spins freely is refused, and so is a steering that nothing holds; the motion is named.
+/// Checks that a freely spinning wheel and a steering without resistance are refused, with the name of the motion.
 #[test]
 fn what_is_free_is_named() {
     let refused = |deck: &str, toml: &str| {
@@ -518,7 +520,7 @@ fn what_is_free_is_named() {
             other => panic!("{:?}", other.map(|_| ())),
         }
     };
-    // A wheel on a bearing, taken for the carrier.
+    // The wheel on a bearing is given as the carrier.
     let deck = double_wishbone();
     let bearing =
         "MARKER/138, PART = 13, QP = -267, -760, 330, ZP = -267, -660, 330, XP = -167, -760, 330
@@ -536,7 +538,7 @@ END";
         motion.contains("ride height: PART/15 'left_wheel' spins freely"),
         "{motion}"
     );
-    // The rack slides: on rigid links without weight, load or spring nothing brings the wheels back.
+    // The rack slides freely: on rigid links without weight, load or spring, nothing returns the wheels.
     let kinematic = corpus("double-wishbone/model.adm");
     let toml = DOUBLE_WISHBONE.replace(
         "[tests.steering]\nrange",
@@ -549,7 +551,7 @@ END";
     );
 }
 
-/// Without friction both branches of every test are one curve.
+/// Checks that both branches of every test are equal without friction.
 #[test]
 fn branches_close() {
     for (name, axle) in axles() {

@@ -1,11 +1,11 @@
-//! Joints that rub: loops close and are as wide as the closed form says.
+//! Joints with friction: loops are closed and have the width of the closed form.
 
 use admire_kc::{Branch, Hold, KcRun, Sample, TestKind, run};
 use admire_solver::system::StickSlipState;
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, corpus, sprung_wishbone};
 
-/// A swing axle: the carrier turns about a longitudinal pin 600 mm inboard of the wheel; a vertical spring stands in the middle.
+/// Swing axle: the carrier rotates about a longitudinal pin 600 mm inboard of the wheel, and a vertical spring acts at half this distance.
 const SWING_AXLE: &str = "SWING AXLE
 UNITS/FORCE = NEWTON, MASS = KILOGRAM, LENGTH = MILLIMETER, TIME = SECOND
 PART/1, GROUND
@@ -38,7 +38,7 @@ fn tests_of(deck: &str, toml: &str) -> KcRun {
     run(&mut bench, &axle.model.units).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// The load of the left wheel on both branches of a bounce test at ride height, and slope and half width of its gradient.
+/// Returns the load of the left wheel at ride height on both branches of a bounce test, and the slope and the half width of its gradient.
 fn loads(run: &KcRun) -> ([f64; 2], f64, f64) {
     let test = run
         .tests
@@ -63,7 +63,8 @@ fn loads(run: &KcRun) -> ([f64; 2], f64, f64) {
     )
 }
 
-/// Up and down the pin takes `mu r N` with N the difference of spring and wheel load: `F (L + m) = S (a + m)`, m = mu r, down with -m.
+/// Checks the closed form. The pin resists with the moment `mu r N`, where N is the difference of spring and wheel load. With m = mu r, upward
+/// travel has `F (L + m) = S (a + m)`; downward travel has -m.
 #[test]
 fn a_swing_axle_has_the_loop_of_its_pin() {
     let near = |found: f64, expected: f64, what: &str| {
@@ -82,7 +83,7 @@ fn a_swing_axle_has_the_loop_of_its_pin() {
         near(width, spring * (up - down) / 2.0, "half width");
         near(slope, rate * place / arm * (up + down) / 2.0, "slope");
     }
-    // The same loop by another number of points: the law has no rate.
+    // The loop is the same with another number of points, because the law is rate-independent.
     let fine = format!("{TOML}[tests.bounce]\npoints = 41\n");
     let (coarse, fine) = (tests_of(SWING_AXLE, TOML), tests_of(SWING_AXLE, &fine));
     near(loads(&fine).0[0], loads(&coarse).0[0], "points");
@@ -97,7 +98,7 @@ fn all_close(run: &KcRun, bar: f64) -> f64 {
         };
         let ((up_low, up_high), (down_high, down_low)) = (ends(Branch::Up), ends(Branch::Down));
         for k in 0..up_low.readings.len() {
-            // Places and angles and loads: what derivatives tell is of a branch.
+            // Only positions, angles and loads are compared, because quantities from derivatives belong to one branch.
             if k > 34 {
                 break;
             }
@@ -126,7 +127,7 @@ fn all_close(run: &KcRun, bar: f64) -> f64 {
     widest
 }
 
-/// Every test on three kinds of axle: loops close, and without friction there are none.
+/// Checks every test on three kinds of axle: loops are closed, and without friction there are none.
 #[test]
 fn loops_close() {
     let rubs = |deck: String, joints: &[(u32, &str)], inactive: &str| {
@@ -165,7 +166,7 @@ fn loops_close() {
                 .iter()
                 .all(|t| t.samples.iter().all(|s| s.seen.friction.is_some()))
         );
-        // Ride height is that without friction.
+        // Ride height is computed without friction.
         assert_eq!(
             with.ride.seen.friction,
             Some(StickSlipState::Released),
@@ -185,7 +186,7 @@ fn loops_close() {
     }
 }
 
-/// A roll under the load of the axle keeps it, on axles with two wheels and with one and its mirror image.
+/// Checks that a roll keeps the load of the axle, for axles with two wheels and for one wheel with its mirror image.
 #[test]
 fn a_roll_keeps_the_load_of_the_axle() {
     for (name, deck, toml) in [
@@ -213,7 +214,7 @@ fn a_roll_keeps_the_load_of_the_axle() {
                 .max((height[0] + height[1] - run.ride.inputs.height.iter().sum::<f64>()).abs());
         }
         assert!(rise > 0.01, "{name}: {rise}");
-        // The tangent is the slope of what is recorded.
+        // The tangent is the slope of the recorded values.
         let fine = format!("{toml}range = [-0.5, 0.5]\npoints = 5\nwindow = 0.5\n");
         let fine = tests_of(&deck, &fine);
         let fine = fine

@@ -1,4 +1,4 @@
-//! `admire import-kc`: tables of laboratories in several forms, and what reads the imported table.
+//! `admire import-kc`: tables of laboratories in several forms, and the commands that read the imported table.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,8 +13,8 @@ fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
     folder
 }
 
-/// One sample of the synthetic axle: travel, then toe and camber of the left and the right wheel, then lateral force on each wheel.
-/// In mm, degrees and newtons, with the signs of the guide.
+/// One sample of the synthetic axle: travel, then toe and camber of the left and the right wheel, then lateral force on each wheel. In mm,
+/// degrees and newtons, with the signs of the guide.
 struct Sample {
     travel: [f64; 2],
     toe: [f64; 2],
@@ -22,7 +22,7 @@ struct Sample {
     lateral: [f64; 2],
 }
 
-/// A bounce loop and a roll loop, forth and back, with a loop of hysteresis in toe.
+/// Returns the samples of a bounce loop or a roll loop, back and forth, with hysteresis in toe.
 fn samples(test: &str) -> Vec<Sample> {
     let up = (-5..=5).map(|k| (f64::from(k) * 10.0, 0.002));
     let down = (-5..5).rev().map(|k| (f64::from(k) * 10.0, -0.002));
@@ -37,7 +37,7 @@ fn samples(test: &str) -> Vec<Sample> {
         .collect()
 }
 
-/// The table as the guide writes it: commas, degrees, millimetres, newtons, and the signs of the guide.
+/// Returns the table in the form of the guide: commas, degrees, millimetres, newtons, and the signs of the guide.
 fn plain() -> String {
     let mut text = String::from(
         "Test,Travel left [mm],Travel right [mm],Toe left [deg],Toe right [deg],Camber left [deg],Camber right [deg],Fy left [N],Fy right [N]\n",
@@ -69,8 +69,9 @@ const PLAIN_MAP: &str = r#"
 "Fy right" = { is = "lateral_force", side = "right", positive = "left" }
 "#;
 
-/// The same samples by other conventions: UTF-16 with semicolons and decimal commas, title lines, a block for each test, a row of units, toe
-/// as minutes of an angle to the right and as millimetres over a rim with + out, travel down, camber to the left, forces outboard in kN.
+/// Returns the same samples by other conventions: UTF-16 with semicolons and decimal commas, title lines, a block for each test, and a row of
+/// units. Toe is given as minutes of an angle to the right, and as millimetres over a rim with + outwards. Travel is positive downwards, camber
+/// to the left, and forces are outboard in kN.
 fn foreign() -> Vec<u8> {
     let mut text = String::from("Prüfstand 3;Achse hinten\r\nDatum;12.03.2026\r\n");
     for (test, title) in [("bounce", "Parallelhub"), ("roll", "Wanken 1")] {
@@ -122,7 +123,7 @@ const FOREIGN_MAP: &str = r#"
 "Wanken 1" = "roll"
 "#;
 
-/// Columns of a table by heading, words as they are.
+/// Returns the columns of a table by heading, with unconverted words.
 fn columns(text: &str) -> Vec<(String, Vec<String>)> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let heads = reader.headers().unwrap().clone();
@@ -156,7 +157,7 @@ fn read(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).unwrap()
 }
 
-/// A table by other conventions gives the curves of the plain one, and what was read is told column by column.
+/// Checks that a table by other conventions gives the curves of the plain table, and that the assumptions are reported column by column.
 #[test]
 fn other_conventions_give_the_same_curves() {
     let foreign = foreign();
@@ -175,7 +176,7 @@ fn other_conventions_give_the_same_curves() {
     said(&run, 0);
     let plain = read(at, "plain-kc.csv");
     same(&plain, &read(at, "lab-kc.csv"));
-    // The values themselves, not only their agreement.
+    // The values themselves are checked as well, not only their agreement.
     let all = columns(&plain);
     let column = |name: &str| -> Vec<f64> {
         let found = all.iter().find(|(head, _)| head == name);
@@ -199,7 +200,7 @@ fn other_conventions_give_the_same_curves() {
         (value.len(), value[0], value[21], value[31]),
         (42, -50.0, -50.0, 50.0)
     );
-    // What was read.
+    // The report of the assumptions.
     let told = String::from_utf8_lossy(&run.stdout).into_owned();
     let line = |word: &str| {
         told.lines()
@@ -220,7 +221,7 @@ fn other_conventions_give_the_same_curves() {
     assert!(line("rows").contains("bounce 21, roll 21"), "{told}");
 }
 
-/// The imported table is what `admire kc --measured` reads: its slope stands beside that of the deck.
+/// Checks that `admire kc --measured` reads the imported table: its slope is shown beside that of the deck.
 #[test]
 fn the_imported_table_stands_in_the_report() {
     let foreign = foreign();
@@ -229,7 +230,7 @@ fn the_imported_table_stands_in_the_report() {
         ("import-kc.toml", FOREIGN_MAP.as_bytes()),
     ]);
     let at = folder.path();
-    // The mapping beside the file is found by itself.
+    // The mapping beside the file is found without an option.
     let told = said(&admire(at, &["import-kc", "lab.txt", "-o", "rig.csv"]), 0);
     assert!(told.contains("import-kc.toml"), "{told}");
     let (deck, config) = (corpus("multilink/model.adm"), corpus("multilink/kc.toml"));
@@ -246,11 +247,11 @@ fn the_imported_table_stands_in_the_report() {
     said(&admire(at, &arguments), 0);
     let page = read(at, "out/report.html");
     assert!(page.contains("left measured"));
-    // Toe of the left wheel over bounce: -0.003 deg/mm, that is -3 deg/m, the mean of both branches.
+    // Toe of the left wheel over bounce is -0.003 deg/mm, that is -3 deg/m, the mean of both branches.
     assert!(page.contains("-3.0000"), "no slope of the measured toe");
 }
 
-/// One file for each side, the mapping of both in words without a side: rows of both are joined.
+/// Checks one file per side, with a common mapping whose words name no side: the rows of both files are joined.
 #[test]
 fn sides_in_separate_files_are_joined() {
     let side = |k: usize| {
@@ -285,18 +286,18 @@ fn sides_in_separate_files_are_joined() {
     let all = columns(&read(at, "both.csv"));
     let column = |name: &str| &all.iter().find(|(head, _)| head == name).unwrap().1;
     assert_eq!(column("value").len(), 21);
-    // In a roll the left wheel goes up: half the difference of the travels.
+    // In a roll, the left wheel moves up, by half the difference of the travels.
     assert_eq!(column("value")[20], "-50");
     assert_eq!(column("wheel_travel.vertical_right [mm]")[20], "50");
     assert_eq!(column("toe_angle.left [deg]").len(), 21);
 }
 
-/// Without a terminal nothing unclear is guessed: complaints have places and show the lines to write, and standard output is the mapping.
-/// Filled in, it imports the file.
+/// Checks that nothing unclear is guessed without a terminal. Messages have positions and show the lines to write, and standard output is the
+/// mapping. With the missing entries filled in, it imports the file.
 #[test]
 fn what_is_unclear_is_asked_with_its_place() {
     let text = "Einfederung VL [mm];Spur VL [min];Sturz VL;Kraft [lb]\n-10;1,5;0,1;3\n0;0,5;0,2;4\n10;-0,5;0,3;5\n";
-    // A shell makes an empty file before the command begins: `> import-kc.toml`.
+    // The shell creates an empty file before the command starts: `> import-kc.toml`.
     let folder = folder(&[("lab.csv", text.as_bytes()), ("import-kc.toml", b"")]);
     let at = folder.path();
     let run = admire(at, &["import-kc", "lab.csv"]);
@@ -312,7 +313,7 @@ fn what_is_unclear_is_asked_with_its_place() {
     }
     assert!(!at.join("lab-kc.csv").exists());
     let proposal = String::from_utf8(run.stdout).unwrap();
-    // `Einfederung` says that up is positive; the heading of the unknown column is left out.
+    // `Einfederung` means positive upwards. The unknown column is left out.
     assert!(
         proposal.contains("side = \"left\", positive = \"up\""),
         "{proposal}"
@@ -335,9 +336,9 @@ fn what_is_unclear_is_asked_with_its_place() {
     said(&admire(at, &["import-kc", "lab.csv", "--map", filled]), 0);
     let table = read(at, "lab-kc.csv");
     let last = table.lines().last().unwrap();
-    // 10 mm up; 0.5 min of toe-in; 0.3 deg with the top inboard.
+    // 10 mm upwards; 0.5 min of toe-in; 0.3 deg with the top inboard.
     assert_eq!(last, "3,bounce,10,mm,0.00833333333333,-0.3,10");
-    // A file is not replaced unasked.
+    // An existing file is replaced only on request.
     let errors = said(&admire(at, &["import-kc", "lab.csv", "--map", filled]), 1);
     assert!(errors.contains("--force"), "{errors}");
     said(
@@ -351,7 +352,8 @@ fn folder_file<'a>(folder: &Path, name: &'a str, text: &str) -> &'a str {
     name
 }
 
-/// Wrong input is refused with its place: a word among numbers, an unclear decimal mark, an absent column, a unit that contradicts.
+/// Checks that wrong input is refused with its position: a word among numbers, an ambiguous decimal mark, a missing column, a contradictory
+/// unit.
 #[test]
 fn faults_have_places() {
     let map = "[file]\ntest = \"bounce\"\nside = \"left\"\n[columns]\nz = { is = \"wheel_travel\", positive = \"up\", unit = \"mm\" }\ntoe = { is = \"toe_angle\", positive = \"in\", unit = \"deg\" }\n";
@@ -401,7 +403,7 @@ fn faults_have_places() {
     said(&admire(folder.path(), &arguments), 2);
 }
 
-/// An export that is sorted by travel mixes both branches; its time restores the order driven.
+/// Checks an export sorted by travel, which mixes both branches: its time column restores the order of the measurement.
 #[test]
 fn time_restores_the_order_driven() {
     let mut rows: Vec<(f64, f64, f64)> = samples("bounce")
@@ -416,7 +418,7 @@ fn time_restores_the_order_driven() {
         writeln!(text, "{time},{z},{toe}").unwrap();
     }
     let folder = folder(&[("lab.csv", text.as_bytes())]);
-    // The headings state everything but the test.
+    // The headings state everything except the test.
     let errors = said(
         &admire(folder.path(), &["import-kc", "lab.csv", "--test", "bounce"]),
         0,
@@ -429,7 +431,7 @@ fn time_restores_the_order_driven() {
     );
 }
 
-/// The imported table is the file of a study's load cases and of its curves, by the lines that the command prints.
+/// Checks that the imported table serves as the file of a study's load cases and curves, with the lines that the command prints.
 #[test]
 fn a_study_reads_the_imported_table() {
     let shipped = std::fs::read_to_string(corpus("kc-curves/kc.csv")).unwrap();
@@ -495,7 +497,7 @@ fn a_study_reads_the_imported_table() {
             assert!((x - y).abs() < 1e-9, "{name}: {x} {y}");
         }
     }
-    // Loads are compared by their names: the table has them in another order.
+    // Loads are compared by name, because the table has them in another order.
     let loads = |study: &admire_study::Study, name: &str| -> Vec<f64> {
         let at = study.columns.iter().position(|(own, _)| own.text == name);
         let measured = admire_study::Measurement::resolve(study, &lowered).value;
@@ -507,7 +509,7 @@ fn a_study_reads_the_imported_table() {
     }
 }
 
-/// Sheets of a workbook are tests by their names; the row of a complaint is that of the sheet.
+/// Checks that the sheets of a workbook are tests by their names, and that a message states the row of the sheet.
 #[test]
 fn sheets_of_a_workbook_are_tests() {
     let book = std::fs::read(concat!(
@@ -518,7 +520,7 @@ fn sheets_of_a_workbook_are_tests() {
     let at = folder.path();
     let run = admire(at, &["import-kc", "rig.xlsx"]);
     let errors = said(&run, 1);
-    // The direction of a lateral force is not in its heading, and its test may be one of three.
+    // The heading does not state the direction of the lateral force, and its test may be one of three.
     assert!(
         errors.contains("rig.xlsx[Seitenkraft gleich]:3:1"),
         "{errors}"
@@ -561,6 +563,6 @@ fn sheets_of_a_workbook_are_tests() {
         "case,test,value,value_unit,toe_angle.left [deg],wheel_travel.vertical_left [mm],wheel_load_lateral.lateral_left [N]"
     );
     assert_eq!(lines[1], "1,bounce,-20,mm,0.2,-20,");
-    // 1.5 kN to the right drive the test; the column counts to the left.
+    // A force of 1.5 kN to the right drives the test; the column is positive to the left.
     assert_eq!(lines[6], "6,lateral,1500,N,0.075,,-1500");
 }

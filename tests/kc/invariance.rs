@@ -9,7 +9,7 @@ use admire_syntax::{Address, Dataset};
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, largest};
 
-/// The decks with their rigs, and those rigs in metres.
+/// Returns the decks with their rigs, and the same rigs in metres.
 fn decks() -> [(String, &'static str, String); 3] {
     let metres = |toml: &str, all: &[(&str, &str)]| {
         let mut text = toml.to_string();
@@ -54,7 +54,7 @@ fn tests_of(axle: &Axle) -> KcRun {
     run(&mut bench, &axle.model.units).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// The deck with all places and the gravity turned: `x_new = Q x_old`.
+/// Returns the deck with all positions and the gravity rotated: `x_new = Q x_old`.
 fn turned(deck: &str, Q: &Mat3) -> String {
     let mut dataset = Dataset::parse(Source::new("deck.adm", deck.as_bytes())).value;
     let model = Model::lower(&dataset).value;
@@ -111,7 +111,7 @@ fn turned(deck: &str, Q: &Mat3) -> String {
     String::from_utf8(dataset.bytes().to_vec()).unwrap()
 }
 
-/// Every reading of every sample, scaled from the second deck's units to the first's.
+/// Compares every reading of every sample, scaled from the units of the second deck to those of the first.
 fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
     let (mut compared, mut worst) = (0, (0.0, String::new()));
     let samples = |run: &KcRun| -> Vec<admire_kc::Sample> {
@@ -120,8 +120,8 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
     };
     let (first, second) = (samples(a), samples(b));
     assert_eq!(first.len(), second.len());
-    // Wheels that point to both sides do not turn: round-off says which one is the inside one. Near straight ahead the percentage is a
-    // quotient of differences that go with the square of the steer angle.
+    // If the wheels are steered to opposite sides, the axle does not turn, and round-off decides which wheel is the inside one. Near straight
+    // ahead, the percentage is a quotient of differences that vanish with the square of the steer angle.
     let steered = |sample: &admire_kc::Sample| {
         let all = sample.readings.iter();
         let steer = all.filter(|r| r.path().starts_with("steer_angle"));
@@ -137,7 +137,7 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
             .iter()
             .any(|word| path.contains(word))
     };
-    // Sizes of columns: what is small beside its own column, or beside what it is a difference of, is noise.
+    // Scales of the columns. A value that is small relative to its column, or to the terms of which it is a difference, is round-off.
     let [moves, turns, twists] = largest(&a.ride.seen.axle.compliance.unwrap());
     for k in 0..first[0].readings.len() {
         let size = first
@@ -178,7 +178,7 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
     assert!(compared > 1000);
 }
 
-/// Solved with other round-off the characteristics agree to this part of their size.
+/// Relative agreement of characteristics that are solved with other round-off.
 const SOLVED: f64 = 1e-11;
 
 #[test]
@@ -198,7 +198,7 @@ fn in_other_axes(deck: &str, toml: &str) {
         let second = tests_of(&Axle::new(&turned(deck, &Q), &toml));
         same(&first, &second, |_| 1.0, SOLVED);
     }
-    // A rotated cage of axes: x up, y rearward, z right.
+    // Rotation to axes with x up, y rearward, z right.
     let Q = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
     let toml = toml.replace("[deck]", "[deck]\naxes = ['up', 'rearward', 'right']");
     let second = tests_of(&Axle::new(&turned(deck, &Q), &toml));
@@ -237,7 +237,7 @@ fn in_metres(deck: &str, toml: &str, toml_in_metres: &str) {
         Unit::Rate | Unit::AnglePerLength | Unit::AnglePerTorque => 1e-3,
         _ => 1.0,
     };
-    // What the definition writes in units of length of its own: the axis point and the radius of a straight wheel.
+    // Entries that have a unit of length of their own are removed: the axis point, and the radius of a straight wheel.
     let strip = |mut run: KcRun| {
         let odd = ["wheel_axis", "turn_radius", "outside_turn"];
         let clean = |sample: &mut admire_kc::Sample| {
@@ -255,8 +255,8 @@ fn in_metres(deck: &str, toml: &str, toml_in_metres: &str) {
     same(&strip(first), &strip(second), scale, SOLVED);
 }
 
-/// All standard tests of a multilink axle, 13 points up and 13 down each: time per run, told with `--nocapture`. No bar: the machine may do
-/// other work.
+/// Measures the time of all standard tests of a multilink axle, with 13 points up and 13 down each; `--nocapture` shows it. There is no limit,
+/// because the machine may be busy.
 #[test]
 fn speed() {
     let axle = Axle::new(&corpus("multilink/reference.adm"), MCPHERSON);

@@ -1,4 +1,4 @@
-//! Kinematics and compliance: characteristics against real ADAMS results, against differences and against their own sweeps.
+//! Kinematics and compliance: characteristics compared with real ADAMS results, with finite differences and with sweeps.
 
 #![allow(non_snake_case)] // Rotation matrices keep their capitals.
 

@@ -1,4 +1,5 @@
-//! Roll centre and roll steer against differences of the statics: vertical loads at the contact patches move the patches and steer the wheels.
+//! Roll centre and roll steer, compared with finite differences of the statics: vertical loads at the contact patches move the patches and steer
+//! the wheels.
 
 use admire_kc::{Inputs, Observation, Side, Variant, given, wheel};
 use admire_solver::mechanics::Vec3;
@@ -10,7 +11,7 @@ const LOADED: Variant = Variant {
     steering_locked: true,
 };
 
-/// On a rigid tyre the lever of a load does not depend on the load, so that its moment is that of the compliance at the patch.
+/// Returns the axles. On a rigid tyre, the lever arm of a load is constant, so the moment of the load is that of the compliance at the patch.
 fn axles() -> [(&'static str, Axle); 2] {
     let rigid = |toml: &str, stiffness: &str| {
         assert!(toml.contains(stiffness));
@@ -34,7 +35,7 @@ fn axles() -> [(&'static str, Axle); 2] {
     ]
 }
 
-/// Lever from the wheel centre to the patch, from the law of the contact point.
+/// Returns the lever arm from the wheel centre to the patch, by the law of the contact point.
 fn lever(seen: &Observation, side: Side) -> Vec3 {
     let centre = seen.axle.wheels[side.index()].unwrap().wheel.centre;
     seen.axle.contacts().unwrap()[side.index()] - centre
@@ -44,7 +45,7 @@ fn lever(seen: &Observation, side: Side) -> Vec3 {
 fn roll_centre_and_roll_steer_are_differences_of_the_statics() {
     for (name, axle) in axles() {
         let mut bench = axle.bench();
-        // Unequal loads in the road plane: the wheels lean and steer, and one patch is higher.
+        // Unequal loads in the road plane: the wheels tilt and steer, and one patch is higher.
         let base = Inputs {
             loads: [[600.0, 900.0, 5000.0, 0.0], [200.0, 1500.0, 3500.0, 0.0]],
             vertical_at_patch: true,
@@ -68,7 +69,7 @@ fn roll_centre_and_roll_steer_are_differences_of_the_statics() {
             let mut one = |h: f64| (of(&at(on, h)) - of(&at(on, -h))) / (2.0 * h);
             (4.0 * one(20.0) - one(40.0)) / 3.0
         };
-        // The point of the carrier that is at the patch now.
+        // Returns the point of the carrier that coincides with the patch.
         let point = |side: Side| {
             let then = middle.axle.wheels[side.index()].unwrap().wheel;
             let local = then.turn.transpose() * lever(&middle, side);
@@ -96,7 +97,7 @@ fn roll_centre_and_roll_steer_are_differences_of_the_statics() {
         let height = sl * (y - contacts[0].y);
         let found = read("roll_center_location.vertical");
         assert!((found - height).abs() < 1e-5, "{name}: {found} {height}");
-        // Left up, right down: heights of the contact points themselves.
+        // Left up and right down: heights of the contact points themselves.
         let opposed = [1.0, -1.0];
         let across = slope(opposed, &|seen| {
             let [l, r] = seen.axle.contacts().unwrap();
@@ -116,8 +117,8 @@ fn roll_centre_and_roll_steer_are_differences_of_the_statics() {
     }
 }
 
-/// Both columns of a pair of anti effects hold the value of the axle at hand, and `vehicle.axle` says which axle it is. A front brake share f
-/// acts on the front axle, 1 - f on the rear one, where the load transfer has the other sign.
+/// Checks the anti effects. Both columns of a pair hold the value of the axle in the deck, and `vehicle.axle` states which axle this is. A front
+/// brake share f acts on the front axle, 1 - f on the rear one, where the load transfer has the opposite sign.
 #[test]
 fn anti_effects_are_those_of_the_axle_at_hand() {
     let read = |toml: &str| {
@@ -146,7 +147,7 @@ fn anti_effects_are_those_of_the_axle_at_hand() {
         .map(|path| readings.iter().find(|r| r.path() == path).unwrap().value)
     };
     let driven = DOUBLE_WISHBONE.replace("front_drive = 0.0", "front_drive = 0.25");
-    // The steering makes it the front axle.
+    // Because of the steering, it is the front axle.
     let front = read(&driven);
     let said = |place: &str| driven.replace("[vehicle]", &format!("[vehicle]\naxle = '{place}'"));
     assert_eq!(read(&said("front")), front);

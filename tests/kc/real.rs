@@ -19,7 +19,7 @@ use crate::common::{files_below, shared};
 const ANGLE: f64 = 1e-12;
 const LENGTH: f64 = 1e-9;
 const IDENTITY: f64 = 1e-11;
-/// Facts of these files: unloaded radius and stiffness of the tyre, wheelbase, height of the centre of mass, sprung mass.
+/// Known data of these files: unloaded radius and stiffness of the tyre, wheelbase, height of the centre of mass, sprung mass.
 const TYRE: f64 = 202.0;
 const RADIUS: f64 = 317.25;
 const WHEELBASE: f64 = 2700.0;
@@ -31,13 +31,13 @@ const WITH_TYRE: Tyre = Tyre {
     stiffness: Some(TYRE),
 };
 
-/// Every step of a file: the values of its requests and of the forces of its tyres by name, and the wheels as their parts show them. The
-/// radii follow from the normal forces of the file by the law of the tyre.
+/// Results of a file: for each step, the values of its requests and of the forces of its tyres by name, and the wheels from the poses of their
+/// parts. The tyre radii follow from the normal forces of the file by the law of the tyre.
 pub struct Run {
     pub path: PathBuf,
     pub columns: BTreeMap<String, usize>,
     pub steps: Vec<(Vec<f64>, AxleState)>,
-    /// Rolled road.
+    /// True if the road is rolled.
     pub rolls: bool,
 }
 
@@ -140,8 +140,8 @@ fn readouts_of_real_results() {
     }
 }
 
-/// The force and the moment of each tyre on its wheel: the normal force of the distance to the road, the lateral force along the wheel's
-/// heading in the road plane, both at the contact point.
+/// Checks the force and the moment of each tyre on its wheel. The normal force follows from the distance to the road. The lateral force acts
+/// along the wheel's heading in the road plane. Both act at the contact point.
 #[test]
 fn loads_of_real_results() {
     for run in runs() {
@@ -190,9 +190,10 @@ fn pose(state: &AxleState, side: Side) -> WheelPose {
     }
 }
 
-/// Compliance of the wheel centres as other columns tell it. The columns of a vertical load come from wheel rate, swing arms and ride steer,
-/// those of a moment about X from the compliances to lateral forces and aligning torques. C24 is that at design, and C42, C34 and C64 are taken
-/// equal to C24, C43 and C46: they enter the compliance at the patch with the lateral lever of a few millimetres.
+/// Returns the compliance of the wheel centres, derived from other columns. The columns of a vertical load follow from wheel rate, swing arms
+/// and ride steer. The columns of a moment about X follow from the compliances to lateral forces and aligning torques. C24 is the value at
+/// design; C42, C34 and C64 are set equal to C24, C43 and C46. They enter the compliance at the patch only with the lateral lever arm of a few
+/// millimetres.
 fn of_columns(of: &dyn Fn(&str) -> f64, state: &AxleState) -> Compliance {
     const C24: f64 = 6.4273e-7;
     let mut all = Compliance {
@@ -213,7 +214,7 @@ fn of_columns(of: &dyn Fn(&str) -> f64, state: &AxleState) -> Compliance {
         };
         let ((c23, c43), (c13, c53)) = (arm("fr_view"), arm("side_view"));
         let (c23, c43, c13, c53) = (out * c23, out * c43, -c13, -c53);
-        // The steer angle turns by o.y do.x - o.x do.y, do = th x o.
+        // The steer angle changes by o.y do.x - o.x do.y, with do = th x o.
         let o = pose(state, side).spin;
         let across = o.x * o.x + o.y * o.y;
         let steer = of("ride_steer") * c33 * across;
@@ -230,8 +231,8 @@ fn of_columns(of: &dyn Fn(&str) -> f64, state: &AxleState) -> Compliance {
     all
 }
 
-/// Roll centre and roll steer in every state, from the compliance that other columns tell. The roll centre of patches at their own heights
-/// would be 19 mm off, and the roll steer of the turn about Z alone by 0.058.
+/// Checks roll centre and roll steer in every state, with the compliance from other columns. With patches at their own heights, the roll centre
+/// would be wrong by 19 mm. With the rotation about Z alone, the roll steer would be wrong by 0.058.
 #[test]
 fn roll_centre_and_roll_steer_of_real_results() {
     let given = Given {
@@ -263,7 +264,7 @@ fn roll_centre_and_roll_steer_of_real_results() {
     }
 }
 
-/// Steer axis columns from each other: the axis through K with the angles of the file gives I, offset, scrub and trail.
+/// Checks steer axis columns against each other: the axis through K with the angles of the file gives I, offset, scrub and trail.
 #[test]
 fn steer_axes_of_real_results() {
     for run in runs().iter().filter(|run| !run.rolls) {
@@ -293,7 +294,7 @@ fn steer_axes_of_real_results() {
                 let at = axis.road_point(&contact, &state.normal);
                 let shown = Vec3::new(at.x - wheel.design.centre.x, at.y, at.z - contact.z);
                 let told = vector("steer_axis_road_plane_intersection");
-                // The column is written relative to 3003, the wheel centre's hardpoint.
+                // The column is relative to 3003, the hardpoint of the wheel centre.
                 assert!((shown - told).norm() < 1e-6, "{shown} {told}");
                 let steer = wheel::steer(&wheel.wheel.spin, &state.normal);
                 let (scrub, trail) = axis.scrub_and_trail(side, &contact, &state.normal, steer);
@@ -314,7 +315,7 @@ fn same(a: f64, b: f64, what: &str) {
     );
 }
 
-/// What one column says about another.
+/// Checks identities between columns.
 #[test]
 fn identities_of_columns() {
     for run in runs() {
@@ -344,7 +345,7 @@ fn identities_of_columns() {
                 if run.rolls {
                     continue;
                 }
-                // Swing arms and roll coefficients tell the same C43 / C33 and C53 / C33, without an anti-roll bar.
+                // Swing arms and roll coefficients give the same C43 / C33 and C53 / C33 without an anti-roll bar.
                 let c33 = 1.0 / rate;
                 let arm = |name: &str| {
                     let angle = of(&format!("{name}_swing_arm_angle"));
@@ -361,7 +362,7 @@ fn identities_of_columns() {
     }
 }
 
-/// The family of Ackermann in every state of a file, in the order of its states: a turn radius that is not evaluated is the last one.
+/// Checks the Ackermann columns in every state of a file, in the order of its states. A turn radius that is not evaluated keeps its last value.
 #[test]
 fn steering_geometry_of_real_results() {
     for run in runs() {
@@ -396,7 +397,7 @@ fn steering_geometry_of_real_results() {
     }
 }
 
-/// The command finds the wheels, and its answer is that of the file.
+/// Checks that the command finds the wheels, and that its results equal those of the file.
 #[test]
 fn the_command_agrees_with_the_file() {
     for run in runs() {

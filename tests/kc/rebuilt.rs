@@ -1,4 +1,4 @@
-//! All columns of a real lateral test from the deck that `admire rebuild` makes of its results.
+//! All columns of a real lateral test, computed from the deck that `admire rebuild` makes of the results.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ const HELD: Variant = Variant {
     steering_locked: true,
 };
 
-/// Index of the body whose name ends with these letters.
+/// Returns the index of the body whose name ends with these letters.
 fn body(rebuilt: &Rebuilt, name: &str) -> usize {
     let bodies = &rebuilt.record.bodies;
     bodies
@@ -22,7 +22,7 @@ fn body(rebuilt: &Rebuilt, name: &str) -> usize {
         .expect(name)
 }
 
-/// The deck with markers at both wheel centres and on the spin axes, and its `kc.toml`.
+/// Returns the deck with markers at both wheel centres and on the spin axes, and its `kc.toml`.
 fn on_rig(rebuilt: &Rebuilt, run: &Run) -> (String, String) {
     let deck = &rebuilt.deck;
     let mut text = deck.text.replace("\nEND\n", "\n");
@@ -125,18 +125,18 @@ const PLACES: [&str; 19] = [
     "wheelenv_output",
 ];
 
-/// Largest error of a column relative to its largest value: at design, in the states 10 to 90, and in all 101.
+/// Returns the largest allowed error of a column, relative to its largest value: at design, in the states 10 to 90, and in all 101 states.
 ///
-/// What is left comes from the slopes of the rebuilt curves, since forces and places agree:
-/// - At design the rubber of the left wheel is seen at deflections on its straight part. On the right, states lie so near to zero that the
-///   preloads of the radial curves, found to 3e-4 N, change the slope.
-/// - Between the states a curve has the slope of its neighbouring points, where the true curve bends.
-/// - At the end of what was visited a slope is seen from one side. The radial deflection of an outer bushing ends with 3.88 mm, in state 0 on
-///   the left and in state 100 on the right.
+/// The errors are due to the slopes of the rebuilt curves; forces and positions agree.
+/// - At design, the deflections of the left wheel's rubber lie on the straight part of its curves. On the right, some states are so close to
+///   zero that errors of 3e-4 N in the preloads of the radial curves change the slope.
+/// - Between the states, a curve has the slope of its neighbouring points, whereas the true curve bends.
+/// - At the ends of the visited range, the slope is known from one side only. The radial deflection of an outer bushing ends at 3.88 mm, in
+///   state 0 on the left and in state 100 on the right.
 fn bars(path: &str, entity: &str) -> [f64; 3] {
     let bars = match entity {
         _ if PLACES.contains(&entity) => [5e-6; 3],
-        // Its longitudinal part is 15 mm of an axis that is 90 mm away.
+        // Its longitudinal part is 15 mm; the axis is 90 mm away.
         "steer_axis_offset" => [2e-3, 2e-2, 0.2],
         _ if STEERING.contains(&entity) => [5e-4, 5e-3, 5e-2],
         _ => [2e-5, 1e-3, 2e-3],
@@ -146,14 +146,14 @@ fn bars(path: &str, entity: &str) -> [f64; 3] {
     [if is_left { 2e-6 } else { bars[0] }, bars[1], bars[2]]
 }
 
-/// Errors of one column: the largest value of the file, and the largest error at design, in the states 10 to 90, and in all.
+/// Errors of one column: the largest value in the file, and the largest errors at design, in the states 10 to 90, and in all states.
 #[derive(Default)]
 struct Errors {
     size: f64,
     apart: [f64; 3],
 }
 
-/// Every column in every state. The rig has the heights of the wheels and the lateral forces of the file; wheel loads are found.
+/// Checks every column in every state. The rig gets the heights of the wheels and the lateral forces of the file; the wheel loads are computed.
 #[test]
 fn columns_of_a_rebuilt_deck() {
     for run in runs().iter().filter(|run| !run.rolls) {
@@ -214,7 +214,7 @@ fn columns_of_a_rebuilt_deck() {
         });
         assert_eq!((number, columns.len()), (101, 137));
         for ((path, entity), errors) in &columns {
-            // Heights are inputs; both wheels are at one height, and the steer axis is intersected with the road.
+            // Heights are inputs, both wheels are at the same height, and the steer axis is intersected with the road.
             let zero = [
                 "wheel_travel.vertical",
                 "roll_angle.at_wheel",
@@ -237,12 +237,12 @@ fn columns_of_a_rebuilt_deck() {
     }
 }
 
-/// The compliance of the left wheel centre at design, of the axle's own deck (mm, N, rad).
+/// Checks the compliance of the left wheel centre at design, by the axle's own deck (mm, N, rad).
 fn matrix_at_design(compliance: &Compliance) {
     const REAL: [[f64; 6]; 6] = include!("../../src/kc/golden_compliance.in");
     for (i, row) in REAL.iter().enumerate() {
         for (j, real) in row.iter().enumerate() {
-            // Relative to the geometric mean of the diagonal: displacements and rotations are alike then.
+            // Entries are scaled by the geometric mean of the diagonal, so that displacements and rotations are comparable.
             let size = (REAL[i][i] * REAL[j][j]).sqrt();
             let apart = (compliance.c(i + 1, j + 1) - real).abs() / size;
             assert!(apart < 1e-6, "C{}{}: {apart:e}", i + 1, j + 1);
@@ -250,7 +250,8 @@ fn matrix_at_design(compliance: &Compliance) {
     }
 }
 
-/// The shipped axle at its design position. Its bushings are linear there as the real ones are; the right wheel is the image of the left one.
+/// Checks the shipped axle at its design position. Its bushings are linear there, like the real ones; the right wheel is the mirror image of the
+/// left.
 #[test]
 fn the_shipped_axle_has_the_real_columns_at_design() {
     let axle = Axle::new(
@@ -286,7 +287,7 @@ fn the_shipped_axle_has_the_real_columns_at_design() {
         let reading = readings.iter().find(|reading| reading.path() == path);
         let value = reading.expect(path).value;
         let apart = (value / real - 1.0).abs();
-        // The real wheels differ by 0.2 percent, which columns of both wheels show.
+        // The real wheels differ by 0.2 percent, which appears in columns of both wheels.
         let bar = if path.starts_with("roll") { 2e-3 } else { 1e-5 };
         assert!(apart < bar, "{path}: {value} {real} {apart:e}");
     }

@@ -1,4 +1,4 @@
-//! Commands as a user runs them.
+//! Runs of commands as processes.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -20,7 +20,7 @@ pub fn corpus(name: &str) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Returns what a run complained of, if it ended with this code.
+/// Returns the error output of a run, which must end with this code.
 #[track_caller]
 pub fn said(output: &Output, code: i32) -> String {
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -1,11 +1,11 @@
-//! `admire tune` as a user runs it.
+//! `admire tune` as a process.
 
 use std::path::Path;
 use std::process::Output;
 
 use crate::run;
 
-/// Runs `admire` where the corpus is.
+/// Runs `admire` in the folder of the corpus.
 fn admire(arguments: &[&str]) -> Output {
     run::admire(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
 }
@@ -15,7 +15,8 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).replace("\r\n", "\n")
 }
 
-/// The page of the guide shows what the command prints; the deck of the study stays, and the tuned deck differs in markers alone.
+/// Checks that the page of the guide shows the output of the command. The deck of the study is unchanged, and the tuned deck differs only in
+/// markers.
 #[test]
 fn the_page_shows_what_the_command_prints() {
     let folder = tempfile::tempdir().unwrap();
@@ -31,7 +32,7 @@ fn the_page_shows_what_the_command_prints() {
     let command = "$ admire tune corpus/double-wishbone --out target/tuned\n";
     let (_, rest) = page.split_once(command).expect("the command");
     let (block, _) = rest.split_once("```").expect("a block");
-    // A line that ends in three points is shown as far as them; a line of three points stands for any number of lines.
+    // A line that ends in three points is compared up to these points; a line of three points stands for any number of lines.
     let mut lines = said.lines();
     for shown in block.lines().filter(|line| *line != "...") {
         let found = match shown.strip_suffix("...") {
@@ -92,7 +93,7 @@ fn the_page_shows_what_the_command_prints() {
     }
 }
 
-/// Exit codes: 1 for a fault of the study, 2 for the command line, and a file of the user is not replaced.
+/// Checks the exit codes: 1 for a fault of the study, 2 for the command line. A file of the user is not replaced.
 #[test]
 fn faults_have_their_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
@@ -128,7 +129,7 @@ fn faults_have_their_exit_codes() {
     );
 }
 
-/// `admire check` takes a study with a target alone for whole, and finds what is wrong with its target.
+/// Checks that `admire check` accepts a study with only a target as complete, and that it finds faults of the target.
 #[test]
 fn a_study_with_a_target_alone_is_checked() {
     let ran = admire(&["check", "corpus/double-wishbone"]);

@@ -1,7 +1,8 @@
-//! The rig of Adams/Car as parts of a deck: a table below each wheel, and a tyre between both. `admire kc` finds the same wheels without
-//! tables and tyres.
+//! The rig of Adams/Car as parts of a deck: a table below each wheel, and a tyre between table and wheel. `admire kc` must find the same wheels
+//! without tables and tyres.
 //!
-//! The loads are written once more, from the height of the table: the tyre measures its distance to the road, and the heading is an angle.
+//! The loads are implemented independently, from the height of the table: the tyre measures its distance to the road, and the heading is an
+//! angle.
 
 use admire_kc::{Drive, Inputs, Side, Variant};
 use admire_session::backend::{compile, tight_settings};
@@ -20,7 +21,7 @@ const HELD: Variant = Variant {
     steering_locked: true,
 };
 
-/// What the rig does with both wheels.
+/// Inputs of the rig for both wheels.
 #[derive(Clone, Copy, Default)]
 struct Case {
     /// Rise of the tables above the height at which the tyres touch them without load at design.
@@ -31,8 +32,8 @@ struct Case {
     driving: [f64; 2],
 }
 
-/// One table with its tyre. Ids begin with `base`; 1 is the ground, `part` carries the wheel with its centre `centre`, and `inboard` is a
-/// marker on the spin axis, 100 mm inboard.
+/// Returns the statements of one table with its tyre. Ids begin with `base`. Part 1 is the ground, and `part` carries the wheel with its centre
+/// `centre`. `inboard` is a marker on the spin axis, 100 mm inboard.
 fn table(side: Side, case: &Case) -> String {
     let k = side.index();
     let [part, base] = [[13, 9000], [23, 9100]][k];
@@ -94,12 +95,12 @@ MOTION/{base}, JOINT = {base}, TRANSLATIONAL, FUNCTION = {rise}
     text
 }
 
-/// Centre and outboard spin axis of both wheels, and the normal forces of the tyres, in the deck with both tables.
+/// Solves the deck with both tables. Returns centre and outboard spin axis of both wheels, and the normal forces of the tyres.
 fn solved(case: &Case) -> ([(Vec3, Vec3); 2], [f64; 2]) {
     let deck = double_wishbone();
     let deck = deck.trim_end().strip_suffix("END").unwrap();
     let tables = Side::BOTH.map(|side| table(side, case)).concat();
-    // The tables take the place of the motions of the wheel centres.
+    // The tables replace the motions of the wheel centres.
     let travel = |deck: &str, motion: &str| {
         let (before, after) = deck.split_once(motion).unwrap();
         let (_, after) = after.split_once("FUNCTION = 0").unwrap();
@@ -160,7 +161,7 @@ fn admire_kc_finds_the_wheels_of_a_whole_rig() {
             table: [70.0, 40.0],
             ..Case::default()
         },
-        // The tyres pull.
+        // The tyres are in tension.
         Case {
             table: [-90.0, -110.0],
             lateral: [300.0, -200.0],

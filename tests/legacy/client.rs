@@ -1,16 +1,16 @@
-//! What every foreign client needs: `mdi` on its PATH, a folder of decks, and somebody to say that it is missing.
+//! Helpers for all foreign clients: `mdi` on the PATH, copied decks, and a notice if a client is missing.
 
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A file or folder of the project.
+/// Returns the path of a file or folder of the project.
 pub fn project(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// The PATH with our `mdi` before every other.
+/// Returns the PATH with our `mdi` before all other programs.
 pub fn path_with_mdi() -> OsString {
     let mdi = Path::new(env!("CARGO_BIN_EXE_mdi"));
     let mut folders = vec![mdi.parent().expect("a folder").to_path_buf()];
@@ -20,7 +20,7 @@ pub fn path_with_mdi() -> OsString {
     std::env::join_paths(folders).expect("folders without separators")
 }
 
-/// Runs a client to its end and returns what it printed; a failure shows everything.
+/// Runs a client to its end and returns its output. A failure prints all output.
 pub fn run(command: &mut Command) -> String {
     let output = command
         .env("PATH", path_with_mdi())
@@ -37,7 +37,7 @@ pub fn run(command: &mut Command) -> String {
     shown
 }
 
-/// The line ends of the files a client gets.
+/// Line ends of the files that a client gets.
 #[derive(Clone, Copy, PartialEq)]
 pub enum LineEnds {
     Lf,
@@ -54,7 +54,7 @@ pub fn copy(from: &Path, to: &Path, line_ends: LineEnds) {
     fs::write(to, text).expect("a writable folder");
 }
 
-/// The command file of table 1 of the paper for the deck `run.adm`.
+/// Returns the command file of table 1 of the paper, for the deck `run.adm`.
 pub fn load_cases(line_ends: LineEnds) -> String {
     let table = fs::read_to_string(project("corpus/pseudo-mcpherson/load_cases.csv"))
         .expect("the load cases of the corpus");

@@ -1,17 +1,17 @@
-//! `admire identify` of a study folder, to compare clients with.
+//! `admire identify` on a study folder, for comparison with clients.
 
 use std::path::Path;
 use std::process::Command;
 
-/// What `admire identify` found.
+/// Result of `admire identify`.
 pub struct Fit {
-    /// Rounds of the loop.
+    /// Number of iterations of the loop.
     pub iterations: u64,
-    /// Address and value of every stiffness, those that equal another one by symmetry too.
+    /// Address and value of every stiffness, including those that symmetry makes equal to another one.
     pub stiffnesses: Vec<(String, f64)>,
 }
 
-/// Runs the command as a user would, by the method `study.toml` asks for.
+/// Runs the command as a user would, with the method that `study.toml` selects.
 pub fn by_admire(study: &Path) -> Fit {
     let out = study.join("by-admire");
     let run = Command::new(env!("CARGO_BIN_EXE_admire"))
@@ -21,7 +21,7 @@ pub fn by_admire(study: &Path) -> Fit {
         .arg(&out)
         .output()
         .expect("admire starts");
-    // A loop that is stopped by its limit of rounds still writes what it has, and says so by 3.
+    // A loop that reaches its iteration limit still writes its result, and exits with 3.
     assert!(matches!(run.status.code(), Some(0 | 3)), "{run:?}");
     let text = std::fs::read_to_string(out.join("identification.json")).expect("an answer");
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");

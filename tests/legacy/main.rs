@@ -1,7 +1,7 @@
-//! Clients that nobody here made the rules for: MATLAB scripts under GNU Octave, and readers of results written by others.
+//! Foreign clients: MATLAB scripts under GNU Octave, and readers of results written by others.
 //!
-//! They know `mdi` and the files it writes, nothing else of this project. A client that is not installed is skipped with a
-//! notice; under CI that is a failure.
+//! The clients know only `mdi` and the files that it writes. A client that is not installed is skipped with a notice; under CI this is a
+//! failure.
 
 mod client;
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! MATLAB scripts of the kind that surround ADAMS, run by GNU Octave as they are in `corpus/matlab`.
+//! MATLAB scripts of the kind used with ADAMS, run unchanged from `corpus/matlab` by GNU Octave.
 
 use std::fs::{self, File};
 use std::io::{BufReader, Write};
@@ -11,7 +11,7 @@ use crate::client::{LineEnds, copy, load_cases, project, run};
 use crate::common::{missing, shared};
 use crate::identification::by_admire;
 
-/// Octave ready to run a script, or `None` where there is none.
+/// Returns a command that runs a script by Octave; `None` if Octave is not installed.
 fn octave(script: &Path) -> Option<Command> {
     let there = Command::new("octave-cli")
         .arg("--version")
@@ -30,7 +30,7 @@ fn octave(script: &Path) -> Option<Command> {
     Some(command)
 }
 
-/// The lines of the page for MATLAB run in the folder that the page names, but for those that need MATLAB or Windows.
+/// Runs the lines of the guide page for MATLAB in the folder that the page names, except for lines that need MATLAB or Windows.
 #[test]
 fn the_page_for_matlab_runs_as_it_is_printed() {
     let page = admire_guide::page("matlab").expect("the page").text;
@@ -65,7 +65,7 @@ fn the_page_for_matlab_runs_as_it_is_printed() {
         .split_whitespace()
         .map(|word| word.parse().expect("a number"))
         .collect();
-    // Both ways read the same height of the knuckle; the true stiffness of the study is 13875 N/mm.
+    // Both ways give the same height of the knuckle; the true stiffness of the study is 13875 N/mm.
     assert!(
         (numbers[0] - numbers[1]).abs() < 1e-6 && numbers[0] > 200.0,
         "{said}"
@@ -76,19 +76,19 @@ fn the_page_for_matlab_runs_as_it_is_printed() {
     );
 }
 
-/// The stiffnesses that a run of the paper's script leaves, and its iterations.
+/// Stiffnesses found by a run of the paper's script, and its iterations.
 struct Identified {
     iterations: u64,
-    /// Bushing 1, then bushing 2: Kx Ky Kz KTx KTy KTz.
+    /// Stiffnesses of bushing 1, then of bushing 2: Kx Ky Kz KTx KTy KTz.
     stiffnesses: Vec<f64>,
 }
 
-/// How a study differs from the one of the corpus.
+/// Differences of a study from the study of the corpus.
 #[derive(Clone, Copy)]
 struct Variant {
     marks: &'static str,
     epsilon: f64,
-    /// Bushing 1 is round: equation 16.
+    /// True if bushing 1 is round (equation 16).
     round: bool,
     line_ends: LineEnds,
 }
@@ -100,7 +100,7 @@ const NOISE_FREE: Variant = Variant {
     line_ends: LineEnds::Lf,
 };
 
-/// Lays the study of the corpus in a folder, to be identified by the paper's loop.
+/// Writes the study of the corpus into a folder, for identification by the paper's loop.
 fn study(folder: &Path, variant: Variant) {
     let corpus = project("corpus/pseudo-mcpherson");
     fs::create_dir_all(folder).expect("a folder");
@@ -166,7 +166,7 @@ fn identify(study: &Path, variant: Variant) -> Option<Identified> {
     })
 }
 
-/// The script, which solves with `mdi` and reads `.res`, and `admire identify` on its built-in solver: the same stiffnesses.
+/// Compares the script, which solves with `mdi` and reads `.res`, with `admire identify` and its built-in solver: the stiffnesses must be equal.
 fn script_and_admire_agree(variant: Variant) -> Option<Vec<f64>> {
     let folder = tempfile::tempdir().expect("a folder");
     study(folder.path(), variant);
@@ -191,8 +191,8 @@ fn script_and_admire_agree(variant: Variant) -> Option<Vec<f64>> {
     Some(found.stiffnesses)
 }
 
-/// Besides: what the paper's loop gives on marks free of noise, as an independent implementation of it found, is stiffness over
-/// reference 0.997 and so on when the step test stops it after some 40 iterations (the slow ones are still on their way).
+/// Also compares the results of the paper's loop for noise-free marks with those of an independent implementation. The step test stops the loop
+/// after about 40 iterations, with a ratio of stiffness to reference of 0.997 and so on; slow stiffnesses have not converged by then.
 #[test]
 fn the_papers_script_finds_what_admire_finds() {
     let Some(found) = script_and_admire_agree(NOISE_FREE) else {
@@ -217,7 +217,7 @@ fn the_papers_script_finds_what_admire_finds() {
     }
 }
 
-/// Noise of 0.05 mm; some lines fail the test of equation 15, and nothing converges: the 40 iterations still agree.
+/// With noise of 0.05 mm, some lines fail the test of equation 15, and the loop does not converge. The 40 iterations must agree nevertheless.
 #[test]
 fn the_papers_script_follows_admire_through_noise() {
     script_and_admire_agree(Variant {
@@ -226,7 +226,7 @@ fn the_papers_script_follows_admire_through_noise() {
     });
 }
 
-/// Files of Windows, for the script and for `admire identify`.
+/// Checks files with Windows line ends, for the script and for `admire identify`.
 #[test]
 fn the_papers_script_finds_what_admire_finds_in_windows_files() {
     script_and_admire_agree(Variant {
@@ -236,7 +236,7 @@ fn the_papers_script_finds_what_admire_finds_in_windows_files() {
     });
 }
 
-/// Equation 16 as printed.
+/// Checks equation 16 as printed.
 #[test]
 fn the_papers_script_averages_round_bushings_as_admire_does() {
     script_and_admire_agree(Variant {
@@ -246,7 +246,7 @@ fn the_papers_script_averages_round_bushings_as_admire_does() {
     });
 }
 
-/// The script meets Windows files where ADAMS/View writes them, and leaves Windows files.
+/// Checks that the script reads files with Windows line ends, as ADAMS/View writes them, and writes such files.
 #[test]
 fn the_papers_script_takes_both_line_ends() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -276,7 +276,7 @@ fn the_papers_script_takes_both_line_ends() {
     }
 }
 
-/// Every entity with a name of its own, all quasi-static steps: both MATLAB readers against our own reader, value for value.
+/// Compares both MATLAB readers with our own reader, value for value: every named entity in all quasi-static steps.
 fn both_readers_agree(results: &Path) -> Option<usize> {
     let open = || {
         let file = File::open(results).expect("the results");
@@ -340,7 +340,7 @@ fn both_readers_agree(results: &Path) -> Option<usize> {
     Some(compared)
 }
 
-/// A K&C run of Adams/Car 2020: 101 equilibria, 1315 columns.
+/// Reads a K&C run of Adams/Car 2020: 101 equilibria, 1315 columns.
 #[test]
 fn matlab_readers_read_what_adams_wrote() {
     let Some(results) = shared("real-decks/kinbench-kc/NRAC_G023_Lat_static_load.res") else {
@@ -351,7 +351,7 @@ fn matlab_readers_read_what_adams_wrote() {
     }
 }
 
-/// The 13 load cases of the paper, solved by `mdi` from files of Windows and of Unix.
+/// Reads the 13 load cases of the paper, solved by `mdi` from files with Windows and Unix line ends.
 #[test]
 fn matlab_readers_read_what_mdi_writes() {
     for line_ends in [LineEnds::Lf, LineEnds::CrLf] {

@@ -1,4 +1,4 @@
-//! Readers of results that other people wrote, in a Python environment of their own (`.ci/run` makes it).
+//! Foreign readers of results, in a separate Python environment (created by `.ci/run`).
 
 use std::fs;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::client::{LineEnds, copy, load_cases, project, run};
 use crate::common::{missing, shared};
 
-/// The Python that has the readers: READERS_PYTHON, or the one `.ci/run` made.
+/// Returns the Python with the readers: READERS_PYTHON, or the one that `.ci/run` created.
 fn python() -> Option<PathBuf> {
     let found = std::env::var_os("READERS_PYTHON")
         .map(PathBuf::from)
@@ -23,8 +23,8 @@ fn python() -> Option<PathBuf> {
     found
 }
 
-/// adamspy starts `mdi` its own way and reads what it wrote; XML parsers read the same; all agree with the equilibria of an
-/// independent implementation: the marks of the corpus, and the reference beside the project where it is.
+/// Checks that adamspy starts `mdi` in its own way and reads the results, and that XML parsers read the same. All must agree with the equilibria
+/// of an independent implementation: the marks of the corpus, and the reference beside the project if it is available.
 #[test]
 fn readers_of_others_agree_with_the_reference() {
     let Some(python) = python() else {

@@ -1,4 +1,4 @@
-//! An editor for tests: it starts the built program and talks to it over standard input and output.
+//! Editor for tests: it starts the built program and communicates with it over standard input and output.
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Write};
@@ -12,21 +12,21 @@ use serde_json::{Value, json};
 /// Longer than any answer takes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A session with the server.
+/// Session with the server.
 pub struct Editor {
     process: Child,
     input: Option<ChildStdin>,
     messages: Receiver<Value>,
-    /// Notifications that nobody waited for yet.
+    /// Notifications that no call has consumed yet.
     pub notes: VecDeque<Value>,
     next: i64,
-    /// What is said at once, later.
+    /// Messages that are collected, to be sent at once.
     held: Option<Vec<u8>>,
     pub folder: tempfile::TempDir,
 }
 
 impl Editor {
-    /// Starts the server with a folder of these files.
+    /// Starts the server in a folder with these files.
     pub fn start(files: &[(&str, &[u8])]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         for (name, bytes) in files {
@@ -79,7 +79,7 @@ impl Editor {
         format!("file://{}", self.path(name).display())
     }
 
-    /// A place in a file.
+    /// Returns the parameters for a position in a file.
     pub fn at(&self, name: &str, line: usize, character: usize) -> Value {
         json!({ "textDocument": { "uri": self.uri(name) }, "position": { "line": line, "character": character } })
     }
@@ -92,7 +92,7 @@ impl Editor {
         );
     }
 
-    /// Replaces a range: first line and character, last line and character.
+    /// Replaces a range, given by first line and character, then last line and character.
     pub fn change(&mut self, name: &str, version: i64, range: [usize; 4], text: &str) {
         let uri = self.uri(name);
         let [line, character, last, end] = range;
@@ -112,7 +112,7 @@ impl Editor {
         self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
     }
 
-    /// Sends a request and does not wait; its id.
+    /// Sends a request without waiting for the answer; returns its id.
     pub fn ask(&mut self, method: &str, params: Value) -> i64 {
         self.next += 1;
         self.send(
@@ -121,7 +121,7 @@ impl Editor {
         self.next
     }
 
-    /// Says all of this in one go: the server has the last message as soon as the first.
+    /// Sends all messages of `say` in one write, so that the server has the last message as soon as the first.
     pub fn at_once<T>(&mut self, say: impl FnOnce(&mut Self) -> T) -> T {
         self.held = Some(Vec::new());
         let said = say(self);
@@ -131,7 +131,7 @@ impl Editor {
         said
     }
 
-    /// The whole answer to a request that was sent.
+    /// Waits for the answer to a request, and returns it whole.
     pub fn answer(&mut self, id: i64) -> Value {
         loop {
             let message = self.next_message();
@@ -142,7 +142,7 @@ impl Editor {
         }
     }
 
-    /// The result of a request that succeeds.
+    /// Sends a request that must succeed, and returns its result.
     pub fn request(&mut self, method: &str, params: Value) -> Value {
         let id = self.ask(method, params);
         let answer = self.answer(id);
@@ -150,7 +150,7 @@ impl Editor {
         answer["result"].clone()
     }
 
-    /// The next complaints about a file that `wanted` accepts.
+    /// Waits for the next diagnostics of a file that `wanted` accepts.
     pub fn complaints(&mut self, name: &str, wanted: impl Fn(&[Value]) -> bool) -> Vec<Value> {
         let uri = self.uri(name);
         loop {
@@ -172,20 +172,20 @@ impl Editor {
         }
     }
 
-    /// Ends as an editor does; the exit code.
+    /// Ends the session as an editor does; returns the exit code.
     pub fn end(mut self) -> Option<i32> {
         self.request("shutdown", Value::Null);
         self.notify("exit", Value::Null);
         self.process.wait().expect("it ends").code()
     }
 
-    /// Goes away without a word; the exit code of the server.
+    /// Closes the connection without the shutdown messages; returns the exit code of the server.
     pub fn leave(mut self) -> Option<i32> {
         drop(self.input.take());
         self.process.wait().expect("it ends").code()
     }
 
-    /// Says bytes as they are.
+    /// Sends bytes unchanged.
     pub fn say_bytes(&mut self, bytes: &[u8]) {
         self.write(bytes);
     }
@@ -214,7 +214,7 @@ impl Editor {
 
 impl Drop for Editor {
     fn drop(&mut self) {
-        // A test that failed leaves no process.
+        // A failed test must not leave a process behind.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
@@ -238,7 +238,7 @@ fn read(output: &mut impl BufRead) -> Option<Value> {
     serde_json::from_slice(&bytes).ok()
 }
 
-/// The codes of complaints.
+/// Returns the codes of diagnostics.
 pub fn codes(found: &[Value]) -> Vec<&str> {
     found
         .iter()
@@ -246,7 +246,7 @@ pub fn codes(found: &[Value]) -> Vec<&str> {
         .collect()
 }
 
-/// A shipped file.
+/// Returns the text of a shipped file.
 pub fn shipped(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("corpus")
@@ -254,7 +254,7 @@ pub fn shipped(path: &str) -> String {
     std::fs::read_to_string(path).expect("a shipped file")
 }
 
-/// A text after edits of the protocol, which state places in it as it was.
+/// Returns a text after edits of the protocol, whose positions refer to the original text.
 pub fn edited(text: &str, edits: &Value) -> String {
     let offset = |place: &Value| {
         let line = place["line"].as_u64().expect("a line") as usize;
@@ -290,7 +290,7 @@ pub fn edited(text: &str, edits: &Value) -> String {
     out
 }
 
-/// What the edit of a workspace makes of each file that it changes.
+/// Returns the edits of one file in a workspace edit; `None` if it does not change the file.
 pub fn edits_of<'e>(edit: &'e Value, uri: &str) -> Option<&'e Value> {
     let changes = edit["documentChanges"].as_array().expect("changes");
     let own = changes

@@ -1,4 +1,4 @@
-//! Complaints while typing.
+//! Diagnostics while typing.
 
 use std::process::Command;
 
@@ -8,7 +8,7 @@ use crate::client::{Editor, codes, shipped};
 
 const DECK: &str = "t\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1, CM=20\nMARKER/20, PART=2\nJOINT/1, SPHERICAL, I=20, J=1\nEND\n";
 
-/// What `admire check` says of a file: line, column, code.
+/// Returns the diagnostics of `admire check` for a file, as line, column and code.
 fn checked(editor: &Editor, name: &str) -> Vec<(u64, u64, String)> {
     let out = Command::new(env!("CARGO_BIN_EXE_admire"))
         .args(["check", "--format", "json", name])
@@ -80,7 +80,7 @@ fn a_keystroke_makes_a_complaint_and_the_next_one_ends_it() {
     assert_eq!(codes(&found), ["undefined-id"]);
     assert_eq!(found[0]["range"]["start"]["character"], 22);
     assert_eq!(found[0]["source"], "admire");
-    // The marker itself: what others name is looked at again.
+    // The marker itself is edited, so that statements which refer to it must be checked again.
     editor.change("a.adm", 3, [5, 22, 5, 24], "20");
     editor.complaints("a.adm", <[Value]>::is_empty);
     editor.change("a.adm", 4, [4, 7, 4, 9], "30");
@@ -90,7 +90,7 @@ fn a_keystroke_makes_a_complaint_and_the_next_one_ends_it() {
         .map(|found| found["range"]["start"]["line"].as_u64())
         .collect();
     assert_eq!(lines[..2], [Some(3), Some(5)], "{found:#?}");
-    // The whole text at once, as simple editors send it.
+    // The whole text is sent at once, as by simple editors.
     let uri = editor.uri("a.adm");
     editor.notify(
         "textDocument/didChange",
@@ -107,14 +107,14 @@ fn commands_are_checked_against_their_deck_as_it_is_in_the_editor() {
     editor.open("run.acf", commands);
     editor.open("a.adm", DECK);
     editor.complaints("a.adm", <[Value]>::is_empty);
-    // The joint gets another id: nothing is saved.
+    // The joint gets another id, without saving.
     editor.change("a.adm", 2, [5, 6, 5, 7], "7");
     let found = editor.complaints("run.acf", |found| !found.is_empty());
     assert_eq!(codes(&found), ["undefined-id"]);
     assert_eq!(found[0]["range"]["start"]["line"], 2);
     editor.change("a.adm", 3, [5, 6, 5, 7], "1");
     editor.complaints("run.acf", <[Value]>::is_empty);
-    // Closed without saving: the file on disk counts.
+    // The file is closed without saving, so the file on disk counts.
     editor.change("a.adm", 4, [5, 6, 5, 7], "7");
     editor.complaints("run.acf", |found| !found.is_empty());
     let uri = editor.uri("a.adm");
@@ -146,7 +146,7 @@ fn places_are_counted_in_utf_16_whatever_ends_the_lines() {
         );
         let mut editor = Editor::start(&[]);
         editor.open("a.adm", &text);
-        // Behind a character of two units.
+        // The edit follows a character of two UTF-16 units.
         editor.change("a.adm", 2, [2, 4, 2, 5], "x");
         editor.change("a.adm", 3, [3, 16, 3, 17], "9");
         let found = editor.complaints("a.adm", |found| codes(found).contains(&"undefined-id"));

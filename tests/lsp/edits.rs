@@ -1,4 +1,4 @@
-//! Random edits: a document that was edited holds and says what one that is read anew does.
+//! Random edits: an edited document must have the same content and diagnostics as one that is read anew.
 
 use admire_lsp::Document;
 use admire_session::check;
@@ -13,7 +13,7 @@ use rand_pcg::Pcg64;
 
 const NAME: &str = "edited.adm";
 
-/// Three shipped decks in one: most ids are there twice or more.
+/// Returns three shipped decks as one text, in which most ids occur twice or more.
 fn deck() -> String {
     let mut all = String::from("three decks\n");
     for name in ["multilink", "pseudo-mcpherson", "kc-experiment"] {
@@ -28,7 +28,7 @@ fn deck() -> String {
     all
 }
 
-/// What is typed: marks that change where lines and statements end, ids that change what others name, and text.
+/// Typed texts: characters that change the ends of lines and statements, ids to which other statements refer, and text.
 const TYPED: [&str; 44] = [
     ",",
     "&",
@@ -90,7 +90,7 @@ fn ten_thousand_random_edits_leave_the_state_of_a_fresh_reading() {
 fn random_edits(count: usize) {
     const ROUND: usize = 125;
     let rounds: Vec<u64> = (0..(count / ROUND) as u64).collect();
-    // Rounds are independent: all processors work.
+    // Rounds are independent and run on all processors.
     std::thread::scope(|scope| {
         for part in rounds.chunks(rounds.len().div_ceil(4)) {
             scope.spawn(move || {
@@ -122,7 +122,7 @@ fn round(seed: u64, edits: usize) {
     }
 }
 
-/// A place and what is written there instead.
+/// Returns a random edit: start and end of the replaced range, and the new text.
 fn edit(random: &mut Pcg64, text: &str, original: &str) -> (usize, usize, String) {
     let boundary = |at: usize| {
         let at = at.min(text.len());
@@ -141,7 +141,7 @@ fn edit(random: &mut Pcg64, text: &str, original: &str) -> (usize, usize, String
             boundary(start + random.random_range(0..40)),
             String::new(),
         ),
-        // Whole lines go away or come from elsewhere.
+        // A larger range is removed. In the next case, whole lines from elsewhere are inserted.
         7 => (
             start,
             boundary(start + random.random_range(0..1500)),
@@ -154,7 +154,7 @@ fn edit(random: &mut Pcg64, text: &str, original: &str) -> (usize, usize, String
             let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
             (line, line, lines[first..first + many].concat())
         }
-        // The first bytes and the last ones are edited as often as others together.
+        // An edit at the start or the end of the text.
         _ => {
             let at = if random.random_bool(0.5) {
                 0
@@ -168,7 +168,7 @@ fn edit(random: &mut Pcg64, text: &str, original: &str) -> (usize, usize, String
 
 type Place = (usize, usize);
 
-/// A statement with all its places.
+/// A statement with all its positions.
 #[derive(PartialEq, Debug)]
 struct Shown {
     kind: Option<&'static str>,
@@ -183,7 +183,7 @@ struct Shown {
 struct ShownArgument {
     kind: Option<&'static str>,
     places: [Place; 3],
-    /// Bits, whether in degrees, and where.
+    /// Numbers: bits, whether given in degrees, and position.
     numbers: Vec<(u64, bool, Place)>,
 }
 
@@ -246,7 +246,8 @@ fn same_statements(document: &Document, fresh: &Dataset, place: &str) {
     }
 }
 
-/// Compares what the reader and rules of neighbours say; every twentieth time also all that a check of the whole file says.
+/// Compares the diagnostics of the reader and of the rules for neighbouring statements. At every twentieth step, also compares those of a check
+/// of the whole file.
 fn same_complaints(document: &mut Document, fresh: Checked<Dataset>, step: usize, place: &str) {
     let files = Checked::clean(Files::default());
     let found =

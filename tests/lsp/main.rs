@@ -1,4 +1,4 @@
-//! The language server: what it holds of a file that is being edited, and what it answers over standard input and output.
+//! The language server: its document of an edited file, and its answers over standard input and output.
 
 mod client;
 #[path = "../common/mod.rs"]

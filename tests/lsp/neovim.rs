@@ -1,4 +1,4 @@
-//! A real editor: Neovim without a window, with its built-in client. Skipped where Neovim is not installed.
+//! A real editor: headless Neovim with its built-in client. The test is skipped without Neovim.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,7 +9,7 @@ use crate::common::skipped;
 
 const DECK: &str = "t\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1,CM=20\nMARKER/20,PART=2\nJOINT/1, SPHERICAL, J=1, I=20\nEND\n";
 
-/// The settings for Neovim as the guide has them.
+/// Returns the settings for Neovim from the guide.
 fn of_the_guide() -> &'static str {
     let page = include_str!("../../src/guide/editors.md");
     let (_, rest) = page.split_once("```lua\n").expect("settings");

@@ -1,4 +1,4 @@
-//! Decks that ADAMS and its users wrote: what the server holds of them while they are edited.
+//! Real decks of ADAMS and its users: the server's document while they are edited.
 
 use admire_lsp::Document;
 use admire_session::check;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::common::{files_below, shared};
 
-/// Every real deck as an editor would hand it over, by its path.
+/// Returns every real deck as text, as an editor would send it, with its path.
 fn decks() -> Vec<(String, String)> {
     let folders = ["real-decks", "reference"].into_iter().filter_map(shared);
     folders
@@ -31,7 +31,7 @@ fn edits_of_real_decks_are_told_as_a_fresh_reading_tells_them() {
     decks().into_par_iter().for_each(|(name, mut text)| {
         let mut document = Document::open(&Source::new(name.as_str(), text.as_bytes()), false);
         compare(&mut document, &text, &name);
-        // At a dozen places a key, and a line; each is taken back behind the next one.
+        // At each of a dozen positions, a key and a line are typed, and the edits are undone.
         for k in 0..12 {
             let mut at = text.len() * k / 12;
             while !text.is_char_boundary(at) {
@@ -70,7 +70,7 @@ fn compare(document: &mut Document, text: &str, place: &str) {
     );
     let files = admire_syntax::diagnostic::Checked::clean(Files::default());
     let found = check::dataset(read, files, &Options::default(), || false).expect("never outdated");
-    // A file of thousands of complaints is told in part, and not in the same parts.
+    // For a file with thousands of diagnostics, only a part is reported, and the two parts may differ.
     if found
         .iter()
         .any(|found| found.diagnostic.code == Code::LimitExceeded)
@@ -87,7 +87,7 @@ fn compare(document: &mut Document, text: &str, place: &str) {
         all.sort();
         all
     };
-    // Of a large deck the rules of neighbours are asked about what was touched; the check of the whole has told the rest.
+    // For a large deck, the rules for neighbouring statements run only on the edited pieces. The check of the whole file has reported the rest.
     if document.pieces().pieces().len() > 64 {
         document.store_findings(found.clone());
     }

@@ -1,10 +1,10 @@
-//! What the server answers.
+//! Answers of the server to requests.
 
 use serde_json::{Value, json};
 
 use crate::client::{Editor, codes, edited, edits_of, shipped};
 
-/// Lines are told by their numbers, from 0.
+/// Deck of these tests. Lines are counted from 0.
 const DECK: &str = "\
 front axle
 UNITS/FORCE = NEWTON, MASS = KILOGRAM, LENGTH = MILLIMETER, TIME = SECOND
@@ -45,7 +45,7 @@ fn hover(editor: &mut Editor, name: &str, line: usize, character: usize) -> Stri
         .to_string()
 }
 
-/// File names with the first line and character of each place.
+/// Returns file names with the first line and character of each location.
 fn locations(answer: &Value) -> Vec<(String, u64, u64)> {
     let mut all: Vec<_> = answer
         .as_array()
@@ -87,7 +87,7 @@ fn hover_tells_the_grammar_and_the_model() {
             && argument.contains("default 0"),
         "{argument}"
     );
-    // The part stands at 10, 0, 0, the marker on it at 5, 0, 100.
+    // The part is at 10, 0, 0, and the marker on it at 5, 0, 100.
     let marker = hover(&mut editor, "axle.adm", 9, 7);
     assert!(
         marker.contains("In ground at 15, 0, 100 mm") && marker.contains("REULER = 90D, 0D, 0D"),
@@ -105,7 +105,7 @@ fn hover_tells_the_grammar_and_the_model() {
     );
     let function = hover(&mut editor, "axle.adm", 13, 25);
     assert!(function.contains("DX("), "{function}");
-    // In the command file, of what the deck defines.
+    // A hover in the command file shows definitions from the deck.
     editor.open("run.acf", COMMANDS);
     let redefined = hover(&mut editor, "run.acf", 2, 9);
     assert!(redefined.contains("arm_bush"), "{redefined}");
@@ -149,7 +149,7 @@ fn definitions_and_references_cross_functions_and_files() {
         .iter()
         .filter_map(|found| found["kind"].as_u64())
         .collect();
-    // Name and id are written, the BUSH function reads.
+    // The name and the id are written; the BUSH function reads.
     assert_eq!(kinds, [3, 3, 2]);
     assert_eq!(editor.end(), Some(0));
 }
@@ -179,7 +179,7 @@ fn symbols_and_folds() {
         found[0]["location"]["range"]["start"],
         json!({ "line": 8, "character": 0 })
     );
-    // Files of the folder that are not open are searched, too.
+    // Files of the folder that are not open are searched as well.
     let found = editor.request("workspace/symbol", json!({ "query": "variable/7" }));
     assert_eq!(found.as_array().map(Vec::len), Some(2), "{found}");
     let found = editor.request(
@@ -208,7 +208,7 @@ fn a_new_id_goes_through_functions_and_command_files() {
         DECK.replace("BUSHING/3", "BUSHING/33")
             .replace("BUSH(3,", "BUSH(33,")
     );
-    // The command file is not open, and changes all the same.
+    // The command file is changed although it is not open.
     let commands = edited(
         COMMANDS,
         edits_of(&edit, &editor.uri("run.acf")).expect("the commands change"),
@@ -219,7 +219,7 @@ fn a_new_id_goes_through_functions_and_command_files() {
             .replace("BUSHING/3", "BUSHING/33")
             .replace("ID = 3", "ID = 33")
     );
-    // From the command file, and a range of ids.
+    // Requests from the command file, and for a range of ids.
     editor.open("run.acf", COMMANDS);
     let mut force = editor.at("axle.adm", 14, 7);
     force["newName"] = json!("40");
@@ -238,7 +238,7 @@ fn a_new_id_goes_through_functions_and_command_files() {
     );
     assert_eq!(deck.matches("21").count(), 6, "{deck}");
     assert!(!deck.contains("= 20") && !deck.contains("(20"), "{deck}");
-    // An id that is taken, and what is none.
+    // An id that is in use, and text that is no id.
     for (new, why) in [
         ("10", "MARKER/20 and MARKER/10 would both be MARKER/10"),
         ("0", "above zero"),
@@ -253,7 +253,7 @@ fn a_new_id_goes_through_functions_and_command_files() {
             "{refused}"
         );
     }
-    // A view name, at the name and at the id.
+    // A view name, at its definition and at the id.
     for (line, character) in [(7, 45), (8, 8)] {
         let mut name = editor.at("axle.adm", line, character);
         name["newName"] = json!("rear bush");
@@ -305,7 +305,7 @@ fn quick_fixes_mend_what_they_say() {
         silenced,
         text.replace("PART/1,\t", "! admire: ignore[tab]\nPART/1,\t")
     );
-    // All safe ones at once: not the spelling, which is a guess.
+    // All safe fixes at once. The spelling fix is a guess, so it is not included.
     let all = actions(2, json!(["source.fixAll"]));
     let fixed = edited(&text, edits_of(&all[0]["edit"], &uri).expect("it changes"));
     assert_eq!(fixed, text.replace('\t', " "));
@@ -345,7 +345,7 @@ fn layout_changes_nothing_else() {
         );
         assert_eq!(editor.end(), Some(0));
     }
-    // Only what the range meets.
+    // Only fixes that overlap the range.
     let mut editor = Editor::start(&[]);
     let text = DECK
         .replace("PART = 1, QP", "PART=1 ,QP")
@@ -363,7 +363,7 @@ fn layout_changes_nothing_else() {
     assert_eq!(editor.end(), Some(0));
 }
 
-/// Types a text at the end of a line and asks what may come next: the items by their labels.
+/// Types a text at the end of a line, and returns the completion items by label.
 fn completions(editor: &mut Editor, name: &str, text: &str, typed: &str) -> Vec<Value> {
     let line = text.lines().count() - 1;
     let uri = editor.uri(name);
@@ -399,7 +399,7 @@ fn completion_knows_what_may_come() {
         .iter()
         .find(|item| item["label"] == "BUSHING")
         .expect("there");
-    // The example that is shipped, with the next free id.
+    // The shipped example, with the next free id.
     let snippet = bushing["textEdit"]["newText"].as_str().expect("a text");
     assert!(
         snippet.starts_with("BUSHING/${1:4}\n, I = ${2:20}\n, J = ${3:10}"),
@@ -422,7 +422,7 @@ fn completion_knows_what_may_come() {
     assert_eq!(labels(&ids), ["20"]);
     let bodies = completions(&mut editor, "axle.adm", DECK, "MARKER/8, PART = ");
     assert_eq!(labels(&bodies), ["1", "2 arm"]);
-    // By a part of its name.
+    // By a part of the object's name.
     let by_name = completions(&mut editor, "axle.adm", DECK, "MARKER/8, PART = ar");
     assert_eq!(by_name[0]["textEdit"]["newText"], "2");
     let values = completions(&mut editor, "axle.adm", DECK, "UNITS/LENGTH = MIL");
@@ -455,7 +455,7 @@ fn completion_knows_what_may_come() {
         "BUSHING/9\n, I = 20\n, J = 10, CT = 1, 2, 3, ",
     );
     assert!(labels(&nothing).contains(&"KT"));
-    // Commands: ids of the deck.
+    // In commands: ids of the deck.
     editor.open("axle.adm", DECK);
     editor.open("run.acf", COMMANDS);
     let asked =

@@ -1,4 +1,4 @@
-//! What an editor may do wrong, and what a session survives.
+//! Errors of an editor, and events that a session must survive.
 
 use serde_json::{Value, json};
 
@@ -31,7 +31,7 @@ fn wrong_messages_are_answered_and_the_server_goes_on() {
             let id = editor.ask(&format!("textDocument/{method}"), params);
             assert_eq!(editor.answer(id)["error"]["code"], -32602, "{method}");
         }
-        // A file nobody opened, and places no file has.
+        // A file that is not open, and positions that no file has.
         let range = json!({ "start": { "line": 4_000_000_000_u32, "character": 9 }, "end": { "line": 0, "character": 4_000_000_000_u32 } });
         for name in ["a.adm", "other.adm"] {
             let mut asked = editor.at(name, 4_000_000_000, 4_000_000_000);
@@ -47,7 +47,7 @@ fn wrong_messages_are_answered_and_the_server_goes_on() {
     for params in [
         Value::Null,
         json!({ "textDocument": { "uri": "file:///nowhere.adm", "version": 2 }, "contentChanges": [{ "text": "x" }] }),
-        // An end before its start, and places no line has.
+        // A range that ends before its start, and positions beyond the end of a line.
         json!({ "textDocument": { "uri": uri, "version": 2 }, "contentChanges": [
             { "range": { "start": { "line": 99, "character": 99 }, "end": { "line": 0, "character": 0 } }, "text": "! x\n" },
         ] }),
@@ -83,7 +83,7 @@ fn what_is_no_file_can_be_edited_too() {
             .is_some_and(|text| text.contains("PART/9: not defined")),
         "{answer}"
     );
-    // A command file by its language alone.
+    // A command file that is recognised only by its language id.
     editor.notify(
         "textDocument/didOpen",
         json!({ "textDocument": { "uri": "untitled:2", "languageId": "adams-acf", "version": 1, "text": "SIMULATE/STATCS\n" } }),
@@ -102,7 +102,7 @@ fn what_is_no_file_can_be_edited_too() {
 #[test]
 fn a_request_that_was_taken_back_is_not_answered() {
     let mut editor = Editor::start(&[]);
-    // The server reads this for a while; meanwhile a request waits and is taken back.
+    // The server takes some time to read this text. Meanwhile, a request waits and is cancelled.
     let large: String = std::iter::once("t\n".to_string())
         .chain(
             (1..60_000).map(|id| format!("VARIABLE/{id}, FUNCTION = VARVAL({id}) + 2*SIN(TIME)\n")),
@@ -111,7 +111,7 @@ fn a_request_that_was_taken_back_is_not_answered() {
         .collect();
     let mut asked = editor.at("a.adm", 2, 10);
     asked["context"] = json!({ "includeDeclaration": true });
-    // Said at once: however busy the machine is, the request is not answered before it is taken back.
+    // The messages are sent at once. Even on a busy machine, the request is not answered before it is cancelled.
     let (id, answered) = editor.at_once(|editor| {
         editor.open("a.adm", &large);
         let id = editor.ask("textDocument/references", asked.clone());
@@ -136,7 +136,7 @@ fn complaints_are_those_of_the_last_of_many_edits() {
     }
     editor.change("a.adm", 300, [2, 15, 2, 16], "1");
     editor.complaints("a.adm", <[Value]>::is_empty);
-    // Nothing that is outdated comes behind it.
+    // No outdated diagnostics follow.
     let at = editor.at("a.adm", 2, 15);
     editor.request("textDocument/hover", at);
     std::thread::sleep(std::time::Duration::from_millis(300));
@@ -176,7 +176,7 @@ fn files_in_latin_1_are_read_beside_open_ones() {
             .is_some_and(|text| text.contains("B\u{fc}chse")),
         "{answer}"
     );
-    // A character is one unit, whatever bytes it has on disk.
+    // A character is one unit, whatever its number of bytes on disk.
     let mut asked = editor.at("run.acf", 2, 8);
     asked["newName"] = json!("12");
     let edit = editor.request("textDocument/rename", asked);
@@ -189,7 +189,7 @@ fn files_in_latin_1_are_read_beside_open_ones() {
     assert_eq!(editor.end(), Some(0));
 }
 
-/// What is no message of the protocol is answered with -32700, and the next message as if nothing had been.
+/// Checks that invalid messages are answered with -32700, and that the next message is handled as usual.
 #[test]
 fn what_is_no_message_is_refused_and_the_server_goes_on() {
     let mut editor = Editor::start(&[]);

@@ -3,25 +3,25 @@ use std::process::Command;
 
 use crate::common::skipped;
 
-/// What a page tells of itself after it was loaded and its controls were used.
+/// Report of a page about itself, after it was loaded and its controls were used.
 #[derive(serde::Deserialize, Debug)]
 pub struct Seen {
     /// Errors of scripts and of the console.
     pub errors: Vec<String>,
-    /// Width of the window and of what is in it.
+    /// Width of the window, and width of its content.
     pub window: f64,
     pub content: f64,
-    /// Per chart or map whether it has a size and something drawn in it.
+    /// For each chart or map, whether it has a size and a drawing.
     pub pictures: Vec<bool>,
-    /// Per three-dimensional view: pixels drawn, and what changes them.
+    /// For each three-dimensional view, the number of drawn pixels, and the controls that change them.
     pub scenes: Vec<SceneSeen>,
-    /// Per chart, what it does under the pointer.
+    /// For each chart, its response to the pointer.
     pub charts: Vec<ChartSeen>,
-    /// Addresses that leave the page.
+    /// Addresses outside of the page.
     pub outside: Vec<String>,
 }
 
-/// What a chart does under the pointer.
+/// Response of a chart to the pointer.
 #[derive(serde::Deserialize, Debug)]
 pub struct ChartSeen {
     /// Whether a point shows its value.
@@ -30,7 +30,7 @@ pub struct ChartSeen {
     pub zoomed: bool,
 }
 
-/// What changed the picture of a view.
+/// Controls that changed the picture of a view.
 #[derive(serde::Deserialize, Debug)]
 pub struct SceneSeen {
     /// Pixels that are not empty.
@@ -43,11 +43,12 @@ pub struct SceneSeen {
     pub slider: Option<bool>,
     /// Whether the next step or case moved it; absent without one.
     pub step: Option<bool>,
-    /// Per named view left, right, top and bottom of what is drawn, as parts of the canvas, and where across it its upper third is.
+    /// For each named view: left, right, top and bottom of the drawing as fractions of the canvas, and the horizontal position of its upper
+    /// third.
     pub views: std::collections::BTreeMap<String, [f64; 5]>,
 }
 
-/// The browser, or `None` with a printed notice.
+/// Returns the browser; prints a notice and returns `None` if there is none.
 pub fn chromium() -> Option<PathBuf> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let found = std::env::split_paths(&path)
@@ -70,12 +71,12 @@ addEventListener('error',e=>seenErrors.push(String(e.message)));\
 addEventListener('unhandledrejection',e=>seenErrors.push(String(e.reason)));\
 for(const k of ['error','warn'])console[k]=(...a)=>seenErrors.push(a.join(' '));</script>";
 
-/// Runs in the page: uses every control of every view and writes down what happened.
+/// Script that runs in the page: it uses every control of every view and records the results.
 const PROBE: &str = include_str!("probe.js");
 
-/// Opens a page in a window of this width and uses it.
+/// Opens a page in a window of this width, and uses its controls.
 ///
-/// The page stands in a frame, as windows of the browser itself have a least width.
+/// The page is in a frame, because the browser's own windows have a minimum width.
 pub fn open(chromium: &Path, page: &Path, width: u32, dark: bool) -> Seen {
     let text = std::fs::read_to_string(page).expect("readable page");
     let text = text.replacen("<head>", &format!("<head>{BEFORE}"), 1);
@@ -136,7 +137,7 @@ pub fn open(chromium: &Path, page: &Path, width: u32, dark: bool) -> Seen {
     serde_json::from_str(&seen).unwrap_or_else(|error| panic!("{error}: {seen}"))
 }
 
-/// What every page must hold, in a wide and in a narrow window, light and dark.
+/// Checks the requirements on every page, in a wide and in a narrow window, light and dark.
 pub fn sound(chromium: &Path, page: &Path) -> Seen {
     let mut widest = None;
     for (width, dark) in [(1200, false), (400, true)] {

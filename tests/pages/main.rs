@@ -1,6 +1,6 @@
-//! Pages in a real browser: no error, every picture drawn, controls that move it, nothing wider than a telephone.
+//! Pages in a real browser: no errors, all pictures drawn, working controls, and no content wider than a phone.
 //!
-//! Runs headless Chromium where it is installed and says so where it is not; with ADMIRE_REQUIRE_CHROMIUM=1 its absence is a failure.
+//! The tests run headless Chromium. Without it, they are skipped with a notice; with ADMIRE_REQUIRE_CHROMIUM=1, its absence is a failure.
 
 #[path = "../common/mod.rs"]
 mod common;

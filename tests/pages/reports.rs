@@ -15,7 +15,7 @@ fn admire(arguments: &[&str], folder: &Path) {
     assert!(run.status.success(), "{arguments:?}: {said}");
 }
 
-/// Every figure has its data, every table its heads.
+/// Checks that every figure has its data, and every table its headings.
 fn accessible(page: &Path, seen: &Seen) {
     let page = std::fs::read_to_string(page).unwrap();
     assert_eq!(page.matches("download=").count(), seen.pictures.len());
@@ -26,7 +26,7 @@ fn accessible(page: &Path, seen: &Seen) {
     );
 }
 
-/// A tie rod that yields: the page names it in its first sentences, and marks it in the picture.
+/// Checks a report about a compliant tie rod: the page names the tie rod in its first sentences, and marks it in the picture.
 #[test]
 fn the_report_of_a_diagnosis_is_whole() {
     let Some(chromium) = chromium() else { return };
@@ -75,7 +75,7 @@ fn the_report_of_a_diagnosis_is_whole() {
     );
 }
 
-/// A page as wide as the one of the paper's validations: tables of many columns and long words, and curves.
+/// Checks a page as wide as that of the paper's validations: tables with many columns and long words, and curves.
 #[test]
 fn the_page_of_the_papers_validations_is_whole() {
     let Some(chromium) = chromium() else { return };
@@ -136,7 +136,7 @@ fn the_page_of_the_papers_validations_is_whole() {
     accessible(&page, &seen);
 }
 
-/// The standard tests of an axle.
+/// Checks the report of the standard tests of an axle.
 #[test]
 fn the_report_of_the_standard_tests_is_whole() {
     let Some(chromium) = chromium() else { return };
@@ -160,7 +160,7 @@ fn the_report_of_the_standard_tests_is_whole() {
     accessible(&path, &seen);
 }
 
-/// The page of an identification: its view, its charts and its data, under a deck whose names try to break out.
+/// Checks the page of an identification: its view, its charts and its data, for a deck with names that contain HTML.
 #[test]
 fn the_report_of_an_identification_is_whole() {
     let Some(chromium) = chromium() else { return };
@@ -193,7 +193,7 @@ fn the_report_of_an_identification_is_whole() {
         (seen.scenes[0].slider, seen.scenes[0].step),
         (Some(true), Some(true))
     );
-    // Two bushings of six directions, the cases, two maps and the convergence.
+    // Two bushings with six directions, the cases, two maps and the convergence.
     assert!(seen.pictures.len() >= 12, "{}", seen.pictures.len());
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(!page.contains("<img"));
@@ -205,7 +205,7 @@ fn the_report_of_an_identification_is_whole() {
     assert!(page.contains("scope=\"col\"") && page.contains("scope=\"row\""));
 }
 
-/// What to measure next: bars of what it gains, and the number that is known least marked in the picture.
+/// Checks the page of a proposed measurement: bars show its gain, and the least known parameter is marked in the picture.
 #[test]
 fn the_page_of_a_plan_is_whole() {
     let Some(chromium) = chromium() else { return };
@@ -225,7 +225,7 @@ fn the_page_of_a_plan_is_whole() {
     assert!(page.contains("\"label\":\"least known\""));
 }
 
-/// A deck with a fault: the page names file, line, code and cure.
+/// Checks the page for a deck with a fault: it states file, line, code and remedy.
 #[test]
 fn the_page_of_a_check_names_the_place() {
     let Some(chromium) = chromium() else { return };
@@ -248,7 +248,7 @@ fn the_page_of_a_check_names_the_place() {
     assert!(page.contains("The files have 1 error"), "{page}");
 }
 
-/// Two runs that differ in one load: the page draws the column over both files, and the difference below.
+/// Checks two runs that differ in one load: the page draws the column of both files, and the difference below.
 #[test]
 fn the_page_of_a_comparison_shows_the_difference() {
     let Some(chromium) = chromium() else { return };

@@ -36,8 +36,8 @@ fn the_view_of_a_deck_turns_under_mouse_and_keys() {
     assert_eq!(seen.scenes[0].slider, None, "nothing moves without results");
 }
 
-/// A frame 1,000 mm wide across the car (y), 700 mm high on the side of negative y, and 200 mm long (x). A load acts against a marker on
-/// ground 5 m away, which holds nothing.
+/// A frame 1,000 mm wide across the car (y), 700 mm high on the side of negative y, and 200 mm long (x). A load acts against a marker on ground
+/// 5 m away, which supports no part.
 const FRAME: &str = "a frame
 UNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=MILLIMETER,TIME=SECOND
 PART/1,GROUND
@@ -57,8 +57,8 @@ ACCGRAV/KGRAV=-9806.65
 END
 ";
 
-/// Front looks along the car, Side across it; all of the mechanism is in the picture, no mirror image, and what holds nothing does not
-/// shrink it.
+/// Checks the views Front, along the car, and Side, across it. The whole mechanism is in the picture, which is not mirrored. Markers that
+/// support no part do not affect the scale.
 #[test]
 fn the_front_view_shows_the_width_of_the_car() {
     let Some(chromium) = chromium() else { return };
@@ -77,18 +77,18 @@ fn the_front_view_shows_the_width_of_the_car() {
         ((right - left), (bottom - top))
     };
     let ((wide, high), (long, tall)) = (size("Front"), size("Side"));
-    // 1,000 by 700 mm, and 200 by 700 mm.
+    // The front view shows 1,000 by 700 mm, the side view 200 by 700 mm.
     assert!(wide / high > 2.0 * long / tall, "{views:?}");
     for [left, right, top, bottom, _] in views.values() {
         assert!(*left > 0.01 && *right < 0.99 && *top > 0.01, "{views:?}");
         let filled = (right - left).max(bottom - top);
         assert!(filled > 0.4, "{views:?}");
     }
-    // Seen along +x, z up, negative y is on the right.
+    // Seen along +x with z up, negative y is on the right.
     assert!(views["Front"][4] > 0.5, "{views:?}");
 }
 
-/// Results of our own: the wheel of a double wishbone travels and is steered.
+/// Checks the view of our own results: the wheel of a double wishbone travels and is steered.
 #[test]
 fn the_view_of_results_moves_with_step_and_slider() {
     let Some(chromium) = chromium() else { return };
@@ -145,7 +145,7 @@ fn decks_and_results_of_others_are_drawn() {
     }
 }
 
-/// Every deck there is gives a page, whatever its faults; no file that is there is replaced unasked.
+/// Checks that every available deck gives a page, whatever its faults, and that an existing file is replaced only on request.
 #[test]
 fn every_deck_of_others_gives_a_page() {
     let Some(real) = shared("real-decks") else {

@@ -1,4 +1,4 @@
-//! Decks rebuilt from results: planted decks come back, and results of a real axle are repeated.
+//! Decks rebuilt from results: planted decks are recovered, and results of a real axle are reproduced.
 
 mod planted;
 mod real;

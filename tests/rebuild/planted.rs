@@ -1,4 +1,4 @@
-//! Decks of the corpus are solved under drawn loads; the results alone give decks with the same numbers.
+//! Decks of the corpus are solved under random loads. Their results alone must give decks with the same parameters.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use admire_solver::model::Model;
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
-/// Solves a deck of the corpus under drawn loads at the contact point and writes its results. Loads along x and y are left out where
-/// `has_load` is set.
+/// Solves a deck of the corpus under random loads at the contact point, and writes the results. `has_load` tells whether loads act along x and
+/// along y.
 fn results(
     deck: &Path,
     (cases, seed): (usize, u64),
@@ -74,7 +74,7 @@ fn planted(deck: &str) -> (Model, Rebuilt) {
     (model, rebuilt)
 }
 
-/// Place of a marker of the planted deck at the design position.
+/// Returns the position of a marker of the planted deck, at the design position.
 fn place(model: &Model, marker: admire_solver::model::MarkerIx) -> Vec3 {
     let marker = &model.markers[marker.0];
     model.parts[marker.part.0].pose.point(&marker.qp)
@@ -144,7 +144,7 @@ fn a_multilink_on_bushings_comes_back() {
     compare(&model, &rebuilt);
 }
 
-/// A lateral and a longitudinal test together predict loads along both; either alone is warned to miss them.
+/// Checks that a lateral and a longitudinal test together predict loads along both axes, and that one test alone gives a warning.
 #[test]
 fn two_tests_tell_what_one_does_not() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson/reference.adm");

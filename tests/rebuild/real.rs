@@ -6,8 +6,8 @@ use admire_rebuild::{Role, rebuild};
 
 use crate::common::missing;
 
-/// The file holds 101 equilibria under lateral loads. Masses are round in the axle's own files, and a wheel of 20 kg is a fact of the
-/// test rig; the deck itself is not at hand.
+/// Checks a file with 101 equilibria under lateral loads. Masses are round numbers in the axle's own files, and the test rig has a wheel of 20
+/// kg. The deck itself is not available.
 #[test]
 fn a_real_axle_repeats_its_results() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -43,7 +43,7 @@ fn a_real_axle_repeats_its_results() {
             named(part)
         );
     }
-    // Lower bushings of the struts are linear, with 1000 N/mm along all axes.
+    // The lower bushings of the struts are linear, with 1000 N/mm along all axes.
     for member in &mechanism.members {
         let name = &record.elements[member.connection.element].name;
         if let Role::Bushing { law, .. } = &member.role

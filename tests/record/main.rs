@@ -1,7 +1,7 @@
-//! What the shipped and the shared studies are answered, compared with a committed record.
+//! Results of the shipped and the shared studies, compared with a committed record.
 //!
-//! A change of the inference shows here what it changes: verdicts, causes, places, probabilities, intervals and the work that was spent.
-//! `RECORD=write cargo test --release --test record` writes the record anew; `RECORD=all` compares every study, not the sample only.
+//! The record shows the effect of a change of the inference: verdicts, causes, locations, probabilities, intervals, and the work required.
+//! `RECORD=write cargo test --release --test record` rewrites the record. `RECORD=all` compares every study, not only the sample.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -13,23 +13,23 @@ use std::sync::Mutex;
 use admire::{GainCheck, SharedProgress, Study};
 use serde_json::{Map, Value, json};
 
-/// Probabilities may differ by this much.
+/// Allowed difference of probabilities.
 const PROBABILITY: f64 = 0.02;
-/// Values may differ by this part of their standard error, bounds of intervals likewise.
+/// Allowed difference of values and of interval bounds, relative to the standard error.
 const OF_STD_ERROR: f64 = 0.1;
-/// Sweeps may grow or fall by this factor.
+/// Allowed factor between the numbers of sweeps.
 const SWEEPS: f64 = 1.5;
-/// Studies that take minutes: compared with `RECORD=all` only.
+/// Studies that take minutes, compared only with `RECORD=all`.
 const LONG: [&str; 1] = ["corpus/flexure-finger"];
 
-/// Studies without an entry yet: the axle of Adams/Car waits for curves over the radius of a bushing among the causes.
+/// Studies without an entry. The axle of Adams/Car needs a cause that is not in the catalogue yet: curves over the radius of a bushing.
 const UNRECORDED: [&str; 1] = ["corpus/adams-car-axle"];
 
 fn record_file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/record/decisions.json")
 }
 
-/// Every measured study by its name in the record; the shared ones only where they are. A study with a target alone has no load cases.
+/// Returns every measured study by its name in the record, and the shared studies if available. A study with only a target has no load cases.
 fn studies() -> BTreeMap<String, PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = BTreeMap::new();
@@ -52,7 +52,7 @@ fn studies() -> BTreeMap<String, PathBuf> {
     found
 }
 
-/// Shared studies that every run of the tests compares, beside the shipped ones.
+/// Shared studies that every run of the tests compares, in addition to the shipped ones.
 const SAMPLE: [&str; 5] = [
     "shared/clean-0",
     "shared/hardpoint-friction-0",
@@ -66,13 +66,13 @@ fn is_in_sample(name: &str) -> bool {
     SAMPLE.contains(&name) || (name.starts_with("corpus/") && !LONG.contains(&name))
 }
 
-/// Four significant digits: what the record can hold a result to.
+/// Rounds to four significant digits, the precision of the record.
 fn rounded(number: f64) -> Value {
     let text = format!("{number:.3e}");
     json!(text.parse::<f64>().expect("a number that was printed"))
 }
 
-/// The listed members of an object, numbers rounded.
+/// Returns the listed members of an object, with rounded numbers.
 fn picked(object: &Value, keys: &[&str]) -> Map<String, Value> {
     let mut found = Map::new();
     for key in keys {
@@ -112,7 +112,7 @@ fn parameters(answer: &Value) -> Map<String, Value> {
         .collect()
 }
 
-/// What the record keeps of `diagnosis.json`.
+/// Returns the recorded part of `diagnosis.json`.
 fn diagnosed(answer: &Value, sweeps: usize) -> Value {
     let findings: Vec<Value> = list(&answer["findings"])
         .iter()
@@ -149,7 +149,7 @@ fn diagnosed(answer: &Value, sweeps: usize) -> Value {
     })
 }
 
-/// What the record keeps of `identification.json`.
+/// Returns the recorded part of `identification.json`.
 fn identified(answer: &Value) -> Value {
     let mut what = picked(
         answer,
@@ -160,7 +160,7 @@ fn identified(answer: &Value) -> Value {
     Value::Object(what)
 }
 
-/// The record of one study. A study that is refused is recorded with the reason.
+/// Returns the record of one study. For a study that is refused, the reason is recorded.
 fn entry(folder: &Path) -> Value {
     let study = match Study::open(folder) {
         Ok(study) => study,
@@ -181,7 +181,7 @@ fn entry(folder: &Path) -> Value {
     json!({ "identify": fit, "diagnose": diagnosis })
 }
 
-/// Whether two numbers agree, judged by what they are.
+/// Returns true if two numbers agree, within the tolerance of their kind.
 fn agree(place: &str, old: f64, new: f64, std_error: Option<f64>) -> bool {
     let key = place.rsplit('.').next().unwrap_or(place);
     let difference = (old - new).abs();
@@ -195,7 +195,7 @@ fn agree(place: &str, old: f64, new: f64, std_error: Option<f64>) -> bool {
     }
 }
 
-/// Every place where two records differ by more than is allowed.
+/// Lists all places where two records differ by more than is allowed.
 fn differences(
     place: &str,
     old: &Value,
@@ -237,7 +237,7 @@ fn differences(
     }
 }
 
-/// JSON with one finding or number of a study on a line.
+/// Writes JSON with one finding or parameter of a study per line.
 fn write(value: &Value, depth: usize, text: &mut String) {
     let indent = " ".repeat(depth + 1);
     match value {
@@ -264,7 +264,7 @@ fn write(value: &Value, depth: usize, text: &mut String) {
     }
 }
 
-/// The entries of these studies, made by two threads.
+/// Returns the entries of these studies, computed by two threads.
 fn entries(of: &BTreeMap<String, PathBuf>) -> BTreeMap<String, Value> {
     let open = Mutex::new(of.iter());
     let made = Mutex::new(BTreeMap::new());

@@ -1,4 +1,4 @@
-//! Newton's law on every part of every deck that is solved: all forces on it cancel to round-off, and so do all torques.
+//! Newton's law on every part of every solved deck: all forces on a part cancel to round-off, and so do all torques.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use admire_syntax::text::Source;
 
 use crate::common::{files_below, shared};
 
-/// The loads on every part that moves cancel to what the solver says is left, and to round-off of their own sizes.
+/// Checks that the loads on every moving part cancel to the imbalance that the solver reports, and to round-off of their own magnitudes.
 pub fn check(
     model: &Model,
     system: &System,
@@ -62,7 +62,7 @@ fn read(path: &Path) -> Option<Model> {
     (!parsed.has_errors() && !lowered.has_errors()).then_some(lowered.value)
 }
 
-/// Solves what can be solved below a folder, tightly; gives how many decks were.
+/// Solves all solvable decks below a folder with tight tolerances. Returns their number.
 fn sweep(folder: &Path) -> usize {
     let mut solved = 0;
     for path in files_below(folder, "adm") {
@@ -98,7 +98,7 @@ fn every_part_of_every_deck() {
     }
 }
 
-/// The reference axles in each of their load cases.
+/// Checks the reference axles in each of their load cases.
 #[test]
 fn every_part_in_every_load_case() {
     for stem in [

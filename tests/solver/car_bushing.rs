@@ -1,4 +1,4 @@
-//! FIELDs of Adams/Car: closed forms, the same law as a GFORCE, derivatives of the equilibrium, and what is refused.
+//! FIELDs of Adams/Car: closed forms, the same law as a GFORCE, derivatives of the equilibrium, and refusals.
 
 use admire_solver::model::Model;
 use admire_solver::statics::{Solver, Tangent};
@@ -25,7 +25,7 @@ const LOADS: [[f64; 6]; 4] = [
     [0.0; 6],
     [900.0, -700.0, 150.0, 2e3, -1e3, 3e3],
     [-4000.0, 200.0, -300.0, 0.0, 4e3, -2e3],
-    // Beyond the last knots.
+    // Load case beyond the last knots.
     [9000.0, 8000.0, 4000.0, 5e3, 0.0, 2e5],
 ];
 
@@ -33,7 +33,7 @@ fn car(axes: &Axes, load: [f64; 6]) -> String {
     [part(load), splines(), arrays(axes), field(PARAMETERS)].concat()
 }
 
-/// The load that holds the part at a radial deflection at a knot: r = 4 and r = 6 are hit exactly.
+/// Checks the load that holds the part at a radial deflection at a knot: r = 4 and r = 6 are knots.
 #[test]
 fn a_radial_load_is_the_closed_form() {
     let mut axes = PLAIN;
@@ -57,7 +57,7 @@ fn a_radial_load_is_the_closed_form() {
     }
 }
 
-/// Offset and scale of the displacement: the curve is at its knot where the displacement is (knot + offset)/scale.
+/// Checks offset and scale of the displacement: the curve is at a knot where the displacement is (knot + offset)/scale.
 #[test]
 fn offsets_are_subtracted_from_scaled_displacements() {
     let mut axes = PLAIN;
@@ -188,14 +188,14 @@ fn what_does_not_fit_is_refused_by_name() {
             "{expected}: {messages:?}"
         );
     }
-    // A subroutine that names nothing of a bushing is refused as ever.
+    // A subroutine whose parameters name no bushing objects is refused, like any other subroutine.
     let (refused, messages) = compiled_messages(&[part([0.0; 6]), field("902, 7")].concat());
     assert!(refused);
     let plain = "its values come from a user subroutine; it would exert a force";
     assert!(messages.iter().any(|m| m.ends_with(plain)), "{messages:?}");
 }
 
-/// Parameters that name no object are reported, because their meaning is not known.
+/// Checks that parameters which name no object are reported, because their meaning is unknown.
 #[test]
 fn parameters_without_a_name_are_reported() {
     let text = [

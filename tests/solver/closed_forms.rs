@@ -1,4 +1,4 @@
-//! Equilibria that can be written down.
+//! Equilibria with closed-form solutions.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ fn close(value: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// A part without weight at a place, its BCS unturned; markers 10 id + n.
+/// Returns a part of mass 1 at a position, with unrotated axes. Its markers are 10 id + n.
 fn part(id: u32, at: [f64; 3]) -> String {
     let [x, y, z] = at;
     format!(
@@ -23,7 +23,7 @@ fn part(id: u32, at: [f64; 3]) -> String {
     )
 }
 
-/// The angle about z of a part that turned in the xy plane only.
+/// Returns the rotation angle about z of a part that rotated only in the xy plane.
 fn turn(solved: &Solved, part: u32) -> f64 {
     let turn = log(&solved.pose(part).R);
     assert!(turn.x.abs() + turn.y.abs() < 1e-9, "{turn}");
@@ -33,7 +33,7 @@ fn turn(solved: &Solved, part: u32) -> f64 {
 const BEAM: &str = "AREA=78.5, IXX=980, IYY=490, IZZ=490, EMODULUS=2.1E5, GMODULUS=8E4";
 const EI: f64 = 2.1e5 * 490.0;
 
-/// Clamped beam under a force across its tip: P L^3 / 3 E I and P L^2 / 2 E I. The law is linear, so it holds at any size.
+/// Checks a clamped beam under a transverse force at its tip: P L^3 / 3 E I and P L^2 / 2 E I. The law is linear and holds at any size.
 #[test]
 fn a_cantilever() {
     let (l, p) = (200.0, 500.0);
@@ -46,14 +46,14 @@ fn a_cantilever() {
     close(tip.x, l, 1e-9);
     close(tip.y, p * l.powi(3) / (3.0 * EI), 1e-9);
     close(turn(&solved, 2), p * l * l / (2.0 * EI), 1e-12);
-    // The clamp takes the force and the moment about its own place.
+    // The clamp carries the force, and the moment about its own position.
     let (F, T) = solved.on(1, "BEAM/1", &Vec3::zeros());
     close(F.y, p, 1e-7);
     close(T.z, p * l, 2e-5);
 }
 
-/// Beams in a row under a moment M at the end lie on a polygon inscribed in a circle of curvature M / E I: each bends by
-/// c = M l / E I and its end stands at (l, l c / 2) of its own frame. Finely divided it is the circle itself.
+/// Checks beams in series under a moment M at the end. Each bends by c = M l / E I, and its end is at (l, l c / 2) in its own frame. The beams
+/// form a polygon inscribed in a circle of curvature M / E I, which it approaches with many beams.
 #[test]
 fn beams_bent_to_a_circle() {
     let (n, l) = (20, 10.0);
@@ -86,7 +86,7 @@ fn beams_bent_to_a_circle() {
     assert!((at - circle).norm() < 2e-3 * radius, "{at} {circle}");
 }
 
-/// A pendulum on a torsion spring: m g l cos(a) = KT a, the spring relaxed when it is level.
+/// Checks a pendulum on a torsion spring: m g l cos(a) = KT a, with the spring relaxed at a level arm.
 #[test]
 fn a_pendulum_on_a_torsion_spring() {
     let (l, m, g, kt) = (150.0, 2.0, 9806.65, 4e3);
@@ -99,15 +99,15 @@ fn a_pendulum_on_a_torsion_spring() {
     let weight = m * g / 1000.0;
     close(weight * l * a.cos(), kt * a, 1e-6);
     assert!(a > 0.5, "{a}");
-    // The hinge carries the weight, the spring its moment.
+    // The hinge carries the weight, and the spring carries its moment.
     let (F, _) = solved.on(2, "JOINT/1", &Vec3::zeros());
     assert!((F - Vec3::y() * weight).norm() < 1e-8, "{F}");
     let (_, T) = solved.on(2, "SPRINGDAMPER/1", &Vec3::zeros());
     close(T.z, kt * a, 1e-9 * kt);
 }
 
-/// Four bushings at the corners of a square of half side a on ground: a force moves the link by F / 4 K, a moment turns it by
-/// the angle where 4 K 2 a^2 sin(t) + 4 KT t = M (the corners' springs follow the chord, the bushings' own torsion the angle).
+/// Checks four bushings at the corners of a square of half side a on ground. A force moves the link by F / 4 K. A moment rotates it by the angle
+/// t with 4 K 2 a^2 sin(t) + 4 KT t = M: the springs of the corners follow the chord, the bushings' own torsion follows the angle.
 #[test]
 fn a_link_on_four_bushings() {
     let (a, k, kt, force, moment) = (50.0, 800.0, 2e5, 1000.0, 6e6);
@@ -135,7 +135,7 @@ fn a_link_on_four_bushings() {
     assert!(turned.pose(2).p.norm() < 1e-9 && t > 0.3, "{t}");
 }
 
-/// A force that follows its part keeps its lever arm: F r = KT t. One that keeps its direction loses it: F r cos(t) = KT t.
+/// Checks a follower force, which keeps its lever arm: F r = KT t; and a force of constant direction, which loses it: F r cos(t) = KT t.
 #[test]
 fn follower_and_dead_loads() {
     let (r, force, kt) = (100.0, 60.0, 5e3);
@@ -152,9 +152,9 @@ fn follower_and_dead_loads() {
     close(force * r * t.cos(), kt * t, 1e-6);
 }
 
-/// Hencky's chain of n rigid links with a torsion spring at every hinge, the first on the clamp: under a load P along it the second
-/// variation is KT T - P l, whose least eigenvalue vanishes at P = 4 KT / l sin^2(pi / (2 (2 n + 1))). For many links that
-/// is Euler's pi^2 E I / 4 L^2 with E I = KT l, L = (n + 1/2) l.
+/// Checks the buckling of Hencky's chain: n rigid links with a torsion spring at every hinge, the first link on the clamp. Under a load P along
+/// the chain, the second variation is KT T - P l. Its smallest eigenvalue vanishes at P = 4 KT / l sin^2(pi / (2 (2 n + 1))). For many links,
+/// this is Euler's pi^2 E I / 4 L^2 with E I = KT l and L = (n + 1/2) l.
 #[test]
 fn a_chain_of_bushings_buckles_where_euler_says() {
     let (n, l, kt) = (8_u32, 100.0, 1e6);
@@ -176,7 +176,7 @@ fn a_chain_of_bushings_buckles_where_euler_says() {
             )
             .unwrap();
         }
-        // The load keeps the direction of ground: -x.
+        // The direction of the load is fixed in ground: -x.
         writeln!(
             deck,
             "MARKER/2, PART=1, REULER=90D,-90D,0D\nSFORCE/1, I={}, J=2, TRANSLATIONAL, ACTIONONLY, FUNCTION={load}",
@@ -200,11 +200,11 @@ fn a_chain_of_bushings_buckles_where_euler_says() {
         }
     }
     println!("buckles at {below} N, Hencky {critical} N, Euler {euler} N");
-    // The links give way by P / K per bushing, 3e-8 of their length.
+    // Each bushing is compressed by P / K, which is 3e-8 of the length of a link.
     assert!((below / critical - 1.0).abs() < 2e-6, "{below} {critical}");
 }
 
-/// FORCE and TORQUE of a bushing are added to the elastic part: at rest d = FORCE / K.
+/// Checks that FORCE and TORQUE of a bushing are added to the elastic part: d = FORCE / K at rest.
 #[test]
 fn bushing_preload() {
     let solved = solve(&format!(
@@ -216,7 +216,7 @@ fn bushing_preload() {
     close(turn(&solved, 2), 0.02, 1e-12);
 }
 
-/// F = -K (d - LENGTH) + FORCE with K written column by column: an unsymmetric matrix tells columns from rows.
+/// Checks F = -K (d - LENGTH) + FORCE with an unsymmetric K, which distinguishes an order by columns from an order by rows.
 #[test]
 fn a_field_reads_its_matrix_by_columns() {
     // Columns: (100, 10, 0), (20, 200, 30), (0, 40, 300).
@@ -251,7 +251,7 @@ fn a_field_reads_its_matrix_by_columns() {
     assert!((F - Vec3::new(55.0, -54.0, 77.0)).norm() < 1e-8, "{F}");
 }
 
-/// Two springs in a V hold a point mass: 2 K (r - LENGTH) sin = weight, symmetric by construction.
+/// Checks a point mass on two springs in a V: 2 K (r - LENGTH) sin = weight, by symmetry.
 #[test]
 fn a_point_mass_on_two_springs() {
     let (k, length, b, m) = (3.0, 80.0, 60.0_f64, 4.0);
@@ -267,7 +267,7 @@ fn a_point_mass_on_two_springs() {
     close(2.0 * k * (r - length) * -p.y / r, m * 9.80665, 1e-7);
 }
 
-/// An SFORCE along a line pushes its markers apart when positive.
+/// Checks that a positive SFORCE along a line pushes its markers apart.
 #[test]
 fn a_scalar_force_pushes_apart() {
     let solved = solve(&format!(
@@ -279,7 +279,8 @@ fn a_scalar_force_pushes_apart() {
     close(F.x, -25.0, 1e-9);
 }
 
-/// The reaction of a GFORCE acts where I is, without the lever arm to its JFLOAT's part: both sums about any point cancel.
+/// Checks that the reaction of a GFORCE acts at the position of I, without a lever arm to the part of JFLOAT. Force and torque then cancel about
+/// any point.
 #[test]
 fn the_reaction_of_a_vector_force_stands_at_i() {
     let solved = solve(&format!(
@@ -294,13 +295,13 @@ fn the_reaction_of_a_vector_force_stands_at_i() {
     let (F3, T3) = solved.on(3, "GFORCE/1", &about);
     assert!((F2 - Vec3::new(10.0, 20.0, 0.0)).norm() < 1e-12);
     assert!((F2 + F3).norm() < 1e-12 && (T2 + T3).norm() < 1e-9);
-    // Part 3 turns by the moment of the force at I about its own bushing.
+    // Part 3 rotates about its own bushing, by the moment of the force at I.
     let arm = solved.marker(21).p - solved.marker(30).p;
     let torque = arm.cross(&F3).z - 300.0;
     close(turn(&solved, 3), torque / 1e6, 1e-10);
 }
 
-/// A multi-point force between two markers and ground: with K = [[a, -b], [-b, a]] on x it couples them.
+/// Checks a multi-point force between two markers and ground, which couples them along x with K = [[a, -b], [-b, a]].
 #[test]
 fn a_multi_point_force() {
     let (a, b) = (30.0, 10.0);
@@ -324,7 +325,7 @@ fn a_multi_point_force() {
     close(solved.pose(3).p.x, x2 * b / a, 1e-9);
 }
 
-/// A part on a rail that a function of its own place pulls back, and the constraints that tie joints together.
+/// Checks the constraints that couple joints. Each part is on a rail, and a function of its own position pulls it back.
 #[test]
 fn constraints_transmit_as_they_say() {
     let wheel = |id: u32, at: f64, kind: &str| {
@@ -344,7 +345,7 @@ fn constraints_transmit_as_they_say() {
         wheel(3, 50.0, "REVOLUTE")
     ));
     close(turn(&solved, 3), -0.3, 1e-12);
-    // A torque on one is held by a torque at the MOTION in the ratio of the scales.
+    // A torque on one part is held by a torque at the MOTION, in the ratio of the scales.
     let solved = solve(&format!(
         "{}{}COUPLER/1, JOINTS=2,3, TYPE=R:R, SCALES=2,6\nMOTION/1, JOINT=2, FUNCTION=0\n\
          MARKER/9, PART=1, FLOATING\nVTORQUE/1, I=31, JFLOAT=9, RM=1, TZ=900",
@@ -354,7 +355,7 @@ fn constraints_transmit_as_they_say() {
     // The work of both torques vanishes along dq2 = -3 dq3.
     let (_, T) = solved.on(2, "MOTION/1", &Vec3::zeros());
     close(T.z, 900.0 / 3.0, 1e-8);
-    // SCREW with a CYLINDRICAL: two and a half turns of pitch 4.
+    // SCREW with a CYLINDRICAL joint: two and a half turns with a pitch of 4.
     let screw = wheel(2, 0.0, "CYLINDRICAL") + "JOINT/9, SCREW, I=21, J=102, PITCH=4\n";
     let solved = solve_with(
         &format!("{screw}MOTION/1, JOINT=2, ROTATIONAL, FUNCTION=0.75*PI"),
@@ -372,8 +373,8 @@ fn constraints_transmit_as_they_say() {
     close(F.y, 2.0 * 9.80665, 1e-6);
 }
 
-/// A lever whose angle stands next to 180 degrees goes past it on the way to the first equilibrium. AZ "accounts for angle wrapping"
-/// (`cfunc_ax`): `k (AZ - 3) = M` holds at `AZ = 3 + M / k` and nowhere else, for a function and for a bushing.
+/// Checks a lever whose angle starts close to 180 degrees and passes it on the way to the first equilibrium. AZ "accounts for angle wrapping"
+/// (`cfunc_ax`). The equation `k (AZ - 3) = M` holds only at `AZ = 3 + M / k`, for a function and for a bushing.
 #[test]
 fn past_half_a_turn_from_the_dataset() {
     let (k, moment) = (2e3, 1e3);
@@ -387,7 +388,7 @@ fn past_half_a_turn_from_the_dataset() {
     );
     for law in [function, bushing] {
         let solved = solve(&format!("{lever}{law}"));
-        // From 3 to 3.5, which a matrix tells as 3.5 - 2 pi.
+        // The angle goes from 3 to 3.5, which a rotation matrix shows as 3.5 - 2 pi.
         close(
             turn(&solved, 2),
             3.0 + moment / k - 2.0 * std::f64::consts::PI,

@@ -1,4 +1,4 @@
-//! What motions conserve: energy and momentum of random trees and loops of joints, and the way back in time.
+//! Conservation laws of motions: energy and momentum of random trees and loops of joints, and reversal of time.
 
 use admire_solver::motion::Kept;
 
@@ -29,7 +29,7 @@ fn free_mechanisms_keep_their_momentum() {
     }
 }
 
-/// With opposite velocities a mechanism goes back to where it came from.
+/// Checks that a mechanism with reversed velocities returns to its start.
 #[test]
 fn motions_go_back_the_way_they_came() {
     const ERROR: f64 = 1e-6;
@@ -56,7 +56,7 @@ fn motions_go_back_the_way_they_came() {
     }
 }
 
-/// The error follows ERROR over six decades: energy as the measure, which every part of the motion enters.
+/// Checks that the error decreases with ERROR over six decades. The measure is the energy, to which every part of the motion contributes.
 #[test]
 fn a_smaller_error_is_smaller() {
     for seed in [3, 7, 11] {

@@ -1,5 +1,5 @@
-//! The column "solved natively" of the coverage table is what the solver does: every statement with its deck of `corpus/statements`
-//! and every function with a call of it. Every file of a law says what the law is.
+//! The column "solved natively" of the coverage table must agree with the solver: every statement with its deck in `corpus/statements`, and
+//! every function with a call. Every file with a force law must state the law.
 
 use std::fs;
 use std::path::Path;
@@ -23,9 +23,9 @@ fn dataset(bytes: &[u8]) -> Dataset {
     Dataset::parse(Source::new("deck.adm", bytes)).value
 }
 
-/// The deck of a statement, and the same without the statement.
+/// Returns the deck of a statement, and the same deck without the statement.
 fn decks(def: &StatementDef) -> Option<(Dataset, Dataset)> {
-    // The first line is a title whatever it holds: no statement to take away.
+    // The first line is a title, whatever its content, so no statement can be removed.
     if def.name == "TITLE" {
         return None;
     }
@@ -43,7 +43,7 @@ fn decks(def: &StatementDef) -> Option<(Dataset, Dataset)> {
     Some((with, without))
 }
 
-/// Forces and constraints: solved if they act on parts.
+/// Forces and constraints. They count as solved if they act on parts.
 const ACTING: [&str; 15] = [
     "BEAM",
     "BUSHING",
@@ -61,14 +61,14 @@ const ACTING: [&str; 15] = [
     "VFORCE",
     "VTORQUE",
 ];
-/// Data: solved if they are unknowns.
+/// Data. They count as solved if they are unknowns.
 const UNKNOWN: [&str; 4] = ["VARIABLE", "DIFF", "LSE", "TFSISO"];
-/// Only about assembly, kinematics or the file itself, or numbers that others take (MATRIX, by LSE and NFORCE).
+/// Statements that concern only assembly, kinematics or the file itself, or numbers for other statements (MATRIX, for LSE and NFORCE).
 const BESIDE: [&str; 3] = ["END", "IC", "MATRIX"];
 
 fn acts(system: &System, kind: &str) -> bool {
     let (parameters, mut state) = (system.parameters(), system.state());
-    // Any multipliers: a reaction of zero is no less a reaction.
+    // The values of the multipliers are arbitrary, because a reaction of zero is a reaction, too.
     state.multipliers.fill(1.0);
     let mut scratch = Scratch::new(system);
     let mut here = system.evaluate(&parameters, &state, &mut scratch).unwrap();
@@ -114,7 +114,7 @@ fn statements_are_solved_as_the_table_says() {
             }
             Solved::External(_) | Solved::Subroutine(_) => {
                 seen[1] += 1;
-                // What acts is refused or warned of; what only writes or draws is listed.
+                // A statement that acts must be refused or reported. A statement that only affects output or graphics is listed.
                 assert!(refused || told, "{} is passed over in silence", def.name);
             }
             Solved::NoEffect(_) => {
@@ -136,7 +136,7 @@ fn statements_are_solved_as_the_table_says() {
     }
 }
 
-/// A call with arguments that fit their names.
+/// Returns a call with arguments that match their names.
 fn call(def: &FunctionDef) -> String {
     if def.name == "IF" {
         return "IF(1: 2, 3, 4)".to_string();
@@ -211,7 +211,7 @@ fn functions_are_evaluated_as_the_grammar_says() {
     assert!(seen[0] > 90 && seen[1] > 20, "{seen:?}");
 }
 
-/// Each law and each constraint, in the file that has it: the law or its equations, the frame, where it is valid, its source.
+/// Checks that the file of each law and constraint states the law or its equations, the frame, the range of validity, and the source.
 #[test]
 fn every_element_file_states_its_law() {
     let mut checked = 0;
@@ -219,7 +219,7 @@ fn every_element_file_states_its_law() {
         for path in files_below(&root().join(folder), "rs") {
             let text = fs::read_to_string(&path).unwrap();
             let law = text.contains("\nimpl Law for ") || text.contains("\nimpl Constraint for ");
-            // Those that only choose among others hold no law of their own.
+            // Files that only select a law have no law of their own.
             let registry = ["pair_constraint.rs", "registry.rs"];
             if !law || registry.iter().any(|name| path.ends_with(name)) {
                 continue;

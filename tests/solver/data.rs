@@ -1,4 +1,4 @@
-//! Equations, states and lists of a dataset at rest, and what is held or left out, against closed forms.
+//! Equations, states and lists of a dataset at rest, compared with closed forms, and statements that statics holds or leaves out.
 
 use admire_solver::model::{Ignore, Model};
 use admire_solver::system::System;
@@ -8,7 +8,7 @@ use admire_syntax::text::Source;
 
 use crate::deck::{HEAD, Solved, solve};
 
-/// The value of a function in the equilibrium of a deck.
+/// Returns the value of a function in the equilibrium of a deck.
 fn value(deck: &str, function: &str) -> f64 {
     shown(deck, function).shown(0)
 }
@@ -24,14 +24,14 @@ fn close(value: f64, expected: f64) {
     );
 }
 
-/// v = cos v has one solution (Dottie's number).
+/// Checks v = cos v, which has one solution (Dottie's number).
 #[test]
 fn an_implicit_variable() {
     let v = value("VARIABLE/1, IC=1, FUNCTION=COS(VARVAL(1))", "VARVAL(1)");
     close(v, 0.739_085_133_215_160_6);
 }
 
-/// Two variables that read each other: a + b = 10, a - b = 4.
+/// Checks two variables that read each other: a + b = 10, a - b = 4.
 #[test]
 fn variables_that_read_each_other() {
     let deck = "VARIABLE/1, FUNCTION=10-VARVAL(2)\nVARIABLE/2, FUNCTION=VARVAL(1)-4";
@@ -39,7 +39,8 @@ fn variables_that_read_each_other() {
     close(value(deck, "VARVAL(2)"), 3.0);
 }
 
-/// A state comes to rest where its derivative is zero; an implicit one where its function is, with the derivative zero.
+/// Checks that a state comes to rest where its derivative is zero. An implicit state comes to rest where its function is zero with a zero
+/// derivative.
 #[test]
 fn differential_equations_at_rest() {
     close(value("DIFF/1, IC=9, FUNCTION=3-2*DIF(1)", "DIF(1)"), 1.5);
@@ -48,7 +49,7 @@ fn differential_equations_at_rest() {
     close(value(implicit, "DIF1(1)"), 0.0);
 }
 
-/// With STATIC_HOLD the state keeps its IC, and its derivative is whatever the function gives.
+/// Checks that STATIC_HOLD keeps the state at its IC, whatever derivative the function gives.
 #[test]
 fn held_states() {
     let deck = "DIFF/1, IC=9, STATIC_HOLD, FUNCTION=3-2*DIF(1)";
@@ -63,7 +64,7 @@ const LSE: &str = "VARIABLE/1, FUNCTION=3\n\
     MATRIX/3, FULL=RORDER, ROWS=1, COLUMNS=2, VALUES=1,1\n\
     MATRIX/4, FULL=RORDER, ROWS=1, COLUMNS=1, VALUES=5\n";
 
-/// x = -A^-1 B u, y = C x + D u: with u = 3, x2 = 2 u / 4, x1 = (x2 + u) / 2.
+/// Checks x = -A^-1 B u, y = C x + D u: with u = 3, x2 = 2 u / 4 and x1 = (x2 + u) / 2.
 #[test]
 fn linear_states_at_rest() {
     let deck = format!("{LSE}LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, C=3, D=4");
@@ -72,7 +73,7 @@ fn linear_states_at_rest() {
     close(value(&deck, "ARYVAL(3,1)"), 3.75 + 15.0);
 }
 
-/// STATIC_HOLD keeps the states at the IC array.
+/// Checks that STATIC_HOLD keeps the states at the IC array.
 #[test]
 fn held_linear_states() {
     let deck = format!("{LSE}LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, C=3, D=4, STATIC_HOLD");
@@ -81,7 +82,7 @@ fn held_linear_states() {
     close(value(&deck, "ARYVAL(3,1)"), 0.25 + 15.0);
 }
 
-/// A transfer function at rest is its gain: (3 + 2 s) / (5 + 4 s + s^2) of u = 2.
+/// Checks that a transfer function at rest equals its gain: (3 + 2 s) / (5 + 4 s + s^2) of u = 2.
 #[test]
 fn a_transfer_function_at_rest() {
     let deck = "VARIABLE/1, FUNCTION=2\n\
@@ -90,7 +91,7 @@ fn a_transfer_function_at_rest() {
     close(value(deck, "ARYVAL(3,1)"), 1.2);
 }
 
-/// PINVAL and POUVAL are the variables of the lists.
+/// Checks that PINVAL and POUVAL return the variables of the lists.
 #[test]
 fn inputs_and_outputs_of_a_plant() {
     let deck = "VARIABLE/11, FUNCTION=4\nVARIABLE/12, FUNCTION=VARVAL(11)+3\n\
@@ -100,18 +101,18 @@ fn inputs_and_outputs_of_a_plant() {
     close(value(deck, "POUVAL(1,1)"), 4.0);
 }
 
-/// A sensor that has not fired gives zero.
+/// Checks that a sensor that has not fired returns zero.
 #[test]
 fn a_sensor_at_rest() {
     let deck = "SENSOR/1, GE, VALUE=5, ERROR=0.1, FUNCTION=TIME\\, EVALUATE=8";
     close(value(deck, "SENVAL(1)"), 0.0);
 }
 
-/// A part on a rail, held by a MOTION, with mass so that nothing is singular.
+/// A part on a rail, to be held by a MOTION. The part has mass, so that nothing is singular.
 const RAIL: &str = "PART/2, MASS=1, CM=20, IP=100,100,100, QG=0,0,30\nMARKER/20, PART=2\nMARKER/21, PART=2\n\
                     JOINT/1, TRANSLATIONAL, I=21, J=1\n";
 
-/// A prescribed speed has no static meaning: the part stays where it is, or at ICDISP, and that is said.
+/// Checks a prescribed speed, which has no meaning in statics: the part stays at its position or at ICDISP, with a message.
 #[test]
 fn a_prescribed_speed_is_held() {
     let solved = shown(
@@ -134,8 +135,8 @@ fn a_prescribed_speed_is_held() {
     close(value(&held, "DZ(21,1)"), -5.0);
 }
 
-/// Without j the C++ solver sums all that acts at a marker (`cfunc_fx`): on a body that is held at one marker only, its weight. The
-/// direction marker of an action-only force feels nothing.
+/// Checks that functions without j sum all forces that act at a marker, as in the C++ solver (`cfunc_fx`). On a body held at one marker only,
+/// this is its weight. The direction marker of an action-only force carries no force.
 #[test]
 fn forces_at_one_marker() {
     let head = "PART/2, MASS=2, CM=20, IP=10,10,10\nMARKER/20, PART=2\nMARKER/21, PART=2\n\
@@ -143,7 +144,7 @@ fn forces_at_one_marker() {
                 SFORCE/1, I=21, J=1, TRANSLATIONAL, ACTIONONLY, FUNCTION=30\n\
                 BUSHING/2, I=12, J=21, K=500,500,500, KT=1E5,1E5,1E5\n";
     let bushing = "BUSHING/1, I=21, J=11, K=1000,1000,1000, KT=1E5,1E5,1E5";
-    // The same as a linear force of one pair of markers.
+    // The same element as a linear force between one pair of markers.
     let diagonal = [1e3, 1e3, 1e3, 1e5, 1e5, 1e5];
     let full: Vec<String> = (0..36)
         .map(|k| if k % 7 == 0 { diagonal[k / 7] } else { 0.0 }.to_string())
@@ -170,7 +171,7 @@ fn forces_at_one_marker() {
     }
 }
 
-/// Friction exerts nothing in statics, which is told, unless the deck or the user says that it does not count.
+/// Checks that friction, which exerts no force in statics, is reported unless the deck or the user switches this message off.
 #[test]
 fn friction_at_rest_is_told() {
     let spring = "SPRINGDAMPER/1, I=21, J=1, TRANSLATIONAL, K=10, LENGTH=25\n";
@@ -212,7 +213,7 @@ fn friction_at_rest_is_told() {
     );
 }
 
-/// An initial displacement of a joint is a start, not a condition; that it is not applied is said.
+/// Checks that an initial displacement of a joint is used as a start and not as a condition, with a message that it is not applied.
 #[test]
 fn initial_displacements_of_joints_are_told() {
     let spring = "SPRINGDAMPER/1, I=21, J=1, TRANSLATIONAL, K=10, LENGTH=25\n";
@@ -229,7 +230,7 @@ fn initial_displacements_of_joints_are_told() {
     );
 }
 
-/// A force that reads itself has no value to begin with: refused with the way out, and with that way taken it is solved.
+/// Checks a force that reads itself, which has no initial value: it is refused with a remedy, and with this remedy it is solved.
 #[test]
 fn a_force_that_reads_itself() {
     use admire_solver::model::Model;
@@ -250,12 +251,12 @@ fn a_force_that_reads_itself() {
         said.help.as_deref(),
         Some("let a VARIABLE carry the force: it is solved for")
     );
-    // F = 20 + F / 2: 40 N on a spring of 10 N/mm that is 25 long.
+    // F = 20 + F / 2 gives 40 N, on a spring of 10 N/mm with length 25.
     let carried = format!("{}VARIABLE/1, FUNCTION=GFORCE(1,0,4,0)", force("VARVAL(1)"));
     close(value(&carried, "DZ(21,1)"), 29.0);
 }
 
-/// How many statements need user subroutines and which, in one line; none of them is taken for zero.
+/// Checks that user subroutines are refused with their number and names in one line, and that none of them is replaced by zero.
 #[test]
 fn user_subroutines_are_refused_by_name() {
     use admire_solver::model::Model;
@@ -289,7 +290,7 @@ fn user_subroutines_are_refused_by_name() {
     );
 }
 
-/// Sizes that do not fit are told at lowering, each at its place: nothing is solved, and nothing panics.
+/// Checks that wrong sizes are reported when the model is built, each at its position. Nothing is solved, and there is no panic.
 #[test]
 fn matrices_and_arrays_of_other_sizes_are_told() {
     let lse = "LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, C=3, D=4";
@@ -374,7 +375,7 @@ fn matrices_and_arrays_of_other_sizes_are_told() {
     );
 }
 
-/// Outputs need no matrix C: y = D u.
+/// Checks outputs without a matrix C: y = D u.
 #[test]
 fn outputs_by_the_inputs_alone() {
     let deck = format!("{LSE}LSE/1, X=1, U=2, Y=3, IC=4, A=1, B=2, D=4");

@@ -1,4 +1,4 @@
-//! Decks to models.
+//! Helpers that build models from small decks.
 
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::Model;
@@ -15,7 +15,7 @@ pub fn read(text: &str) -> Model {
     model.value
 }
 
-/// Parts, markers and gravity off: what most small decks begin with. Ground has MARKER/1 at its origin.
+/// Common beginning of small decks, without gravity. Ground has MARKER/1 at its origin.
 pub const HEAD: &str = "small\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
                         PART/1, GROUND\nMARKER/1, PART=1\n";
 
@@ -26,11 +26,11 @@ pub struct Solved {
     pub parameters: Parameters,
     pub state: State,
     pub report: Report,
-    /// What the compiler said.
+    /// Messages of the compiler.
     pub told: Vec<String>,
 }
 
-/// Solves [`HEAD`] and these statements, tightly.
+/// Solves [`HEAD`] with these statements, with tight tolerances.
 pub fn solve(statements: &str) -> Solved {
     solve_with(statements, &StaticSettings::tight())
 }
@@ -63,14 +63,14 @@ pub fn solve_with(statements: &str, settings: &StaticSettings) -> Solved {
 }
 
 impl Solved {
-    /// Pose of a part.
+    /// Returns the pose of a part.
     pub fn pose(&self, part: u32) -> Pose {
         let all = self.model.parts.iter();
         let at = all.clone().position(|p| p.header.id == part).unwrap();
         self.state.poses[at]
     }
 
-    /// Where a marker is in ground.
+    /// Returns the pose of a marker in ground.
     pub fn marker(&self, id: u32) -> Pose {
         let marker = &self.model.markers[self.model.marker(id).unwrap().0];
         let local = Pose {
@@ -80,7 +80,7 @@ impl Solved {
         self.state.poses[marker.part.0].compose(&local)
     }
 
-    /// What the elements and constraints called this do to the part: force, torque about a point.
+    /// Returns the force and the torque about a point that the elements and constraints with this name exert on the part.
     pub fn on(&self, part: u32, by: &str, about: &Vec3) -> (Vec3, Vec3) {
         let mut scratch = Scratch::new(&self.system);
         let (parameters, state) = (&self.parameters, &self.state);
@@ -101,7 +101,7 @@ impl Solved {
         (F, T)
     }
 
-    /// F2 of REQUEST number `index`, which shows a function.
+    /// Returns F2 of REQUEST number `index`, which shows a function.
     pub fn shown(&self, index: usize) -> f64 {
         let mut scratch = Scratch::new(&self.system);
         let (parameters, state) = (&self.parameters, &self.state);

@@ -1,4 +1,4 @@
-//! The tangent against differences: of the residual along random motions, of the equilibrium along every number of theta.
+//! The tangent compared with finite differences: of the residual along random motions, and of the equilibrium with respect to every parameter.
 
 use admire_solver::statics::{Solver, StaticSettings, Tangent};
 use admire_solver::system::{Parameters, Slot, State, System};
@@ -18,7 +18,7 @@ fn random(n: usize, seed: u64) -> Vec<f64> {
         .collect()
 }
 
-/// Lengths, forces and angles of comparable size.
+/// Returns scales that make lengths, forces and angles comparable.
 fn scales(system: &System) -> Vec<f64> {
     let bodies = system.equations_start();
     (0..system.unknowns())
@@ -30,7 +30,7 @@ fn scales(system: &System) -> Vec<f64> {
         .collect()
 }
 
-/// `J dx` from differences of the residual must come back as `dx` from the tangent.
+/// Checks that the tangent recovers `dx` from `J dx`, computed by differences of the residual.
 pub fn check_tangent(system: &System, parameters: &Parameters, state: &State, tolerance: f64) {
     let mut tangent = Tangent::new(system, parameters, state).unwrap();
     assert_eq!(tangent.deficiency(), 0);
@@ -61,7 +61,7 @@ fn tangent_is_the_derivative_of_the_residual() {
         Solver::new(&system)
             .solve(&system, &parameters, &mut state, &StaticSettings::tight())
             .unwrap();
-        // Away from equilibrium too: nothing may lean on balance or on closed joints.
+        // The check is also made away from equilibrium, so that it does not rely on balanced forces or closed joints.
         let away: Vec<f64> = random(system.unknowns(), 7)
             .iter()
             .zip(scales(&system))
@@ -73,7 +73,8 @@ fn tangent_is_the_derivative_of_the_residual() {
     }
 }
 
-/// Richardson differences of the equilibrium along one number of theta against the tangent, relative to the column's norm.
+/// Compares Richardson differences of the equilibrium with respect to one parameter with the tangent. Returns the error relative to the norm of
+/// the column.
 pub fn check_slot(
     system: &System,
     solver: &mut Solver,
@@ -94,11 +95,11 @@ pub fn check_slot(
                 .unwrap();
             state
         });
-        // The logarithm of the rotation between both ends, about the middle: even errors cancel.
+        // Logarithm of the rotation between the two ends. It is centred, so errors of even order cancel.
         let [plus, minus] = &mut ends;
         let mut out = Vec::new();
         for (k, (p, m)) in plus.poses.iter().zip(&minus.poses).enumerate() {
-            // What the translations among the unknowns move.
+            // Displacement of the reference point, to which the translational unknowns refer.
             let part = admire_solver::model::PartIx(k);
             let shift = system.reference_point(plus, part) - system.reference_point(minus, part);
             out.extend((shift / (2.0 * h)).iter());
@@ -131,7 +132,7 @@ pub fn check_slot(
         .map(|(difference, exact)| (difference - exact).powi(2))
         .sum::<f64>()
         .sqrt();
-    // What the solver's own tolerance leaves of a difference.
+    // Round-off of a difference due to the tolerance of the solver.
     let noise = 1e-9 / h;
     error / (norm + noise * 1e5)
 }

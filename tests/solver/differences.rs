@@ -1,21 +1,21 @@
-//! Central differences by the numbers of theta, and of the residual along a motion.
+//! Central differences with respect to parameters, and of the residual along a motion.
 
 use admire_solver::system::{Parameters, Scratch, Slot, State, System};
 
-/// The step of a difference by a number whose value is `here`.
+/// Returns the step of a difference with respect to a parameter of value `here`.
 pub fn step(system: &System, slot: Slot, here: f64) -> f64 {
     let dimension = system.catalogue().info(slot).dimension;
     let is_angle = dimension.angle != 0 && dimension.force == 0;
     1e-3 * here.abs().max(if is_angle { 0.1 } else { 10.0 })
 }
 
-/// Richardson's extrapolation of central differences with a step and with half of it.
+/// Applies Richardson's extrapolation to central differences with a full and a half step.
 pub fn richardson(coarse: &[f64], fine: &[f64]) -> Vec<f64> {
     let pairs = coarse.iter().zip(fine);
     pairs.map(|(c, f)| (4.0 * f - c) / 3.0).collect()
 }
 
-/// Central differences of the residual along a motion of all unknowns: with steps of 2e-3 of it, and with half of that.
+/// Returns central differences of the residual along a motion of all unknowns: with a step of 2e-3 of the motion, and with half of this step.
 pub fn along(
     system: &System,
     parameters: &Parameters,

@@ -1,4 +1,4 @@
-//! The double wishbone of `corpus/double-wishbone` against states of Adams/Car 2024.1.
+//! The double wishbone of `corpus/double-wishbone`, compared with states of Adams/Car 2024.1.
 
 use std::fs;
 use std::path::Path;
@@ -11,9 +11,9 @@ use admire_solver::system::{Scratch, State, System};
 use crate::deck;
 use crate::reference::address;
 
-/// What is left against the table in every row alike, mm and degrees: the assembly of the Adams model itself. Its datasets hold ten
-/// significant digits, so a marker 500 mm away that is given by angles of 10 digits stands 5e-8 mm beside its hardpoint; the
-/// knuckle is displaced once by that, and keeps it in all states.
+/// Deviation from the table that is the same in every row, in mm and degrees. It is due to the assembly of the Adams model. The Adams datasets
+/// have ten significant digits, so a marker at 500 mm given by angles of 10 digits is 5e-8 mm off its hardpoint. The knuckle is displaced by
+/// such errors once, and equally in all states.
 const ASSEMBLY_MM: f64 = 2e-7;
 const ASSEMBLY_DEG: f64 = 5e-8;
 
@@ -25,7 +25,7 @@ fn model() -> Model {
     deck::read(&fs::read_to_string(folder().join("model.adm")).unwrap())
 }
 
-/// Rows of wheel travel, rack, x, y, z, toe, camber.
+/// Returns rows of wheel travel, rack, x, y, z, toe, camber.
 fn states() -> Vec<Vec<f64>> {
     fs::read_to_string(folder().join("states.csv"))
         .unwrap()
@@ -35,7 +35,7 @@ fn states() -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Drives both wheel centres and the rack there.
+/// Moves both wheel centres and the rack to this state.
 fn drive(
     system: &System,
     solver: &mut Solver,
@@ -55,7 +55,7 @@ fn drive(
     parameters
 }
 
-/// x, y, z, toe, camber of a wheel by its REQUEST.
+/// Returns x, y, z, toe and camber of a wheel, from its REQUEST.
 fn wheel(
     model: &Model,
     system: &System,
@@ -91,7 +91,7 @@ fn states_of_adams_car() {
         }
         offsets.push(apart);
     }
-    // The constant explains what is left: without it the rows agree to some 1e-9.
+    // The deviation is a constant: without it, the rows agree to about 1e-9.
     for (k, first) in offsets[0].iter().enumerate() {
         for row in &offsets {
             assert!((row[k] - first).abs() < 5e-9, "{k}: {:e}", row[k] - first);
@@ -99,7 +99,7 @@ fn states_of_adams_car() {
     }
 }
 
-/// With the rack in the middle both sides are mirror images.
+/// Checks that the two sides are mirror images with the rack in the middle.
 #[test]
 fn both_sides_mirror_each_other() {
     let model = model();
@@ -115,7 +115,7 @@ fn both_sides_mirror_each_other() {
     }
 }
 
-/// The wheel centre is where three rigid links of constant length put it: no joint of the solver is used here.
+/// Checks the wheel centre against three rigid links of constant length, without using a joint of the solver.
 #[test]
 fn links_keep_their_length() {
     let model = model();
@@ -129,7 +129,7 @@ fn links_keep_their_length() {
             state.poses[marker.part.0].point(&marker.qp)
         };
         for (a, b) in [
-            // Lower arm: front and rear pivot on ground to the ball of the knuckle; upper arm; tie rod from rack to knuckle.
+            // Lower arm: front and rear pivot on ground to the ball of the knuckle; then upper arm; then tie rod from rack to knuckle.
             (101, 131),
             (102, 132),
             (143, 133),

@@ -1,4 +1,4 @@
-//! Every element and constraint in one deck: tangent and sensitivities against differences, balance of every part.
+//! Every element and constraint in one deck: tangent and sensitivities compared with finite differences, and balance of every part.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use crate::balance;
 use crate::deck;
 use crate::derivatives::{check_slot, check_tangent};
 
-/// A deck of parts, each on a bushing to ground, and what connects them.
+/// Deck of parts, each on a bushing to ground, with elements that connect them.
 struct Deck {
     text: String,
     parts: u32,
@@ -31,7 +31,7 @@ impl Deck {
         [100.0 * k, 30.0 * (k * 1.7).sin(), 40.0 * (k * 0.9).cos()]
     }
 
-    /// A part on a bushing: markers 100 id (CM), +1 (bushing I), +2 (bushing J on ground).
+    /// Adds a part on a bushing: markers 100 id (CM), +1 (bushing I), +2 (bushing J on ground).
     fn part(&mut self) -> u32 {
         self.parts += 1;
         let id = self.parts;
@@ -53,7 +53,7 @@ impl Deck {
         id
     }
 
-    /// A marker at a place in ground, on a part (parts are unturned in the design).
+    /// Adds a marker at a position in ground, on a part. The parts are unrotated at the design position.
     fn marker(&mut self, part: u32, number: u32, at: [f64; 3], reuler: &str) -> u32 {
         let o = if part == 1 {
             [0.0; 3]
@@ -76,7 +76,7 @@ impl Deck {
         id
     }
 
-    /// Two parts with coincident markers between them.
+    /// Adds two parts with coincident markers between them.
     fn pair(&mut self, reuler_i: &str, reuler_j: &str) -> (u32, u32) {
         let (a, b) = (self.part(), self.part());
         let (p, q) = (Self::origin(a), Self::origin(b));
@@ -215,7 +215,7 @@ fn constraints() -> Deck {
         "SCREW, PITCH=5",
         "RACKPIN, PD=30",
     ]) {
-        // Rack and pinion stand across, xi along zj.
+        // Rack and pinion are at right angles, with xi along zj.
         let (turned_i, turned_j) = match kind {
             "RACKPIN, PD=30" => ("180D,90D,90D", "0D,0D,0D"),
             _ => (same, same),
@@ -304,7 +304,7 @@ fn examine(deck: &Deck) {
             continue;
         }
         let info = system.catalogue().info(slot);
-        // Ids in functions are numbers of the text, too.
+        // Ids in functions are numbers of the text as well.
         let error = check_slot(
             &system,
             &mut solver,

@@ -1,4 +1,4 @@
-//! Where a potential exists: the equilibrium is where it is stationary, and reactions are its derivatives.
+//! Elements with a potential: the potential is stationary at the equilibrium, and reactions are its derivatives.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use admire_solver::system::{Scratch, State, System};
 use crate::deck::{self, solve};
 use crate::reference::address;
 
-/// A body on three springs and a bushing without torsion, under gravity: potential of a pose, from the numbers of the deck.
+/// Returns the potential of a pose, from the numbers of the deck: a body on three springs and a bushing without torsion, under gravity.
 fn potential(pose: &Pose) -> f64 {
     let springs = [
         ([50.0, 0.0, 0.0], [120.0, 80.0, 10.0], 4.0, 90.0, 20.0),
@@ -23,7 +23,7 @@ fn potential(pose: &Pose) -> f64 {
         let r = (pose.point(&Vec3::from(a)) - Vec3::from(b)).norm();
         out += 0.5 * k * (r - length) * (r - length) - force * (r - length);
     }
-    // The bushing stands in ground axes: its J is on ground.
+    // The bushing acts along ground axes, because its J marker is on ground.
     let d = pose.point(&Vec3::new(0.0, -30.0, 0.0)) - Vec3::new(2.0, -35.0, 1.0);
     out + 0.5 * (30.0 * d.x * d.x + 20.0 * d.y * d.y + 10.0 * d.z * d.z) - 15.0 * d.x
 }
@@ -61,7 +61,8 @@ fn the_potential_is_least_at_the_equilibrium() {
     }
 }
 
-/// Moving a part once along its rail, the work of the MOTION is what the springs store (Simpson's rule over 40 intervals).
+/// Checks that the work of the MOTION, while a part moves once along its rail, is the energy stored in the springs (Simpson's rule over 40
+/// intervals).
 #[test]
 fn work_is_stored() {
     let deck = |z: f64| {
@@ -94,8 +95,8 @@ fn work_is_stored() {
     assert!((work / gained - 1.0).abs() < 1e-6, "{work} {gained}");
 }
 
-/// Virtual work on a whole axle: with weight on, the forces of the MOTIONs of the double wishbone are the derivatives of the potential
-/// energy by what they prescribe, however many joints are in between.
+/// Checks virtual work on a whole axle with weight. The forces of the MOTIONs of the double wishbone are the derivatives of the potential energy
+/// with respect to the prescribed displacements, however many joints are in between.
 #[test]
 fn motions_feel_the_slope_of_the_potential() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/double-wishbone/model.adm");

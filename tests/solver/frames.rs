@@ -1,4 +1,4 @@
-//! Where a part's frame is must not matter: the same linkage, its parts written in frames at the origin, at their centres and anywhere.
+//! Independence of part frames: the same linkage with part frames at the origin, at the centres of mass, and at random positions.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use admire_solver::system::System;
 use crate::common::shared;
 use crate::deck;
 
-/// Numbers between 0 and 1, the same ones every time.
+/// Generator of reproducible numbers between 0 and 1.
 struct Draw(u64);
 
 impl Draw {
@@ -38,7 +38,7 @@ impl Draw {
         }
     }
 
-    /// A direction across another.
+    /// Returns a direction perpendicular to another one.
     fn across(&mut self, other: &Vec3) -> Vec3 {
         loop {
             let v = self.direction().cross(other);
@@ -49,19 +49,19 @@ impl Draw {
     }
 }
 
-/// A linkage, all places in ground.
+/// A linkage, with all positions in ground.
 #[derive(Default)]
 struct Linkage {
-    /// (mass, centre of mass, moments of inertia); a part without mass has no CM.
+    /// Parts: mass, centre of mass, and moments of inertia. A massless part has no CM.
     parts: Vec<Option<(f64, Vec3, [f64; 3])>>,
-    /// (part, place, direction of z); part 0 is ground.
+    /// Markers: part, position, and direction of z; part 0 is ground.
     markers: Vec<(usize, Vec3, Vec3)>,
-    /// With `{0}` for the first marker of this statement and so on.
+    /// Statements, in which `{0}` stands for the first marker of the statement, and so on.
     statements: String,
 }
 
 impl Linkage {
-    /// A part with mass, or without any.
+    /// Adds a part, with or without mass.
     fn part(&mut self, mass: Option<(f64, Vec3, [f64; 3])>) -> usize {
         self.parts.push(mass);
         self.parts.len()
@@ -72,7 +72,7 @@ impl Linkage {
         100 + self.markers.len()
     }
 
-    /// A joint or an element of two parts at one place.
+    /// Adds a joint or an element between two parts at one position.
     fn between(&mut self, (i, j): (usize, usize), place: Vec3, z: (Vec3, Vec3), what: &str) {
         let (i, j) = (self.marker(i, place, z.0), self.marker(j, place, z.1));
         let id = j;
@@ -90,7 +90,7 @@ impl Linkage {
         .unwrap();
     }
 
-    /// The deck with the parts in frames there.
+    /// Returns the deck with the parts in these frames.
     fn written(&self, frames: &[Pose], gravity: Vec3) -> String {
         let mut out = String::from(
             "frames\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\n",
@@ -162,7 +162,7 @@ impl Linkage {
         let mut new = Self::default();
         let reach = 250.0;
         match kind % 5 {
-            // A chain of one to three links that hangs and is turned out of that.
+            // A hanging chain of one to three links, rotated away from equilibrium.
             0 => {
                 let mut at = draw.vector(1000.0);
                 let mut before = 0;
@@ -200,7 +200,7 @@ impl Linkage {
                 let k = draw.between(1.0, 20.0);
                 new.spring((link, at + arm), (0, to), k, draw.between(150.0, 250.0));
             }
-            // Four bars in space: hinge, ball, universal joint, hinge.
+            // A spatial four-bar linkage: hinge, ball, universal joint, hinge.
             2 => {
                 let a = draw.vector(1000.0);
                 let (x, z) = (draw.across(&Vec3::z()), Vec3::z());
@@ -247,7 +247,7 @@ impl Linkage {
                 new.between((arm, body), at, (z, z), "JOINT,REVOLUTE");
                 new.between((arm, body), at, (z, z), "BUSHING,K=1,1,1, KT=1E6,1E6,1E6");
             }
-            // A slider on a turning arm.
+            // A slider on a rotating arm.
             _ => {
                 let at = draw.vector(1000.0);
                 let z = draw.across(&Vec3::z());
@@ -268,7 +268,7 @@ impl Linkage {
         new
     }
 
-    /// Frames of all parts: at the origin as Adams/View has them, at the centres of mass, anywhere.
+    /// Returns the frames of all parts: at the origin as in Adams/View, at the centres of mass, or at random positions.
     fn frames(&self, draw: &mut Draw, which: usize) -> Vec<Pose> {
         let frames = self.parts.iter().map(|mass| match which {
             0 => Pose::identity(),
@@ -293,7 +293,7 @@ fn inverse(pose: &Pose) -> Pose {
     }
 }
 
-/// Solves a deck as its EQUILIBRIUM has it.
+/// Solves a deck with the settings of its EQUILIBRIUM.
 fn solved(
     deck: &str,
 ) -> (
@@ -324,7 +324,7 @@ fn two_hundred_linkages_do_not_depend_on_the_frames_of_their_parts() {
             let found = match &result {
                 Ok((report, state)) => {
                     assert!(report.iterations <= 60, "{kind}: {}", report.iterations);
-                    // Where the linkage as drawn is now: ground's pose, then what each frame has become.
+                    // Displacement of the linkage: pose of ground, then the motion of each part relative to its initial frame.
                     let now = frames.iter().zip(&state.poses[1..]);
                     let now = now.map(|(frame, pose)| pose.compose(&inverse(frame)));
                     Some((report.iterations, now.collect()))
@@ -374,7 +374,7 @@ fn two_hundred_linkages_do_not_depend_on_the_frames_of_their_parts() {
     assert!(failed <= 10, "{failed}");
 }
 
-/// A pendulum hangs from every start below 85 degrees, wherever its pivot and its frame are.
+/// Checks that a pendulum hangs from every start below 85 degrees, wherever its pivot and its frame are.
 #[test]
 fn hanging_pendulums_hang() {
     let mut draw = Draw(3);
@@ -389,7 +389,8 @@ fn hanging_pendulums_hang() {
         let link = linkage.part(mass);
         linkage.between((link, 0), pivot, (z, z), "JOINT,REVOLUTE");
         let frames = linkage.frames(&mut draw, k / 5 % 3);
-        // Long arms need more than the usual 25, by steps of TLIMIT: without a stated MAXIT help takes them.
+        // Long arms need more than the usual 25 iterations, because TLIMIT limits the steps. Without a stated MAXIT, more iterations are
+        // allowed.
         let stated = ["", ", MAXIT=250"][k % 2];
         let deck = linkage
             .written(&frames, GRAVITY)
@@ -407,7 +408,7 @@ fn hanging_pendulums_hang() {
     assert!(wrong.is_empty(), "{} of 400: {wrong:?}", wrong.len());
 }
 
-/// An arm on a spring, written with its frame at its pivot and 1 m above of it.
+/// Checks an arm on a spring, with its frame at its pivot and 1 m above the pivot.
 #[test]
 fn an_arm_on_a_spring_is_where_it_is() {
     let mut turned = Vec::new();
@@ -424,12 +425,12 @@ fn an_arm_on_a_spring_is_where_it_is() {
         println!("{name}: {} iterations", report.iterations);
         turned.push(x.y.atan2(x.x).to_degrees());
     }
-    // The equilibrium that is found with the frame at the pivot.
+    // Equilibrium that is found with the frame at the pivot.
     assert!((turned[0] - 50.7).abs() < 0.05, "{turned:?}");
     assert!((turned[1] - turned[0]).abs() < 1e-3, "{turned:?}");
 }
 
-/// 25 degrees from hanging, with the part frame at the global origin, where models are written in it by default.
+/// Checks a pendulum that starts 25 degrees from hanging. Its part frame is at the global origin, the default of models.
 #[test]
 fn a_pendulum_in_the_frame_of_ground_hangs() {
     let (system, result) = solved(

@@ -1,4 +1,4 @@
-//! Every function of the grammar that is solved natively: its derivatives by the state against differences of the residual.
+//! Every natively solved function of the grammar: its derivatives with respect to the state, compared with finite differences of the residual.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use admire_syntax::grammar::{FUNCTIONS, FunctionDef, Solved};
 use crate::deck::{HEAD, read};
 use crate::differences::{along, richardson};
 
-/// Parts on bushings, and between them one element of every kind that a function can read.
+/// Returns parts on bushings, and between them one element of every kind that a function can read.
 fn elements() -> String {
     let mut deck = format!("{HEAD}ACCGRAV/KGRAV=-9806.65\n");
     for id in 2..7 {
@@ -67,7 +67,8 @@ fn elements() -> String {
 
 const FORCES_AT_MARKERS: [&str; 8] = ["FX", "FY", "FZ", "FM", "TX", "TY", "TZ", "TM"];
 
-/// Functions that do not follow the state: constants, whole numbers, rates and friction (zero in statics), what a sensor kept.
+/// Returns true for functions that do not depend on the state: constants, whole numbers, rates and friction (zero in statics), and stored values
+/// of sensors.
 fn is_flat(def: &FunctionDef) -> bool {
     let rate = ["VM", "VR", "VX", "VY", "VZ", "WM", "WX", "WY", "WZ"].contains(&def.name)
         || def.name.starts_with("ACC")
@@ -77,14 +78,14 @@ fn is_flat(def: &FunctionDef) -> bool {
     rate || constant || whole
 }
 
-/// A number that follows the state, its value near the one given.
+/// Returns an argument that depends on the state, with a value near the given one.
 fn follows(value: f64, k: usize) -> String {
     let axis = ["DX", "DY", "DZ"][k % 3];
     let marker = 201 + 100 * (k % 4);
     format!("({value}+0.0003*({axis}({marker},602)+7*{axis}({marker},500)*0.1))")
 }
 
-/// Values of real arguments that are in every function's domain and away from its kinks.
+/// Returns the value of a real argument that is in the domain of every function, and away from kinks.
 fn value(name: &str, k: usize) -> f64 {
     match name {
         "x" => 0.6 + 0.07 * k as f64,
@@ -99,7 +100,7 @@ fn value(name: &str, k: usize) -> f64 {
     }
 }
 
-/// Calls of a function with all forms of its arguments that are whole numbers.
+/// Returns calls of a function with all forms of its whole-number arguments.
 fn calls(def: &FunctionDef) -> Vec<String> {
     if def.name == "IF" {
         let branches = [follows(1.0, 0), follows(2.0, 1), follows(3.0, 2)].join(",");
@@ -120,7 +121,7 @@ fn calls(def: &FunctionDef) -> Vec<String> {
         .map(|(k, name)| {
             let all: &[&str] = match *name {
                 "i" => &["203"],
-                // Without j all that acts at i is meant.
+                // Without j, the function means all forces at i.
                 "j" if FORCES_AT_MARKERS.contains(&def.name) => &["303", "0"],
                 "j" => &["303"],
                 "k" if def.name == "INCANG" => &["401"],
@@ -152,19 +153,19 @@ fn calls(def: &FunctionDef) -> Vec<String> {
         .collect()
 }
 
-/// The k-th of some numbers between -1 and 1 that never change.
+/// Returns number `k` of a fixed sequence between -1 and 1.
 fn spread(k: usize) -> f64 {
     let x = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
     x as f64 / f64::from(1_u32 << 23) - 1.0
 }
 
-/// What a function and the differences of the residual say about its change along one motion of everything.
+/// Change of a function along one motion of all unknowns, by the tangent and by differences of the residual.
 struct Change {
     call: String,
     flat: bool,
     by_differences: f64,
     error: f64,
-    /// The differences halve with their step: a magnitude at its zero, which has no derivative.
+    /// True if the differences halve with their step, as for a magnitude at its zero, which has no derivative.
     kink: bool,
 }
 
@@ -193,7 +194,7 @@ fn changes(calls: &[(String, bool)]) -> Vec<Change> {
     let dx: Vec<f64> = (0..n).map(|k| spread(k) * scale(k)).collect();
     let (coarse, fine) = along(&system, &parameters, &state, &dx);
     let dg = richardson(&coarse, &fine);
-    // The tangent turns the change of the residual back into the motion; what a variable misses is the error of its row.
+    // The tangent converts the change of the residual back to the motion. The deviation at a variable is the error of its row.
     let mut back = dg.clone();
     Tangent::new(&system, &parameters, &state)
         .unwrap()
@@ -215,7 +216,7 @@ fn changes(calls: &[(String, bool)]) -> Vec<Change> {
             Change {
                 call: call.clone(),
                 flat: *flat,
-                // The row of a variable: itself less its function.
+                // The row of a variable is the variable minus its function.
                 by_differences: dx[k] - dg[k],
                 error: -back[k] - dx[k],
                 kink: (coarse[k] - fine[k]).abs() > 0.2 * (dx[k] - fine[k]).abs(),
@@ -259,7 +260,7 @@ fn every_function_has_the_derivative_of_its_differences() {
             still.insert(name.to_string());
         }
     }
-    // What never changes would pass whatever its derivative.
+    // A function that never changes would pass with any derivative.
     let still: Vec<&String> = still.difference(&followed).collect();
     for name in still {
         let def = FUNCTIONS.iter().find(|def| def.name == name).unwrap();

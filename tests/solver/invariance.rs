@@ -1,4 +1,4 @@
-//! What must not matter: where the model stands, its units, the order of its statements; and what I and J mean.
+//! Invariances: the position of the model, its units and the order of its statements have no effect. Also checks the roles of I and J.
 
 use std::f64::consts::FRAC_PI_6;
 
@@ -18,7 +18,7 @@ const DECKS: [&str; 2] = [
     "reference/multilink/ocp_ref",
 ];
 
-/// Pose of every part at equilibrium, by id.
+/// Returns the pose of every part at equilibrium, by id.
 fn equilibrium(model: &Model, settings: &StaticSettings) -> Vec<(u32, Pose)> {
     let system = System::compile(model).value;
     let mut state = system.state();
@@ -39,7 +39,7 @@ fn compare(a: &[(u32, Pose)], b: &[(u32, Pose)], length: f64) {
     }
 }
 
-/// Everything turned and carried elsewhere, gravity and ground markers too: the answer goes along.
+/// Checks a model that is rotated and displaced as a whole, with gravity and ground markers: the solution moves with it.
 #[test]
 fn a_model_carried_elsewhere() {
     let there = Pose {
@@ -72,7 +72,7 @@ fn a_model_carried_elsewhere() {
     }
 }
 
-/// Millimetres to metres: lengths, stiffnesses and torques change their numbers and nothing else does.
+/// Checks a model converted from millimetres to metres: only the numbers of lengths, stiffnesses and torques change.
 #[test]
 fn a_model_in_metres() {
     for stem in DECKS {
@@ -115,7 +115,7 @@ fn a_model_in_metres() {
     }
 }
 
-/// Statements in any order.
+/// Checks statements in any order.
 #[test]
 fn shuffled_statements() {
     for stem in DECKS {
@@ -133,7 +133,7 @@ fn shuffled_statements() {
             .map(|s| dataset.source().text(s.span).trim_end().to_string())
             .collect();
         for seed in 1..4_usize {
-            // A fixed permutation per seed.
+            // The permutation is fixed for each seed.
             for k in (1..pieces.len()).rev() {
                 pieces.swap(k, (k * 7919 + seed * 104_729) % (k + 1));
             }
@@ -149,7 +149,8 @@ fn shuffled_statements() {
     }
 }
 
-/// Two parts held in place, the second turned by 30 degrees about z; its J marker in the middle of it, I on the first, 5, 3, 2 away.
+/// Returns the solution of two parts held in place. The second is rotated by 30 degrees about z and has its J marker at its centre. I is on the
+/// first part, 5, 3, 2 away.
 fn held(element: &str) -> deck::Solved {
     solve(&format!(
         "PART/2, MASS=1, CM=20, IP=1,1,1, QG=15,-7,2\nMARKER/20, PART=2\n\
@@ -161,7 +162,8 @@ fn held(element: &str) -> deck::Solved {
 
 const D: Vec3 = Vec3::new(5.0, 3.0, 2.0);
 
-/// Bushings, fields and beams work in the axes of J: F on I is R_J (-K R_J' d), and J feels -T - d x F at its own origin.
+/// Checks that bushings, fields and beams act in the axes of J: the force on I is R_J (-K R_J' d), and J carries -T - d x F about its own
+/// origin.
 #[test]
 fn connectors_work_in_the_axes_of_j() {
     let k = Vec3::new(100.0, 20.0, 3.0);
@@ -175,11 +177,11 @@ fn connectors_work_in_the_axes_of_j() {
     let (F, T) = by_j.on(2, "BUSHING/1", &p_i);
     let expected = -(R * k.component_mul(&(R.transpose() * D)));
     assert!((F - expected).norm() < 1e-9, "{F} {expected}");
-    // I is turned by -30 degrees against J.
+    // I is rotated by -30 degrees relative to J.
     assert!((T - Vec3::z() * kt * FRAC_PI_6).norm() < 1e-8, "{T}");
     let (F_j, T_j) = by_j.on(3, "BUSHING/1", &p_j);
     assert!((F_j + F).norm() < 1e-9 && (T_j + T + D.cross(&F)).norm() < 1e-8);
-    // With I and J exchanged the axes are those of the unturned part: another force.
+    // With I and J exchanged, the axes are those of the unrotated part, so the force differs.
     let by_i = held(&format!(
         "BUSHING/1, I=30, J=20, K={},{},{}, KT=0,0,{kt}",
         k.x, k.y, k.z
@@ -203,7 +205,7 @@ fn connectors_work_in_the_axes_of_j() {
         );
         assert!((a.0 - b.0).norm() < 1e-9 && (a.1 - b.1).norm() < 1e-8);
     }
-    // A beam's axis is J's x: E A / L (x - L) along it.
+    // The axis of a beam is the x axis of J, with the force E A / L (x - L) along it.
     let beam =
         held("BEAM/1, I=20, J=30, LENGTH=4, AREA=2, IXX=0, IYY=0, IZZ=0, EMODULUS=50, GMODULUS=1");
     let x = (R.transpose() * D).x;
@@ -212,7 +214,8 @@ fn connectors_work_in_the_axes_of_j() {
     assert!((F - expected).norm() < 1e-9, "{F} {expected}");
 }
 
-/// Springs and forces along a line do not care which end is I; about zj they do by sign, and with ACTIONONLY J feels nothing.
+/// Checks that springs and forces along a line do not depend on which end is I. About zj, the sign depends on it, and with ACTIONONLY there is
+/// no reaction on J.
 #[test]
 fn line_elements_do_not_care() {
     let p = Vec3::new(15.0, -7.0, 2.0);
@@ -233,7 +236,7 @@ fn line_elements_do_not_care() {
             "{F} {G}"
         );
     }
-    // z axes are parallel here: T on I is e zj, so exchanged markers exchange the sign.
+    // The z axes are parallel here. The torque on I is e zj, so an exchange of the markers changes the sign.
     let (_, T) = held("SFORCE/1, I=20, J=30, ROTATIONAL, FUNCTION=70").on(2, "SFORCE/1", &p);
     let (_, U) = held("SFORCE/1, I=30, J=20, ROTATIONAL, FUNCTION=70").on(2, "SFORCE/1", &p);
     assert!((T - Vec3::z() * 70.0).norm() < 1e-10 && (U + T).norm() < 1e-10);
@@ -252,7 +255,7 @@ fn line_elements_do_not_care() {
     assert_eq!(alone.on(3, "SFORCE/1", &p).0, Vec3::zeros());
 }
 
-/// Vector forces work in the axes of RM, wherever RM is.
+/// Checks that vector forces act in the axes of RM, wherever RM is.
 #[test]
 fn vector_forces_work_in_the_axes_of_rm() {
     let p = Vec3::new(15.0, -7.0, 2.0);
@@ -261,7 +264,7 @@ fn vector_forces_work_in_the_axes_of_rm() {
     let (F, T) = solved.on(2, "GFORCE/1", &p);
     assert!((F - R * Vec3::new(10.0, 4.0, 0.0)).norm() < 1e-10);
     assert!((T - R * Vec3::x() * 6.0).norm() < 1e-10);
-    // The reaction stands at I too.
+    // The reaction acts at I as well.
     let (G, U) = solved.on(3, "GFORCE/1", &p);
     assert!((F + G).norm() < 1e-10 && (T + U).norm() < 1e-9);
 }

@@ -1,4 +1,4 @@
-//! The static solver against independent equilibria, closed forms and its own invariances.
+//! The static solver, compared with independent equilibria and closed forms, and checked for invariances.
 
 #![allow(non_snake_case)] // Forces, torques and rotation matrices keep their capitals.
 

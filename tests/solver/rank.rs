@@ -1,4 +1,4 @@
-//! Free motions, redundant and contradicting constraints, stability: named in the user's words.
+//! Free motions, redundant and contradictory constraints, and stability, reported with the names of the user's deck.
 
 use admire_solver::statics::{SolveError, Solver, StaticSettings, smallest_eigenvalue};
 use admire_solver::system::System;
@@ -27,8 +27,8 @@ fn solve(
     (system, state, result)
 }
 
-/// A pendulum finds the place below its pivot from the side; upright it is in unstable equilibrium. The mass centre is the part
-/// origin, so that only the multipliers carry the stiffness.
+/// Checks that a pendulum finds the position below its pivot from the side, and that the upright position is an unstable equilibrium. The mass
+/// centre is the part origin, so only the multipliers contribute to the stiffness.
 #[test]
 fn pendulum() {
     let at = |x: f64, y: f64| {
@@ -55,8 +55,8 @@ fn pendulum() {
     assert!(stiffness.unwrap() < 0.0);
 }
 
-/// 300 masses in a row on bushings, the first to ground: the softest motion has 2 k (1 - cos(pi / (2 n + 1))). A force on the last that
-/// grows by c per length pushes it away: with r = k / (c + k) per mass the motion dies out, at k - c - k r.
+/// Checks 300 masses in a row on bushings, the first to ground. The softest motion has 2 k (1 - cos(pi / (2 n + 1))). A force on the last mass
+/// that grows by c per length pushes it away. The motion then decays by r = k / (c + k) per mass, with the stiffness k - c - k r.
 #[test]
 fn stiffness_of_many_masses() {
     let (n, k) = (300_u32, 50.0);
@@ -96,7 +96,7 @@ fn stiffness_of_many_masses() {
     }
 }
 
-/// Two revolutes on one axis: five of the ten equations say nothing new, and the part turns freely.
+/// Checks two revolute joints on one axis: five of the ten equations are redundant, and the part rotates freely.
 #[test]
 fn redundant_hinges() {
     let (_, _, result) = solve(
@@ -116,7 +116,7 @@ fn redundant_hinges() {
     );
 }
 
-/// A part on an inplane primitive falls along x: nothing holds it there.
+/// Checks a part on an inplane primitive, which falls along x because nothing holds it.
 #[test]
 fn held_by_nothing() {
     let (_, _, result) = solve(
@@ -130,7 +130,7 @@ fn held_by_nothing() {
     );
 }
 
-/// A bar between two spheres that are further apart than it is long.
+/// Checks a bar between two spherical joints whose distance exceeds its length.
 #[test]
 fn contradicting_joints() {
     let (_, _, result) = solve(
@@ -144,7 +144,7 @@ fn contradicting_joints() {
     );
 }
 
-/// Nothing can hold a constant load without stiffness: the worst equation and the cause are told.
+/// Checks a constant load without stiffness, which has no equilibrium: the worst equation and the cause are reported.
 #[test]
 fn no_equilibrium() {
     let (_, _, result) = solve(
@@ -161,7 +161,7 @@ fn no_equilibrium() {
     );
 }
 
-/// A state whose rate is constant never comes to rest. With STATIC_HOLD it is no unknown.
+/// Checks a state with a constant rate, which never comes to rest. With STATIC_HOLD, the state is no unknown.
 #[test]
 fn a_state_that_never_rests() {
     let (_, _, result) = solve("DIFF/1, IC=0, FUNCTION=2.0\nDIFF/2, IC=1, FUNCTION=-DIF(2)");
@@ -176,7 +176,7 @@ fn a_state_that_never_rests() {
     assert!(held.is_ok(), "{held:?}");
 }
 
-/// What stands in the way is told as far as it is there: an open joint, a function that jumps, every iteration.
+/// Checks the reported causes of non-convergence: an open joint, a discontinuous function, and the history of the iterations.
 #[test]
 fn causes_that_are_present() {
     let (_, _, result) = solve(

@@ -1,4 +1,4 @@
-//! The real decks of ../shared/real-decks: each reaches equilibrium or is refused with the reason, as the table beside says.
+//! The real decks of ../shared/real-decks: each reaches equilibrium or is refused with a reason, as recorded in the table.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -30,7 +30,7 @@ fn errors(what: &str, diagnostics: &[Diagnostic]) -> Option<String> {
             users = message.split(": ").next();
             continue;
         }
-        // What follows the name of the statement is the reason.
+        // The text after the name of the statement is the reason.
         let marks = [" is not solved: ", " calls a ", " has ", "': ", ": "];
         let cut = marks.iter().find_map(|m| Some((message.find(m)?, m)));
         let (kind, reason) = match cut {
@@ -49,7 +49,7 @@ fn errors(what: &str, diagnostics: &[Diagnostic]) -> Option<String> {
     Some(format!("{what}\n    {}", lines.join("\n    ")))
 }
 
-/// What becomes of a deck, in one line.
+/// Returns the outcome for a deck, in one line.
 fn outcome(path: &Path) -> String {
     let parsed = Dataset::parse(Source::new("deck", fs::read(path).unwrap()));
     if let Some(told) = errors("not read", &parsed.diagnostics) {

@@ -9,7 +9,7 @@ use admire_syntax::Address;
 use crate::common::shared;
 use crate::deck;
 
-/// Where the two axles are.
+/// Folders of the two axles.
 pub const AXLES: [&str; 2] = [
     "reference/pseudo-mcpherson/mcph_ref",
     "reference/multilink/ocp_ref",
@@ -108,7 +108,7 @@ fn multilink() {
     compare("reference/multilink/ocp_ref");
 }
 
-/// A tie rod between two spherical joints spins freely: with mass that is harmless, without it is refused by name.
+/// Checks a tie rod between two spherical joints, which spins freely. With mass, this is harmless; without mass, it is refused by name.
 #[test]
 fn spherical_tie_rod() {
     let Some((mut model, _)) = load("reference/pseudo-mcpherson/mcph_ref") else {

@@ -12,7 +12,7 @@ fn spread(seed: u64, k: usize) -> f64 {
     x as f64 / 500.0 - 1.0
 }
 
-/// Parts thrown about by centimetres and tens of degrees find back to the equilibrium next to the design.
+/// Checks that parts displaced by centimetres and rotated by tens of degrees return to the equilibrium nearest to the design position.
 #[test]
 fn displaced_parts() {
     for stem in [
@@ -61,7 +61,7 @@ fn displaced_parts() {
     }
 }
 
-/// The start of the paper's identification: bushings of 1e4 N/mm and 1e4 N mm per degree everywhere.
+/// Checks the start of the paper's identification: all bushings have 1e4 N/mm and 1e4 N mm per degree.
 #[test]
 fn stiffness_of_1e4_everywhere() {
     for stem in [

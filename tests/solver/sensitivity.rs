@@ -1,4 +1,4 @@
-//! Derivatives of forces and measures by every number of theta: direct against adjoint, both against differences of equilibria.
+//! Derivatives of forces and measures with respect to every parameter: direct against adjoint, and both against differences of equilibria.
 
 use admire_solver::model::PartIx;
 use admire_solver::statics::{Sensitivity, Solver, StaticSettings};
@@ -8,7 +8,7 @@ use crate::deck;
 use crate::differences::{richardson, step};
 use crate::reference::{AXLES, load};
 
-/// Forces of all elements, reactions of all joints; with a weight that makes torques comparable to forces.
+/// Returns the forces of all elements and the reactions of all joints, each with a weight that makes torques comparable to forces.
 fn forces(system: &System) -> Vec<(Quantity, f64)> {
     let mut out = Vec::new();
     for (element, _) in system.elements() {
@@ -50,7 +50,8 @@ fn norm(v: impl Iterator<Item = f64>) -> f64 {
     v.map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Checks all numbers; gives how the error of plain central differences falls when the step is halved.
+/// Checks the derivatives with respect to all parameters. Returns the ratios by which the errors of plain central differences fall if the step
+/// is halved.
 fn check(
     system: &System,
     parameters: &Parameters,
@@ -105,7 +106,7 @@ fn check(
                     .map(|(difference, exact)| difference - exact),
             )
         };
-        // Forces carry stiffness times the round-off of positions: 1e4 N/mm times 1e-12 mm.
+        // Forces contain stiffness times the round-off of positions: 1e4 N/mm times 1e-12 mm.
         let noise = 3e-8 / h;
         let relative = error(&richardson(&coarse, &fine)) / (size + 1e5 * noise);
         if relative > worst.0 {
@@ -146,12 +147,12 @@ fn forces_of_the_axles() {
             "{stem}: error falls by {middle} over {} numbers",
             falls.len()
         );
-        // Second order: a quarter of the error at half the step.
+        // The error is of second order: a quarter at half the step.
         assert!((middle - 4.0).abs() < 0.1 && falls.len() >= 10, "{middle}");
     }
 }
 
-/// The same bits with one thread and with several, both ways round.
+/// Checks that results are bitwise equal with one thread and with several, by both methods.
 #[test]
 fn any_number_of_threads() {
     let Some((model, _)) = load("reference/multilink/ocp_ref") else {
@@ -182,7 +183,7 @@ fn any_number_of_threads() {
     }
 }
 
-/// Measures: functions of a REQUEST that read displacements and forces, of a deck whose force itself depends on a measure.
+/// Checks measures: functions of a REQUEST that read displacements and forces, in a deck whose force depends on a measure.
 #[test]
 fn measures() {
     let solved = deck::solve(
@@ -203,7 +204,7 @@ fn measures() {
         &solved.state,
         &quantities,
     );
-    // Motions are the unknowns themselves: what the tangent says.
+    // Motions are the unknowns themselves, so their derivatives are those of the tangent.
     let mut sensitivity =
         Sensitivity::new(&solved.system, &solved.parameters, &solved.state).unwrap();
     let address = admire_syntax::Address {
@@ -220,7 +221,7 @@ fn measures() {
     }
 }
 
-/// Numbers of VARIABLEs act through all that reads them: through others, through loops, through forces that are measured.
+/// Checks parameters of VARIABLEs, which act through everything that reads them: other variables, loops, and measured forces.
 #[test]
 fn variables_of_variables() {
     let solved = deck::solve(
@@ -246,7 +247,8 @@ fn variables_of_variables() {
     );
 }
 
-/// A GEAR whose first joint is cylindrical: its reaction there has two parts, what turns and what shifts. Both move with every number.
+/// Checks a GEAR whose first joint is cylindrical. Its reaction there has two components, a torque and a force, which both change with every
+/// parameter.
 #[test]
 fn reaction_of_a_gear_at_a_cylindrical_joint() {
     let solved = deck::solve(

@@ -1,4 +1,4 @@
-//! Equilibria that do not last, the way on from them, and starts that stay.
+//! Unstable equilibria, the continuation from them to stable ones, and starts that stay.
 
 use admire_solver::statics::{Softest, SolveError, Solver, StaticSettings};
 use admire_solver::system::Scratch;
@@ -16,12 +16,13 @@ fn softest(solved: &Solved) -> Softest {
         .unwrap()
 }
 
-/// Upright the stiffness is KT - m g h: negative, told by part and axis. Both ways lead down to KT a = m g h sin a.
+/// Checks an upright pendulum, whose stiffness KT - m g h is negative and reported with part and axis. In both directions it ends at KT a = m g
+/// h sin a.
 #[test]
 fn an_upright_pendulum_is_left_both_ways() {
     let mut solved = solve(PENDULUM);
     let unstable = softest(&solved);
-    // The mean distance of its markers from its mass centre, which moves by as much as the rotation times this length.
+    // Mean distance of the part's markers from its mass centre. The mass centre moves by the rotation times this length.
     let length = 100.0;
     let expected = (1000.0 - WEIGHT) / (2.0 * length * length);
     assert!(
@@ -63,10 +64,10 @@ fn an_upright_pendulum_is_left_both_ways() {
     );
 }
 
-/// A strut between two springs that push it together snaps through one way or the other; one way is nearer.
+/// Checks a strut between two springs that push it together: it snaps to one of two sides, and the nearer one is taken.
 #[test]
 fn the_nearer_of_two_stable_equilibria_is_taken() {
-    // F = x (x - 10) (x + 30) / 100 along x: stable at 10 and at -30 with the sign of a restoring force.
+    // Along x, F = x (x - 10) (x + 30) / 100. It is stable at 10 and at -30, with the sign of a restoring force.
     let deck = "PART/2, MASS=1, CM=20, IP=9,9,9\nMARKER/20, PART=2\nMARKER/22, PART=2, REULER=90D,90D,0D\n\
         MARKER/2, PART=1, REULER=90D,90D,0D\nJOINT/1, TRANSLATIONAL, I=22, J=2\n\
         SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=2, FUNCTION=-DX(20,1)*(DX(20,1)-10)*(DX(20,1)+30)/100\n";
@@ -88,7 +89,7 @@ fn the_nearer_of_two_stable_equilibria_is_taken() {
     assert!((found.moved - 10.0).abs() < 1e-9 && (found.other.unwrap() - 30.0).abs() < 1e-9);
 }
 
-/// What nothing stops has no stable equilibrium: that is said, and the state stays.
+/// Checks a part without any stop, which has no stable equilibrium: this is reported, and the state is unchanged.
 #[test]
 fn a_fall_without_end_is_told() {
     let deck = "PART/2, MASS=1, CM=20, IP=9,9,9\nMARKER/20, PART=2\nMARKER/22, PART=2, REULER=90D,90D,0D\n\
@@ -113,7 +114,7 @@ fn a_fall_without_end_is_told() {
     assert_eq!(state, solved.state);
 }
 
-/// Two links on hinges, the first without mass: whatever way it turns, the second moves with it, which has mass.
+/// Checks two links on hinges, the first massless. Any rotation of the first link moves the second one, which has mass.
 #[test]
 fn a_mass_later_in_a_chain_counts_through_the_joints() {
     let chain = "PART/2\nMARKER/21, PART=2\nMARKER/22, PART=2, QP=100,0,0\nJOINT/1, REVOLUTE, I=21, J=1\n\
@@ -122,7 +123,7 @@ fn a_mass_later_in_a_chain_counts_through_the_joints() {
     let solved = solve(chain);
     assert_eq!(solved.report.free_motions.len(), 2);
     assert!((solved.pose(3).p.x - 100.0).abs() < 1e-12);
-    // With the second hinge at its mass centre and no inertia there, turning the second link moves no mass.
+    // With the second hinge at the mass centre and without inertia there, a rotation of the second link moves no mass.
     let spin = chain
         .replace("IP=10,10,10", "IP=0,0,0")
         .replace("MARKER/30, PART=3, QP=50,0,0", "MARKER/30, PART=3");
@@ -130,7 +131,7 @@ fn a_mass_later_in_a_chain_counts_through_the_joints() {
     assert!(error.is_err());
 }
 
-/// MAXIT as stated bounds all iterations, those of continuation too; not stated, help may take more.
+/// Checks that a stated MAXIT limits all iterations, including those of the continuation. Without a stated MAXIT, more are allowed.
 #[test]
 fn as_many_iterations_as_stated_and_no_more() {
     let far = PENDULUM.replace("KT=1000", "KT=1E5, TORQUE=1E5");
@@ -192,7 +193,7 @@ fn as_many_iterations_as_stated_and_no_more() {
     );
 }
 
-/// A lamp whose spring balances its weight in every position (k a h = m g l), on a foot of this stiffness.
+/// Returns the solution of a lamp whose spring balances its weight in every position (k a h = m g l), on a base of this stiffness.
 fn lamp(kt: &str) -> Solved {
     solve(&format!(
         "PART/2, MASS=5, CM=20, IP=1E4,1E4,1E4\nMARKER/20, PART=2\nMARKER/21, PART=2\nMARKER/22, PART=2, QP=0,0,100\n\
@@ -203,8 +204,8 @@ fn lamp(kt: &str) -> Solved {
     ))
 }
 
-/// What reactions are off by within a usual tolerance gives a neutral equilibrium a stiffness of either sign; one that is unstable by more
-/// than that stays so.
+/// Checks a neutral equilibrium. Errors of the reactions within a usual tolerance give it a stiffness of either sign, so it must count as
+/// neutral. An equilibrium that is unstable by more than this error must stay unstable.
 #[test]
 fn a_stiffness_within_its_error_is_neutral() {
     for (solved, unstable) in [(lamp("1E12"), false), (solve(PENDULUM), true)] {
@@ -228,7 +229,7 @@ fn a_stiffness_within_its_error_is_neutral() {
     }
 }
 
-/// An arm that begins level falls by 90 degrees; one that begins beside its equilibrium goes there without a word.
+/// Checks that an arm that starts level and falls by 90 degrees is reported, and that an arm that starts near its equilibrium is not.
 #[test]
 fn a_part_that_goes_far_is_told() {
     let arm = |turned: f64| {
@@ -241,7 +242,7 @@ fn a_part_that_goes_far_is_told() {
     assert_eq!(far.len(), 1);
     assert!((far[0].turn.to_degrees() - 85.0).abs() < 1e-6, "{far:?}");
     assert!(arm(-50.0).report.far.is_empty());
-    // A block on a spring goes down by ten times what there is of the mechanism.
+    // A block on a spring moves down by ten times the size of the mechanism.
     let far = solve(
         "MARKER/11, PART=1, QP=0,0,10\nPART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\n\
          SPRINGDAMPER/1, TRANSLATION, I=20, J=11, K=0.0980665, LENGTH=10\nACCGRAV/KGRAV=-9806.65",

@@ -1,4 +1,4 @@
-//! USER forces that only read a property file, replaced by its curves: the deck then solves, to closed forms.
+//! USER forces that only read a property file, replaced by its curves. The deck is then solved and compared with closed forms.
 
 use admire_solver::model::{Model, replace_user_forces};
 use admire_solver::statics::{Solver, StaticSettings};
@@ -10,7 +10,7 @@ use admire_syntax::{Address, Dataset};
 const UNITS: &str =
     "[UNITS]\nLENGTH='mm'\nFORCE='newton'\nANGLE='degrees'\nMASS='kg'\nTIME='second'\n";
 
-/// 100, 200, 400 N/mm and 50 N.m per 5 degrees about z, straight; damping of 0.5.
+/// Returns a bushing file: 100, 200, 400 N/mm, 50 N.m per 5 degrees about z, all linear, and damping of 0.5.
 fn bushing() -> String {
     let mut out = format!("[MDI_HEADER]\nFILE_TYPE='bus'\nFILE_VERSION=4.0\n{UNITS}");
     out += "[DAMPING]\nFX_DAMPING=0.5\nFY_DAMPING=0.5\nFZ_DAMPING=0.5\nTX_DAMPING=0\nTY_DAMPING=0\nTZ_DAMPING=0\n";
@@ -61,7 +61,7 @@ fn files() -> Files {
     files
 }
 
-/// The deck with these statements, replaced; the complaints.
+/// Returns the deck with these statements after the replacement, and the messages.
 fn replaced(more: &str, lengths: &[(Address, f64)]) -> (String, Vec<String>) {
     replaced_in(&format!("{DECK}{more}END\r\n"), lengths, &[])
 }
@@ -74,7 +74,7 @@ fn replaced_in(text: &str, lengths: &[(Address, f64)], plain: &[Address]) -> (St
     (String::from_utf8(bytes).unwrap(), told)
 }
 
-/// Where the part stands.
+/// Returns the pose of the part at equilibrium.
 fn place(text: &str) -> admire_solver::mechanics::Pose {
     let model: Model = crate::deck::read(text);
     let system = System::compile(&model);
@@ -104,7 +104,7 @@ fn a_bushing_file_becomes_splines() {
     assert!(!text.contains("USER") && !text.contains("ROUTINE"));
     let pose = place(&text);
     assert!((pose.p.x - 0.5).abs() < 1e-9 && (pose.p.z + 0.25).abs() < 1e-9);
-    // 2e4 N.mm at 1e4 N.mm per degree.
+    // A torque of 2e4 N.mm at 1e4 N.mm per degree.
     let turn = admire_solver::mechanics::log(&pose.R).z.to_degrees();
     assert!((turn - 2.0).abs() < 1e-9, "{turn}");
 }
@@ -112,7 +112,7 @@ fn a_bushing_file_becomes_splines() {
 const GUIDE: &str = "MARKER/21, PART=2\r\nMARKER/3, PART=1, QP=0,0,0\r\nJOINT/1, TRANSLATIONAL, I=21, J=3\r\nMARKER/4, PART=1, QP=0,0,-100\r\n\
     MARKER/7, PART=1, REULER=0D,180D,0D\r\nSFORCE/9, I=20, J=7, TRANSLATIONAL, ACTIONONLY, FUNCTION=600\r\n";
 
-/// Without the bushing: only the guide, the load of 600 N downwards and one more force.
+/// Returns a deck without the bushing: the guide, the downward load of 600 N, and one more force.
 fn guided(force: &str, lengths: &[(Address, f64)]) -> (String, Vec<String>) {
     let (text, told) = replaced(&format!("{GUIDE}{force}\r\n"), lengths);
     let begin = text.find("! the bushing of the arm").unwrap();
@@ -134,7 +134,7 @@ fn a_spring_file_acts_from_its_free_length() {
         text.contains(", FUNCTION = AKISPL(120-DM(20,4), 0, "),
         "{text}"
     );
-    // 20 (120 - r) = 600: r = 90, so the part stands at -10.
+    // 20 (120 - r) = 600 gives r = 90, so the part is at -10.
     assert!((place(&text).p.z + 10.0).abs() < 1e-8);
     // The installed length of the deck overrides that of the file.
     let (text, _) = guided(spring, &[(force(5), 110.0)]);
@@ -154,22 +154,22 @@ fn a_stop_acts_only_beyond_its_clearance() {
     );
     let (text, told) = guided(stop, &[(force(6), 85.0)]);
     assert!(told.is_empty(), "{told:?}");
-    // Free until r = 85, then 20 (85 - r) = 600: r = 55.
+    // The stop is free until r = 85; then 20 (85 - r) = 600 gives r = 55.
     assert!(
         text.contains("IF(85-DM(20,4): 0, 0, AKISPL(85-DM(20,4), 0, "),
         "{text}"
     );
     let from_below = text.replace("PART/2, MASS", "PART/2, QG=0,0,-40, MASS");
     assert!((place(&from_below).p.z + 45.0).abs() < 1e-8);
-    // A rebound stop pulls: hung from above, with its other end 100 higher and the load downwards.
+    // A rebound stop pulls. It hangs from above, with its other end 100 higher and the load downwards.
     let rebound =
         "MARKER/5, PART=1, QP=0,0,100\r\nSFORCE/7, I=20, J=5, TRANSLATIONAL, FUNCTION=USER(34)";
     let (text, _) = guided(rebound, &[(force(7), 95.0)]);
-    // 20 (r - 95) = 600: r = 125.
+    // 20 (r - 95) = 600 gives r = 125.
     assert!((place(&text).p.z + 25.0).abs() < 1e-8);
 }
 
-/// What a further block of the file, as of damping, adds to the force is not known.
+/// Checks that the subroutine stays if the file has a further block, such as damping, because its contribution to the force is unknown.
 #[test]
 fn a_stop_with_a_block_of_its_own_keeps_its_subroutine() {
     let mut damped = files();
@@ -188,7 +188,7 @@ fn a_stop_with_a_block_of_its_own_keeps_its_subroutine() {
     );
 }
 
-/// What else the list tells the subroutine is not known: the force stays until the user says that it does nothing.
+/// Checks that the force stays if the list has further parameters, whose meaning is unknown, until the user states that they have no effect.
 #[test]
 fn other_parameters_keep_the_subroutine() {
     let deck = DECK.replace("USER(900, 31, 0, 0)", "USER(900, 31, 7, 0, 1.5)");

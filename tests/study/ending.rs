@@ -1,4 +1,4 @@
-//! How `identify` and `diagnose` end on a terminal: in a few lines, with the rest behind `-v`.
+//! The final output of `identify` and `diagnose` on a terminal: a few lines, with the rest behind `-v`.
 
 use super::run::{Said, admire, copied, corpus};
 
@@ -7,7 +7,7 @@ const MAX_LINES: usize = 15;
 /// Width of a terminal in columns.
 const WIDTH: usize = 80;
 
-/// Checks that a fit said little, and the four things that a reader needs.
+/// Checks that the output of a fit is short, and that it contains the four items that a reader needs.
 fn is_short(name: &str, said: &Said) {
     let text = format!("{}{}", said.err, said.out);
     assert!(text.lines().count() <= MAX_LINES, "{name}:\n{text}");
@@ -23,7 +23,7 @@ fn is_short(name: &str, said: &Said) {
     );
 }
 
-/// The table of all numbers and the table of plausibility are there with `-v` alone; the ending is the same.
+/// Checks that the table of all parameters and the table of plausibility appear only with `-v`, and that the ending is the same.
 #[test]
 fn an_identification_of_a_shipped_study_ends_in_fifteen_lines() {
     for name in [
@@ -53,7 +53,7 @@ fn an_identification_of_a_shipped_study_ends_in_fifteen_lines() {
             );
         }
     }
-    // The gain on cases that no fit saw is stated in sigmas of their noise and in the unit of the deck.
+    // The gain on cases that no fit used is stated in sigmas of their noise and in the unit of the deck.
     let (folder, _study) = copied("kc-experiment");
     let out = admire(folder.path(), &["identify", "study"]).out;
     let gain = out.split("\nheld out: ").nth(1).unwrap();
@@ -80,7 +80,7 @@ fn a_diagnosis_without_a_cause_says_so_and_all_with_v() {
     }
 }
 
-/// The page `diagnosis` shows what the shipped experiment ends in: causes with sizes, gain, next step, report.
+/// Checks that the page `diagnosis` shows the final output of the shipped experiment: causes with sizes, gain, next step, report.
 #[test]
 fn the_guide_shows_what_the_diagnosis_of_the_experiment_prints() {
     let page = admire_guide::page("diagnosis").expect("the page");
@@ -94,7 +94,7 @@ fn the_guide_shows_what_the_diagnosis_of_the_experiment_prints() {
     assert_eq!(said.out, shown);
 }
 
-/// The program of the system opens the report; without one the command goes on and says so.
+/// Checks that the program of the system opens the report, and that the command continues with a message if there is none.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_report_is_opened_if_something_opens_it() {
@@ -123,14 +123,14 @@ fn the_report_is_opened_if_something_opens_it() {
     let report = folder.path().join("answer/report.html");
     let wanted = format!("{}\n", report.display());
     let started = std::time::Instant::now();
-    // The opener runs on beside the command that started it.
+    // The opener continues after the command that started it.
     while !std::fs::read_to_string(&seen).is_ok_and(|text| text == wanted) {
         assert!(started.elapsed().as_secs() < 20, "nothing was opened");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
 }
 
-/// A command without `--out` writes beside its input.
+/// Checks that a command without `--out` writes beside its input.
 #[test]
 fn a_folder_that_is_not_named_is_beside_the_input() {
     let (folder, study) = copied("multilink");
@@ -141,7 +141,7 @@ fn a_folder_that_is_not_named_is_beside_the_input() {
     let said = admire(folder.path(), &["rig", "study"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(study.join("out-rig/study.toml").is_file());
-    // What the user put there is not replaced.
+    // Files of the user in that folder are not replaced.
     std::fs::write(study.join("out-rig/study.toml"), "mine").unwrap();
     let said = admire(folder.path(), &["rig", "study", "--seed", "2"]);
     assert_eq!(said.code, 1, "{}", said.err);
@@ -151,7 +151,7 @@ fn a_folder_that_is_not_named_is_beside_the_input() {
     );
 }
 
-/// A help text belongs to its command: only what fits a study speaks of fits.
+/// Checks that a help text fits its command: only commands that fit a study mention fits.
 #[test]
 fn help_texts_fit_their_command() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::run::{admire, copied};
 
-/// Fields whose own fields are names of the study: addresses, loads, parameters of a cause, groups of tolerances.
+/// Fields whose own fields are names from the study: addresses, loads, parameters of a cause, tolerance groups.
 const OWN_NAMES: [&str; 4] = ["combination", "parameters", "std_error", "case"];
 
 fn fields(value: &Value, path: &str, found: &mut BTreeSet<String>) {
@@ -39,10 +39,10 @@ fn fields(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     }
 }
 
-/// Whatever stands in an answer is explained by `admire explain`.
+/// Checks that `admire explain` explains every field of the results.
 #[test]
 fn every_field_of_the_answers_is_explained() {
-    // An axle with a wheel and cases held out; and one whose tie rod yields.
+    // One axle has a wheel and held-out cases; the other has a compliant tie rod.
     let (folder, _study) = copied("kc-experiment");
     let identified = admire(folder.path(), &["identify", "study", "--out", "out"]);
     assert_eq!(identified.code, 0, "{}", identified.err);
@@ -85,7 +85,7 @@ fn every_field_of_the_answers_is_explained() {
     assert_eq!(said.code, 0, "{}", said.err);
 }
 
-/// So is every column and field of the K&C tests and of a sweep, with component and unit as they stand in the file.
+/// Checks that every column and field of the K&C tests and of a sweep is explained, with component and unit as spelled in the file.
 #[test]
 fn every_column_of_the_tables_is_explained() {
     let (folder, _study) = copied("multilink");
@@ -135,7 +135,7 @@ fn every_column_of_the_tables_is_explained() {
     );
 }
 
-/// The causes are those the code names in `diagnosis.json`.
+/// Checks that the explained causes are those that the code names in `diagnosis.json`.
 #[test]
 fn every_cause_is_explained() {
     let code = include_str!("../../src/diagnosis/cause.rs");
@@ -162,7 +162,7 @@ fn every_cause_is_explained() {
     }
 }
 
-/// What a reader says it knows at a place: the words in backticks behind "expected".
+/// Returns the words that a message lists as allowed: the words in backticks after "expected".
 fn expected(complaint: &str) -> Vec<String> {
     let (_, rest) = complaint
         .split_once("expected")
@@ -172,7 +172,7 @@ fn expected(complaint: &str) -> Vec<String> {
     words.map(str::to_string).collect()
 }
 
-/// Every key of `kc.toml` and of SWEEP.toml is explained: the readers themselves say which they know.
+/// Checks that every key of `kc.toml` and of SWEEP.toml is explained. The messages of the readers list the allowed keys.
 #[test]
 fn every_key_of_the_other_settings_is_explained() {
     let folder = tempfile::tempdir().unwrap();
@@ -244,7 +244,7 @@ fn every_key_of_the_other_settings_is_explained() {
     );
 }
 
-/// Every effect of the virtual rig is in the guide, and can be planted as it is printed there.
+/// Checks that every effect of the virtual rig is in the guide, and that it can be planted as printed there.
 #[test]
 fn every_effect_of_the_guide_can_be_planted() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -266,7 +266,7 @@ fn every_effect_of_the_guide_can_be_planted() {
     assert!(lacking.is_empty(), "{lacking:?}");
 }
 
-/// A word of the field is typed without quotes, and says its unit, its sign and the page to read on.
+/// Checks that a word of the field can be entered without quotes, and that its explanation has unit, sign and a page for further reading.
 #[test]
 fn words_of_the_field_are_explained() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! From a deck to a diagnosed study, as a person goes: what is begun, asked, refused and explained on the way.
+//! The way from a deck to a diagnosed study: setting up, questions, refusals and explanations.
 
 mod ending;
 mod explaining;

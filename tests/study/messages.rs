@@ -1,6 +1,6 @@
 use super::run::{admire, change, copied, corpus};
 
-/// What `admire identify` says of a changed study.toml, and its exit code.
+/// Returns the output of `admire identify` for a changed study.toml, and its exit code.
 fn said(from: &str, to: &str) -> (String, i32) {
     let (folder, study) = copied("pseudo-mcpherson");
     change(&study.join("study.toml"), from, to);
@@ -69,7 +69,7 @@ fn a_deck_is_not_a_study() {
     }
 }
 
-/// Without the solver beside it nothing is installed that could not run.
+/// Checks that no shims are installed if the solver they would run is missing.
 #[test]
 fn shims_need_a_solver_to_run() {
     let folder = tempfile::tempdir().unwrap();

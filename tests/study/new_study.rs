@@ -2,7 +2,7 @@ use admire_study::Study;
 
 use super::run::{admire, change, copied, corpus};
 
-/// A deck alone becomes a study: loads, bushings and the wheel are found, and what is missing is said in order.
+/// Checks that a study is created from a deck alone: loads, bushings and the wheel are found, and missing items are listed in order.
 #[test]
 fn a_study_begins_with_a_deck() {
     let folder = tempfile::tempdir().unwrap();
@@ -61,7 +61,7 @@ fn a_study_begins_with_a_deck() {
         })
         .collect();
     assert!(places.is_sorted(), "{}", said.err);
-    // The K&C tests run on it as it was begun: its own loads are left out, the one wheel has its mirror image.
+    // The K&C tests run on the new study: its own loads are left out, and the one wheel gets its mirror image.
     let kc = [
         "kc",
         "axle/model.adm",
@@ -82,7 +82,7 @@ fn a_study_begins_with_a_deck() {
     ] {
         assert!(begun.contains(text), "{begun}");
     }
-    // Nothing of the user's is replaced unasked.
+    // Files of the user are replaced only on request.
     change(
         &study.join("study.toml"),
         "deck = \"model.adm\"",
@@ -97,7 +97,7 @@ fn a_study_begins_with_a_deck() {
     );
 }
 
-/// Of an axle with two wheels both are found, left and right by where they are.
+/// Checks that both wheels of an axle are found, left and right by their positions.
 #[test]
 fn both_wheels_are_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -128,7 +128,7 @@ END
     assert!(!begun.contains("mirror"), "{begun}");
 }
 
-/// Curves of a K&C rig alone: the wheel is found, an unfilled study has no faults but steps, and a filled table is read as it is.
+/// Checks a study of K&C curves only: the wheel is found, the unfilled study has steps but no faults, and a filled table is read.
 #[test]
 fn a_study_of_curves_begins_with_a_deck() {
     let folder = tempfile::tempdir().unwrap();
@@ -169,7 +169,7 @@ fn a_study_of_curves_begins_with_a_deck() {
     assert!(said.err.contains("channels"), "{}", said.err);
 }
 
-/// A deck that is in its study already stays where it is; one with errors begins nothing.
+/// Checks that a deck that is already in its study stays there, and that no study is created from a deck with errors.
 #[test]
 fn a_deck_stays_in_its_own_folder() {
     let folder = tempfile::tempdir().unwrap();
@@ -193,7 +193,7 @@ fn a_deck_stays_in_its_own_folder() {
     assert_eq!(said.code, 2, "{}", said.err);
 }
 
-/// The table of plausibility comes before the fit, and refuses noise that is stated three orders too small.
+/// Checks that the table of plausibility precedes the fit, and that noise stated three orders of magnitude too small is refused.
 #[test]
 fn a_study_that_cannot_be_meant_is_refused_before_the_fit() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -225,7 +225,7 @@ fn a_study_that_cannot_be_meant_is_refused_before_the_fit() {
     assert!(folder.path().join("out/report.html").is_file());
 }
 
-/// Millimetres taken for metres: the lint of the deck says so, and so does the table.
+/// Checks millimetres read as metres: the lint of the deck and the table of plausibility report it.
 #[test]
 fn a_unit_slip_of_the_deck_is_seen() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -245,7 +245,7 @@ fn a_unit_slip_of_the_deck_is_seen() {
     );
 }
 
-/// Another sign or unit of a curve shows before any fit; a sign can be stated.
+/// Checks that a wrong sign or unit of a curve is detected before any fit, and that a sign can be stated.
 #[test]
 fn curves_that_move_otherwise_than_the_model_are_seen() {
     let (folder, study) = copied("kc-curves");
@@ -276,7 +276,8 @@ fn curves_that_move_otherwise_than_the_model_are_seen() {
     assert!(said.contains("degrees and minutes"), "{said}");
 }
 
-/// A column of loads with the other sign, or in kilonewtons, marks from another origin, and two cases that were exchanged show before any fit.
+/// Checks that faults are detected before any fit: a column of loads with the opposite sign or in kilonewtons, marks from another origin, and
+/// two exchanged cases.
 #[test]
 fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -366,8 +367,8 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
     );
 }
 
-/// A deck with names of another language, loads of a GFORCE, a laboratory's own words: wheel, directions and curves are found. What several
-/// curves share is complained about once.
+/// Checks a deck with names in another language, loads of a GFORCE, and terms of a laboratory: wheel, directions and curves are found. A
+/// complaint that applies to several curves is made once.
 #[test]
 fn a_deck_and_a_table_in_german_are_understood() {
     let folder = tempfile::tempdir().unwrap();
@@ -398,7 +399,7 @@ END
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(said.err.contains("MARKER/22 on Radtraeger"), "{}", said.err);
     let study = folder.path().join("s");
-    // A left wheel at y > 0: the axes of ISO 8855.
+    // A left wheel at y > 0 means the axes of ISO 8855.
     let toml = std::fs::read_to_string(study.join("study.toml")).unwrap();
     let rig = std::fs::read_to_string(study.join("kc.toml")).unwrap();
     assert!(toml.contains("forward = \"+x\""), "{toml}");

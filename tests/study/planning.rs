@@ -1,4 +1,4 @@
-//! What to measure next: promises that are kept when it is measured.
+//! Proposals of the next measurement: the predicted gains must be realised when it is measured.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use super::run::{admire, change, copied};
 
-/// The shipped McPherson whose deck is the truth, and more load cases; measured by the virtual rig.
+/// Measures the shipped McPherson, with its deck as the truth and with further load cases, on the virtual rig.
 fn measured(more: &str) -> (tempfile::TempDir, LoadedStudy) {
     let (folder, study) = copied("pseudo-mcpherson");
     std::fs::copy(study.join("reference.adm"), study.join("model.adm")).unwrap();
@@ -41,21 +41,22 @@ fn planned(loaded: &LoadedStudy, aim: Aim) -> Plan {
     plan(&loaded.problem(), aim, &Progress::default()).unwrap()
 }
 
-/// Standard deviation of a combination of ln K by an identification among tolerances.
+/// Returns the standard deviation of a combination of ln K, by an identification with tolerances.
 fn identified(loaded: &LoadedStudy, vector: &[f64]) -> f64 {
     let found = fit_with_random_effects(&loaded.problem()).unwrap();
     let v = DVector::from_column_slice(vector);
     v.dot(&(found.covariance(v.len()) * &v)).sqrt()
 }
 
-/// The first load case of a candidate as a row of the shipped file.
+/// Returns the first load case of a candidate as a row of the shipped file.
 fn row(ranked: &Ranked, label: &str) -> String {
     let of = |name: &str| ranked.cases[0][name];
     let values = ["vertical", "lateral", "longitudinal"].map(of);
     format!("{label},{},{},{}\n", values[0], values[1], values[2])
 }
 
-/// The suggested case is measured and everything identified anew: sizes of tolerances, too. The noise is that of the rig.
+/// Checks that the gain of the suggested case is realised when it is measured and everything is identified again, including variance components.
+/// The noise is that of the rig.
 #[test]
 fn a_case_does_what_the_plan_promised_and_more_than_the_last_one() {
     let (_folder, before) = measured("");
@@ -66,7 +67,8 @@ fn a_case_does_what_the_plan_promised_and_more_than_the_last_one() {
         .filter(|c| c.cases.len() == 1)
         .collect();
     let (best, last) = (with_cases[0], with_cases[with_cases.len() - 1]);
-    // The combination that the sentence names: the one that gains most, the hardly known ones apart, whose posterior is not Gaussian.
+    // Combination that the sentence names: the one with the largest gain. Poorly determined combinations are excluded, because their posterior
+    // is not Gaussian.
     let (at, _) = found
         .combinations
         .iter()
@@ -121,7 +123,7 @@ fn a_case_that_is_there_many_times_ranks_low() {
             .iter()
             .any(|c| c.what == "case 1 again (there 13 times)")
     );
-    // Once it tells of stiffnesses at a low load; a fourteenth time it tells nothing.
+    // Measured once, the case shows the stiffnesses at a low load; measured a fourteenth time, it shows nothing new.
     assert!(before < 0.6 && after > 0.75, "{before} {after}");
     assert!(gain_after < 0.2 * gain_before, "{gain_before} {gain_after}");
 }
@@ -137,7 +139,7 @@ fn readings_and_curves_alone_are_planned_for() {
         let (before, after) = (found.curves.as_ref().unwrap().sd, best.curves.unwrap());
         assert!(best.score > 0.2, "{study}: {best:?}");
         assert!(after.toe_deg < before.toe_deg && after.position < before.position);
-        // Toe, camber and centre are read by the rig of the one, not by the sensors of the other.
+        // Toe, camber and centre are read by the rig of one study, but not by the sensors of the other.
         let curves = found.candidates.iter().any(|c| c.kind == Kind::Curve);
         assert_eq!(curves, unread, "{study}");
         for kind in [Kind::Load, Kind::Repeat, Kind::Mark, Kind::LoadCell] {
@@ -146,7 +148,7 @@ fn readings_and_curves_alone_are_planned_for() {
                 "{study} {kind:?}"
             );
         }
-        // Nothing that is measured takes knowledge away.
+        // A further measurement never reduces the knowledge.
         for candidate in &found.candidates {
             let sds = found.combinations.iter().zip(&candidate.sd_log);
             let worse =
@@ -158,7 +160,7 @@ fn readings_and_curves_alone_are_planned_for() {
 
 fn fields(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     match value {
-        // Names of the study's own.
+        // Names from the study itself.
         Value::Object(_) if matches!(path.rsplit('.').next(), Some("combination" | "cases")) => {}
         Value::Object(object) => {
             for (key, value) in object {
@@ -176,11 +178,11 @@ fn fields(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     }
 }
 
-/// The rows go to the end of the study's own file, however that is written, and the study is one all the same.
+/// Checks that the rows are appended to the study's own file, whatever its format, and that the study remains valid.
 #[test]
 fn suggested_cases_are_rows_of_the_study() {
     let (folder, study) = copied("pseudo-mcpherson");
-    // As a spreadsheet writes it: semicolons, decimal commas, another column, no end of the last line.
+    // The file is written by a spreadsheet: semicolons, decimal commas, an extra column, and no line end after the last line.
     let loads = study.join("load_cases.csv");
     let text = std::fs::read_to_string(&loads).unwrap();
     let rows = text.lines().filter(|line| !line.starts_with('#'));
@@ -238,7 +240,7 @@ fn suggested_cases_are_rows_of_the_study() {
         .filter(|field| !entries.contains(field))
         .collect();
     assert!(lacking.is_empty(), "{lacking:?}");
-    // What an earlier run wrote is replaced; what somebody changed is not.
+    // Files of an earlier run are replaced; files that somebody changed are not.
     assert_eq!(admire(folder.path(), &words).code, 0);
     change(&folder.path().join("next/plan.json"), "aim", "mine");
     let refused = admire(folder.path(), &words);
@@ -246,8 +248,8 @@ fn suggested_cases_are_rows_of_the_study() {
     assert!(refused.err.contains("plan.json"), "{}", refused.err);
 }
 
-/// A top mount 2.5 times as stiff as the deck says: marks alone leave open which law of it is wrong. The plan says what would tell; measured,
-/// it does.
+/// Checks a top mount 2.5 times as stiff as in the deck. Marks alone do not determine which of its laws is wrong. The plan names a measurement
+/// that decides it, and the measurement does.
 #[test]
 fn what_is_undecided_is_decided_by_what_the_plan_names() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -263,7 +265,8 @@ fn what_is_undecided_is_decided_by_what_the_plan_names() {
     let words = [
         "plan", "before", "--for", "causes", "--count", "3", "--out", "next",
     ];
-    // No load separates the causes. The study lists no load cell, so none is proposed; it is named as an instrument that would separate them.
+    // No load separates the causes. The study lists no load cell, so none is proposed; the plan names a load cell as an instrument that would
+    // separate them.
     let said = admire(folder.path(), &words);
     assert_eq!(said.code, 0, "{}", said.err);
     let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -331,7 +334,7 @@ fn what_is_undecided_is_decided_by_what_the_plan_names() {
         found.map_or(0.0, |f| f["probability"].as_f64().unwrap())
     };
     let before = probability("before");
-    // Half a percent of the largest force: what the plan takes a load cell for.
+    // Noise of half a percent of the largest force, which the plan assumes for a load cell.
     let cells = "\n[readings]\nfile = \"readings.csv\"\n[readings.channels]\n\
                  fx = { function = \"BUSH(3,0,2,0)\", sigma = 20.0 }\n\
                  fy = { function = \"BUSH(3,0,3,0)\", sigma = 20.0 }\n\
@@ -344,7 +347,7 @@ fn what_is_undecided_is_decided_by_what_the_plan_names() {
     assert!(after > 0.9 && after > before + 0.2, "{before} {after}");
 }
 
-/// Only what the laboratory has is proposed, and no load beyond the range that the study states.
+/// Checks that only instruments of the laboratory are proposed, and no load beyond the range in the study.
 #[test]
 fn nothing_is_proposed_that_the_laboratory_lacks() {
     let planned_with = |available: &str| {

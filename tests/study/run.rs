@@ -1,14 +1,14 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a command said: standard output, standard error, exit code.
+/// Output of a command: standard output, standard error, exit code.
 pub struct Said {
     pub out: String,
     pub err: String,
     pub code: i32,
 }
 
-/// Runs `admire` in a folder, asking nothing.
+/// Runs `admire` in a folder, without questions.
 pub fn admire(folder: &Path, arguments: &[&str]) -> Said {
     let run = Command::new(env!("CARGO_BIN_EXE_admire"))
         .args(arguments)
@@ -23,14 +23,14 @@ pub fn admire(folder: &Path, arguments: &[&str]) -> Said {
     }
 }
 
-/// A file or folder of the corpus.
+/// Returns the path of a file or folder of the corpus.
 pub fn corpus(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("corpus")
         .join(path)
 }
 
-/// A study of the corpus, copied into a folder of its own.
+/// Copies a study of the corpus into a folder of its own.
 pub fn copied(name: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let study = folder.path().join("study");
@@ -44,7 +44,7 @@ pub fn copied(name: &str) -> (tempfile::TempDir, PathBuf) {
     (folder, study)
 }
 
-/// Replaces a text of a file that holds it.
+/// Replaces a text in a file that contains it.
 pub fn change(path: &Path, from: &str, to: &str) {
     let text = std::fs::read_to_string(path).expect("readable file");
     assert!(text.contains(from), "{from}");

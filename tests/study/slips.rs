@@ -1,17 +1,17 @@
-//! Slips that happen weekly, planted one at a time: refused before any fit, with the reason and what mends it. Sound studies pass.
+//! Frequent slips, planted one at a time: they are refused before any fit, with the reason and the remedy. Correct studies pass.
 
 use std::path::Path;
 
 use super::run::{admire, change, copied};
 
-/// What `admire check` says of a study, in one line.
+/// Returns the output of `admire check` for a study, in one line.
 fn told(folder: &Path) -> (String, i32) {
     let said = admire(folder, &["check", "study"]);
     let text: Vec<&str> = said.err.split_whitespace().collect();
     (text.join(" "), said.code)
 }
 
-/// Columns of the loads times a factor.
+/// Multiplies columns of the loads by a factor.
 fn scaled(study: &Path, names: &[&str], factor: f64) {
     let table = study.join("load_cases.csv");
     let text = std::fs::read_to_string(&table).unwrap();
@@ -89,8 +89,8 @@ fn numbers_of_the_deck_in_another_unit_are_refused_with_it() {
     }
 }
 
-/// The two sides of a bushing lie apart, or are turned, and one exchange, one sign or one mirror brings them together. The deck's own
-/// warnings stand above the refusal.
+/// Checks bushings whose two sides are displaced or rotated relative to each other. One exchange, one sign or one mirror image corrects them.
+/// The deck's own warnings precede the refusal.
 #[test]
 fn markers_that_lie_apart_are_refused_with_what_brings_them_together() {
     for (from, to, wanted) in [
@@ -116,7 +116,7 @@ fn markers_that_lie_apart_are_refused_with_what_brings_them_together() {
         assert!(code == 1 && said.contains(wanted), "{to}: {said}");
     }
     let (folder, study) = copied("pseudo-mcpherson");
-    // The top mount: tilted, of which the lint of the deck warns.
+    // The top mount is tilted, of which the lint of the deck warns.
     change(
         &study.join("model.adm"),
         "REULER = 163.810793743D, 10.16697863183D, -164.0519817344D",
@@ -132,7 +132,8 @@ fn markers_that_lie_apart_are_refused_with_what_brings_them_together() {
     );
 }
 
-/// The other sign of a coordinate in ground, for a marker of the knuckle: its frame is turned by REULER = 10, 5, 0 degrees and sits at (5, -690, 310).
+/// Returns the local coordinates of a marker of the knuckle after a sign change of one ground coordinate. The frame of the knuckle has REULER =
+/// 10, 5, 0 degrees and is at (5, -690, 310).
 fn on_the_other_side(local: &[f64], axis: usize) -> String {
     let place = [5.0, -690.0, 310.0];
     let (a, b) = (10f64.to_radians(), 5f64.to_radians());
@@ -196,7 +197,7 @@ fn marks_that_are_a_mirror_image_are_refused() {
     }
 }
 
-/// The sign of a channel, where stiffnesses are sought; its direction is compared where none are, too.
+/// Checks the sign of a channel in a study with stiffnesses to identify. Its direction is also compared in a study without any.
 #[test]
 fn a_channel_with_the_other_sign_is_seen_whether_or_not_stiffnesses_are_sought() {
     let (folder, study) = copied("kc-curves");
@@ -216,7 +217,7 @@ fn a_channel_with_the_other_sign_is_seen_whether_or_not_stiffnesses_are_sought()
     assert!(said.contains("caster moves against the model"), "{said}");
 }
 
-/// Start values that are seven times off, rubber and points as they are: nothing is refused.
+/// Checks that studies with start values wrong by a factor of seven, and with correct rubber and points, are not refused.
 #[test]
 fn sound_studies_are_not_refused() {
     for name in [
@@ -231,7 +232,7 @@ fn sound_studies_are_not_refused() {
     }
 }
 
-/// Tables that can be read in two ways are refused at the place; those of spreadsheets are read.
+/// Checks that ambiguous tables are refused with their position, and that tables of spreadsheets are read.
 #[test]
 fn tables_that_can_be_read_in_two_ways_are_refused() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -245,7 +246,7 @@ fn tables_that_can_be_read_in_two_ways_are_refused() {
             ],
         )
     };
-    // Thousands with a point beside a decimal comma.
+    // Points that separate thousands, together with decimal commas.
     let grouped = shipped
         .replace(',', ";")
         .replace("1500;0;0", "1.500;0,0;0,0");
@@ -261,7 +262,7 @@ fn tables_that_can_be_read_in_two_ways_are_refused() {
         "{}",
         said.err
     );
-    // Two columns of one name.
+    // Two columns with the same name.
     let line = |(at, line): (usize, &str)| {
         let more = if at == 0 {
             "vertical".to_string()
@@ -278,7 +279,7 @@ fn tables_that_can_be_read_in_two_ways_are_refused() {
         "{}",
         said.err
     );
-    // UTF-16, as spreadsheets save it.
+    // UTF-16, as spreadsheets write it.
     let mut bytes = vec![0xff, 0xfe];
     bytes.extend(shipped.encode_utf16().flat_map(u16::to_le_bytes));
     std::fs::write(&table, bytes).unwrap();

@@ -1,6 +1,6 @@
 use super::run::{admire, copied};
 
-/// The commands that `admire --help` lists.
+/// Returns the commands that `admire --help` lists.
 fn commands() -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let help = admire(folder.path(), &["--help"]).out;
@@ -113,7 +113,7 @@ fn stages_are_said_as_much_as_is_asked_for() {
     assert!(fit(&["-v"]).contains("identifying\n"));
     assert!(!fit(&[]).contains("identifying"));
     assert_eq!(fit(&["--quiet"]), "");
-    // A note is none of the complaints that a quiet command tells.
+    // A quiet command reports complaints, but no notes.
     let (folder, _study) = copied("kc-curves");
     let words = ["plan", "study", "--for", "stiffnesses"];
     let note = "curves of the rig";
@@ -124,7 +124,7 @@ fn stages_are_said_as_much_as_is_asked_for() {
     );
 }
 
-/// On a terminal a page goes through the pager of the user; `script` is a terminal.
+/// Checks that a page on a terminal is shown by the pager of the user; `script` provides the terminal.
 #[test]
 #[cfg(unix)]
 fn a_page_of_the_guide_goes_through_the_pager() {
@@ -153,11 +153,11 @@ fn a_page_of_the_guide_goes_through_the_pager() {
     let lines = plain.lines();
     let expected = lines.fold(String::new(), |text, line| text + "PAGED" + line + "\n");
     assert_eq!(paged, expected);
-    // A pager that is not there is none.
+    // A missing pager counts as none.
     assert_eq!(shown("no-such-pager").unwrap(), plain);
 }
 
-/// What is no code, and no path that cannot be broken, keeps to 80 columns.
+/// Checks that pages keep to 80 columns, except for code and for paths that cannot be broken.
 #[test]
 fn pages_of_the_guide_keep_to_a_terminal() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,12 +3,12 @@ use std::process::Command;
 
 use admire_guide as guide;
 
-/// The words of a text, whatever the line ends.
+/// Returns the words of a text, whatever its line ends.
 fn words(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The first command of the README says what the README says it says.
+/// Checks that the first command of the README prints what the README shows.
 #[test]
 fn the_readme_shows_what_the_first_command_prints() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -34,7 +34,7 @@ fn the_readme_shows_what_the_first_command_prints() {
     }
 }
 
-/// The commands of the tutorial run as they are printed, one after the other, and say what the page says they say.
+/// Runs the commands of the tutorial in order, as printed, and checks that they print what the page shows.
 #[test]
 #[cfg(unix)]
 fn the_tutorial_runs_as_it_is_printed() {
@@ -76,7 +76,7 @@ fn the_tutorial_runs_as_it_is_printed() {
         (first["cause"].as_str(), first["address"].as_str()),
         (Some("link-compliance"), Some("PART/6"))
     );
-    // What was planted: 6000 N/mm.
+    // Planted stiffness: 6000 N/mm.
     let compliance = first["parameters"]["compliance"].as_f64().unwrap();
     let error = first["std_error"]["compliance"].as_f64().unwrap();
     assert!(

@@ -2,7 +2,7 @@ use admire_sweep::SweepPlan;
 
 use super::{Bench, NUMBERS, admire, said, shown};
 
-/// The plan of the corpus with K&C tests in place of the command file.
+/// Returns the plan of the corpus with K&C tests instead of the command file.
 fn with_tests(text: String) -> String {
     let until = text.find("[[keep]]").expect("a keep");
     text[..until]
@@ -161,7 +161,7 @@ fn a_table_of_cases_is_run_row_by_row() {
     let plan = SweepPlan::read(&bench.path("sweep.toml"))
         .value
         .expect("a plan");
-    // The second row is the deck as it is.
+    // The second row is the unchanged deck.
     assert_eq!(
         plan.deck_with(&plan.numbers(1)).expect("a deck").bytes(),
         plan.deck.bytes()

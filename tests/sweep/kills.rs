@@ -21,7 +21,7 @@ fn a_sweep_that_is_killed_again_and_again_loses_and_doubles_nothing() {
             .spawn()
             .expect("admire starts");
         std::thread::sleep(Duration::from_millis(pause));
-        // Moments spread over start, work and the writing of the answer.
+        // The moments of the kill are spread over start, work and the writing of the result.
         pause = 20 + pause * 7 % 331;
         kills += usize::from(child.try_wait().expect("a child").is_none());
         let _ = child.kill();
@@ -35,7 +35,7 @@ fn a_sweep_that_is_killed_again_and_again_loses_and_doubles_nothing() {
     assert!(whole.iter().map(bits).eq(killed.iter().map(bits)));
 }
 
-/// What a run leaves that is killed while it writes the summary: the temporary file of a process that is gone.
+/// Checks the remains of a run that was killed while it wrote the summary: a temporary file of a process that no longer exists.
 #[test]
 fn a_sweep_killed_while_it_writes_its_answer_goes_on() {
     let bench = Bench::cases(10);
@@ -49,7 +49,7 @@ fn a_sweep_killed_while_it_writes_its_answer_goes_on() {
     assert_eq!(left.exists(), !Path::new("/proc/self").exists());
 }
 
-/// The most memory that a sweep of so many cases had, bytes.
+/// Returns the peak memory, in bytes, of a sweep with this number of cases.
 #[cfg(target_os = "linux")]
 fn most_memory(cases: usize) -> u64 {
     let bench = Bench::cases(cases);
@@ -77,7 +77,7 @@ fn most_memory(cases: usize) -> u64 {
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_does_not_grow_with_the_cases() {
-    // 200 bytes a case are what 20 MB for 100,000 cases allow.
+    // 200 bytes per case correspond to 20 MB for 100,000 cases.
     let (few, many) = (most_memory(200), most_memory(5000));
     let room = 200 * 4800 + (6 << 20);
     assert!(

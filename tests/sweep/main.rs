@@ -1,4 +1,4 @@
-//! Sweeps: the same answer in any sharding and after any kill, refusals before anything runs, quantities that are kept.
+//! Sweeps: the same result for any sharding and after any kill, refusals before any run, and the recorded quantities.
 
 mod kept;
 mod kills;
@@ -20,7 +20,7 @@ fn admire(words: &[&str]) -> Output {
     command.args(words).output().expect("admire starts")
 }
 
-/// What a run said on standard error.
+/// Returns the standard error of a run.
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -29,7 +29,7 @@ fn shown(path: &Path) -> &str {
     path.to_str().expect("a plain path")
 }
 
-/// A folder with the pseudo McPherson deck, its command file, and a SWEEP.toml of the text that `change` gives for that of the corpus.
+/// A folder with the pseudo McPherson deck, its command file, and a SWEEP.toml. The text of the SWEEP.toml is that of the corpus after `change`.
 struct Bench {
     folder: tempfile::TempDir,
 }
@@ -54,7 +54,7 @@ impl Bench {
         self.folder.path().join(name)
     }
 
-    /// Runs `admire sweep` into a folder of this name.
+    /// Runs `admire sweep` with output into a folder of this name.
     fn sweep(&self, out: &str, more: &[&str]) -> Output {
         let (plan, out) = (self.path("sweep.toml"), self.path(out));
         let mut words = vec!["sweep", shown(&plan), "--out", shown(&out)];
@@ -62,7 +62,7 @@ impl Bench {
         admire(&words)
     }
 
-    /// The rows of an answer, with the numbers each was run with.
+    /// Returns the rows of a result, each with the numbers of its run.
     fn rows(&self, out: &str, inputs: usize) -> Vec<(Row, Vec<f64>)> {
         let table = TableReader::open(&self.path(out).join("results.parquet")).expect("the answer");
         let columns = Columns::of(&table, inputs);
@@ -81,12 +81,12 @@ impl Bench {
     }
 }
 
-/// The bits of everything in a row but the time it took.
+/// Returns the bits of everything in a row except the elapsed time.
 fn bits((row, numbers): &(Row, Vec<f64>)) -> (u64, &'static str, String, Vec<u64>) {
     let all = numbers.iter().chain(&row.outputs);
     let all = all.map(|value| value.to_bits()).collect();
     (row.case, row.status.word(), row.reason.clone(), all)
 }
 
-/// Numbers that vary in the plan of the corpus.
+/// Number of varied numbers in the plan of the corpus.
 const NUMBERS: usize = 5;

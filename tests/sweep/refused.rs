@@ -122,7 +122,7 @@ fn a_folder_that_is_not_the_sweeps_own_is_refused() {
     assert_eq!(std::fs::read_dir(&out).expect("a folder").count(), 1);
     std::fs::remove_file(out.join("notes.txt")).expect("removed");
     assert!(bench.sweep("out", &[]).status.success());
-    // Other inputs: the deck was changed since.
+    // The inputs differ, because the deck was changed.
     let deck = std::fs::read_to_string(bench.path("model.adm")).expect("a deck");
     std::fs::write(
         bench.path("model.adm"),
@@ -145,7 +145,7 @@ fn a_folder_that_is_not_the_sweeps_own_is_refused() {
         "{}",
         said(&refused)
     );
-    // A folder where nobody can write.
+    // A folder without write access.
     #[cfg(target_os = "linux")]
     {
         let refused = again.sweep("/proc/self/new", &[]);
@@ -156,7 +156,7 @@ fn a_folder_that_is_not_the_sweeps_own_is_refused() {
             "{said}"
         );
     }
-    // A file in the place of the folder.
+    // A file at the path of the folder.
     std::fs::write(again.path("file"), "").expect("written");
     let refused = again.sweep("file", &[]);
     assert_eq!(refused.status.code(), Some(1));
@@ -169,7 +169,7 @@ fn a_folder_that_is_not_the_sweeps_own_is_refused() {
 
 #[test]
 fn a_case_that_fails_says_why_and_stops_no_other() {
-    // A bushing ten metres away from its place: the iteration does not end.
+    // A bushing ten metres away from its position; the iteration does not converge.
     let bench = Bench::new(|text| {
         text.replace("cases = 1000", "cases = 40")
             .replace("\"BUSHING/1.K.3\"", "\"MARKER/4.QP.1\"")
@@ -203,7 +203,7 @@ fn a_case_that_fails_says_why_and_stops_no_other() {
     );
 }
 
-/// Every path of SWEEP.toml lies below its folder, as those of study.toml do: nothing outside of it is read, shown or written.
+/// Checks that every path of SWEEP.toml must be below its folder, as in study.toml: nothing outside is read, shown or written.
 #[cfg(unix)]
 #[test]
 fn paths_of_a_plan_do_not_lead_out_of_its_folder() {

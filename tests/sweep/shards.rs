@@ -25,7 +25,7 @@ fn any_sharding_gives_the_bits_of_single_runs() {
             "{of} shards"
         );
     }
-    // Single runs of the same decks, through files.
+    // Single runs of the same decks, by way of files.
     let plan = SweepPlan::read(&bench.path("sweep.toml"))
         .value
         .expect("a plan");
@@ -51,7 +51,7 @@ fn any_sharding_gives_the_bits_of_single_runs() {
     }
 }
 
-/// Z, PSI and Y of the knuckle in both steps, from the results file that `mdi` writes.
+/// Returns Z, PSI and Y of the knuckle in both steps, from the results file that `mdi` writes.
 fn single_run(folder: &Path) -> Vec<(f64, f64, f64)> {
     let ran = std::process::Command::new(env!("CARGO_BIN_EXE_mdi"))
         .args(["-c", "ru-standard", "i", "lateral.acf", "exit"])
@@ -121,7 +121,7 @@ fn merging_refuses_what_is_missing_and_what_is_of_another_sweep() {
         "{}",
         said(&refused)
     );
-    // A part of a sweep with another seed.
+    // A shard of a sweep with another seed.
     let other = Bench::new(|text| {
         text.replace("cases = 1000", "cases = 12")
             .replace("seed = 1", "seed = 2")
@@ -138,7 +138,7 @@ fn merging_refuses_what_is_missing_and_what_is_of_another_sweep() {
         said(&refused)
     );
     std::fs::remove_file(folder.join(part)).expect("removed");
-    // A part of another version.
+    // A shard of another version.
     let manifest = std::fs::read_to_string(folder.join("sweep.json")).expect("the manifest");
     assert!(bench.sweep("a", &["--shard", "1/3"]).status.success());
     let version = TableReader::open(&folder.join(part)).expect("a part");
@@ -159,8 +159,8 @@ fn merging_refuses_what_is_missing_and_what_is_of_another_sweep() {
     assert_eq!(bench.rows("a", NUMBERS).len(), 12);
 }
 
-/// Flipped bits of a finished part are found by `merge` and when the sweep goes on, with the rows they are in; without the file its cases are
-/// run again, and the answer is the same.
+/// Checks that flipped bits of a finished shard are detected by `merge` and when the sweep continues, and that the affected rows are named.
+/// Without the file, its cases are run again with the same result.
 #[test]
 fn a_part_with_flipped_bits_is_not_taken() {
     let bench = Bench::cases(12);
@@ -176,7 +176,7 @@ fn a_part_with_flipped_bits_is_not_taken() {
     assert_eq!(parts.len(), 3);
     let part = parts.iter().min().expect("a part");
     let whole = std::fs::read(part).expect("bytes");
-    // Nine places all over the file, three bits each.
+    // Nine positions throughout the file, three bits each.
     for k in 0..9 {
         let mut bytes = whole.clone();
         for bit in 0..3 {
@@ -208,7 +208,7 @@ fn a_part_with_flipped_bits_is_not_taken() {
     assert!(bench.sweep("alone", &[]).status.success());
     let (parts, alone) = (bench.rows("out", NUMBERS), bench.rows("alone", NUMBERS));
     assert!(parts.iter().map(bits).eq(alone.iter().map(bits)));
-    // The joined answer has a checksum of its own.
+    // The merged result has its own checksum.
     let results = out.join("results.parquet");
     let mut bytes = std::fs::read(&results).expect("bytes");
     let middle = bytes.len() / 3;

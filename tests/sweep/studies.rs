@@ -2,7 +2,7 @@ use admire_sweep::SweepPlan;
 
 use super::{Bench, admire, said, shown};
 
-/// A plan of the pseudo McPherson study, whose front arm is longer or shorter than the deck says.
+/// Returns a plan of the pseudo McPherson study, in which the front arm is longer or shorter than in the deck.
 fn plan(keep: &str) -> Bench {
     let bench = Bench::new(|_| {
         format!(
@@ -30,7 +30,7 @@ fn a_study_with_another_deck_gives_what_identify_gives_on_it() {
     let rows = bench.rows("out", 1);
     assert_eq!(rows.len(), 3);
     let (deck, study) = (bench.path("study/model.adm"), bench.path("study"));
-    // The third case, by hand.
+    // The third case, run separately.
     let plan = SweepPlan::read(&bench.path("sweep.toml"));
     let plan = plan.value.expect("a plan");
     let varied = plan.deck_with(&plan.numbers(2)).expect("a deck");
@@ -39,7 +39,7 @@ fn a_study_with_another_deck_gives_what_identify_gives_on_it() {
     let ran = admire(&["identify", shown(&study), "--out", shown(&out)]);
     assert!(ran.status.success(), "{}", said(&ran));
     let text = std::fs::read_to_string(out.join("identification.json")).expect("the answer");
-    // serde_json reads the last bit of a number as it likes; the standard library does not.
+    // serde_json may round the last bit of a number differently from the standard library.
     let numbers = |key: &str| -> Vec<f64> {
         let mark = format!("\"{key}\": ");
         let mut pieces = text.split(mark.as_str());
@@ -57,7 +57,7 @@ fn a_study_with_another_deck_gives_what_identify_gives_on_it() {
 
 #[test]
 fn a_diagnosis_of_every_case_is_that_of_the_command() {
-    // The third arm is three millimetres off: the study is no longer explained by tolerances.
+    // The third arm is wrong by three millimetres, so tolerances no longer explain the study.
     let keep = "[[keep]]\ndiagnosis = \"baseline.chi2_per_dof\"\n[[keep]]\ndiagnosis = \"none_of_these\"\n\
         [[keep]]\ndiagnosis = \"findings[dry-friction@BUSHING/1.K.1].probability\"\n";
     let bench = plan(keep);
@@ -88,7 +88,7 @@ fn a_diagnosis_of_every_case_is_that_of_the_command() {
     let of = |row: usize| [0, 1].map(|k: usize| rows[row].0.outputs[k].to_bits());
     assert_eq!(of(1), single);
     assert_ne!(of(0), single);
-    // No friction was found there.
+    // No friction was found in this case.
     assert!(rows[0].0.outputs[2].is_nan());
 }
 
@@ -152,7 +152,7 @@ fn recorded_runs_are_replayed_without_the_program() {
             .map(super::bits)
             .eq(recorded.iter().map(super::bits))
     );
-    // A case more was never recorded.
+    // The additional case was never recorded.
     let more = replay.replace("cases = 4", "cases = 5");
     std::fs::write(bench.path("sweep.toml"), more).expect("written");
     bench.sweep("more", &[]);

@@ -63,7 +63,8 @@ fn range(u: &[f64]) -> f64 {
     high - u.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// Factor that converts a size of a force to the size at a site: 1 at a translation, a lever arm at a rotation.
+/// Returns the factor that converts the size of a force to the size of the generalised force at a site: 1 for a translation, a lever arm for a
+/// rotation.
 fn lever(survey: &OperatingPoints<'_>, site: &Site) -> f64 {
     if site.axis < 3 {
         1.0
@@ -82,8 +83,8 @@ pub(crate) fn priors(survey: &OperatingPoints<'_>, site: &Site) -> SliderPriors 
     }
 }
 
-/// Returns friction at every site that the fit has none at, with the result of the scan of its law. A site at which the fit has friction gets a
-/// further slider, which makes the limit gradual.
+/// Returns a friction candidate for every site, with the result of the scan of its law. If the fit already has friction at a site, the candidate
+/// is a further slider, which makes the friction limit gradual.
 pub(crate) fn scanned(
     survey: &OperatingPoints<'_>,
     sites: &Sites,
@@ -100,7 +101,7 @@ pub(crate) fn scanned(
         if there.len() >= MAX_SLIDERS || there.iter().any(|h| h.is_left_by_law()) {
             return None;
         }
-        // A force of unknown law at the same site would explain what the friction does.
+        // A force of unknown law at the same site absorbs the effect of friction, so the scan removes it from the linear model.
         let is_rival = |h: &CandidateEffect| !h.is_in_catalogue() && h.address == site.address;
         let own = fitted.effects.iter().any(is_rival);
         let own = own.then(|| Reduced::without(fitted, is_rival));
@@ -134,7 +135,7 @@ pub(crate) fn scanned(
         .collect()
 }
 
-/// Returns a scanned slider with the slip length of a start, and first guesses of its parameters, in units of their priors.
+/// Returns a scanned slider with the slip length of a start. Also returns first guesses of its parameters, in units of their priors.
 pub(crate) fn started(slider: &CandidateEffect, at: &SliderStart) -> (CandidateEffect, Vec<f64>) {
     let mut slider = slider.clone();
     if let Parametrisation::SlipLength { start, .. } = &mut slider.numbers[1].unknown {

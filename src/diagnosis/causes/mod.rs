@@ -107,7 +107,7 @@ mod tests {
     use crate::base_fit::tests::axle_problem;
     use admire_identify::LoadedStudy;
 
-    /// Candidates of the shipped axle with a section `[priors]` in its study.
+    /// Returns the candidates of the shipped axle with a section `[priors]` in its study.
     fn candidates_with(priors: &str) -> Vec<CandidateEffect> {
         let shipped =
             std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../corpus/pseudo-mcpherson");

@@ -90,8 +90,8 @@ impl Columns {
         }
     }
 
-    /// Computes the lower triangle of `A'A`, where `A` are these columns. Effects of single load cases are zero in all rows but a few in
-    /// succession; their products take only these.
+    /// Computes the lower triangle of `A'A`, where `A` are these columns. The effect of a single load case is nonzero in a few successive rows
+    /// only, and its products use only these rows.
     pub(super) fn gram(&self) -> DMatrix<f64> {
         let n = self.active.len();
         let extent = |k: usize| {
@@ -117,7 +117,7 @@ impl Columns {
                 put(long[row], long[k], *value);
             }
         }
-        // Short columns of about the same rows are multiplied together.
+        // Short columns that cover about the same rows are multiplied together.
         let mut ordered = short;
         ordered.sort_by_key(|k| (extents[*k].start, extents[*k].end));
         let mut from = 0;

@@ -1,4 +1,5 @@
-//! Cholesky factor of a symmetric positive definite matrix, by blocks where errors of single cases form such. Computed by the library faer.
+//! Cholesky factor of a symmetric positive definite matrix, computed by the library faer. Errors of single load cases form blocks that are
+//! factorised separately.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -9,8 +10,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::product::{dot, gram, read, transposed, write};
 
-/// Factorisation of a symmetric positive definite matrix `M`. Some unknowns may form blocks that are coupled with each other only through the
-/// rest: errors of single load cases. The blocks are eliminated first; the rest then costs as much as if there were none.
+/// Factorisation of a symmetric positive definite matrix `M`. Some unknowns, such as errors of single load cases, may form blocks. Unknowns
+/// of different blocks are coupled only through the unknowns outside of all blocks, the rest. The blocks are eliminated first; the rest
+/// then costs as much as a matrix without blocks.
 ///
 /// Let block `i` have the matrix `D = F F'`, and let `B` be its coupling with the rest. With `W = F^-1 B`, the rest has the Schur complement
 /// `S = M_rest - sum W'W = L L'`.
@@ -237,7 +239,8 @@ impl Factor {
         let (n, p) = (self.count, self.rest.len());
         let mut inner = inner;
         inner.fill_upper_triangle_with_lower_triangle();
-        // With `R = F'^-1 W` of all blocks, the covariance with the rest is `-R C`, and among blocks `R C R'` plus that of the block itself.
+        // Let `C` be the inverse of the Schur complement, and `R` the matrices `F'^-1 W` of all blocks, stacked. The covariance of the blocks
+        // with the rest is `-R C`. Among the blocks it is `R C R'`, plus `(F F')^-1` within each block.
         let own: Vec<usize> = self
             .blocks
             .iter()
@@ -288,7 +291,7 @@ mod tests {
     use super::*;
     use admire_study::noise::Noise;
 
-    /// Compares determinant, solution and inverse with the results of nalgebra for the same matrix.
+    /// Checks determinant, solution and inverse against the results of nalgebra for the same matrix.
     #[test]
     fn factor_and_inverse_are_those_of_another_library() {
         for n in [0, 1, 2, 5, 40, 131] {
@@ -315,13 +318,13 @@ mod tests {
         assert!(Factor::new(DMatrix::from_element(2, 2, f64::NAN)).is_none());
     }
 
-    /// A matrix whose last unknowns form blocks has the factor of the same matrix without blocks.
+    /// Checks that a factorisation by blocks gives the same results as a factorisation without blocks.
     #[test]
     fn blocks_change_nothing_but_the_order() {
         let (n, mut noise) = (23, Noise::new(9, "blocks"));
         let blocks = vec![vec![1, 2, 3], vec![10, 7], vec![20, 21, 22]];
         let block = |k: usize| blocks.iter().position(|block| block.contains(&k));
-        // Rows of one case see the unknowns of their own block alone.
+        // The rows of a case depend on the unknowns of one block and of the rest.
         let A = DMatrix::from_fn(90, n, |row, column| match block(column) {
             Some(own) if own != row % 3 => 0.0,
             _ => noise.normal(),

@@ -1,7 +1,8 @@
 //! Estimation of the noise of mark readings without a model of the axle: the distances between the marks of a rigid part are constant.
 //!
-//! The `m` marks of a part have `3 m` coordinates, of which the pose takes up six degrees of freedom. The others contain the noise and the
-//! position errors of the marks on the part. The position errors are constant over the cases and are removed by subtracting the mean.
+//! The `m` marks of a part have `3 m` coordinates, and its pose has six degrees of freedom. The remaining `3 m - 6` coordinates contain the
+//! noise and the position errors of the marks on the part. The position errors are constant over the cases and are removed by subtracting the
+//! mean.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -72,8 +73,7 @@ impl MarkNoise {
         let centre = centres(&clean, false);
         let left = coordinates(measurement, &clean, &centre);
         let squares: f64 = left.iter().map(|value| value * value).sum();
-        // In each block, the pose takes up six degrees of freedom. For each part, the mean over the cases takes up the remaining coordinates
-        // once.
+        // The pose uses six degrees of freedom in each block. The mean over the cases uses the remaining coordinates once for each part.
         let mut dof: f64 = blocks
             .iter()
             .map(|b| 3.0 * b.readings.len() as f64 - 6.0)

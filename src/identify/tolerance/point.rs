@@ -7,7 +7,7 @@ use admire_solver::model::{MarkerIx, Model};
 /// A hardpoint: a connection point of the axle, with all markers that coincide there in the design position.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConnectionPoint {
-    /// Position in the design position of the deck, in ground.
+    /// Position in ground, at the design position of the deck.
     pub place: Vec3,
     /// Markers at the hardpoint, in the order of the deck.
     pub markers: Vec<MarkerIx>,

@@ -152,8 +152,8 @@ pub fn plan(kind: Kind, seed: u64) -> Plan {
         },
         programme: programmes[random.random_range(0..3)],
         sigma: (random.random_range(0.02..0.05) * 1e4_f64).round() / 1e4,
-        // Background errors of hardpoints and gains are causes of the catalogue. A study with them is not clean, and naming one of them
-        // would not be a false name where an effect outside the catalogue is planted.
+        // Background errors of hardpoints and gains are causes of the catalogue. A study with them is therefore not clean. If an effect outside
+        // the catalogue is planted as well, naming a background error would not be a false name.
         background: matches!(kind, Kind::Single | Kind::Pair) && (seed + seed / 6) % 3 == 2,
         instruments: (
             random.random_bool(0.5),
