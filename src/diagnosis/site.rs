@@ -44,6 +44,9 @@ pub(super) struct SiteModel {
     pub absorbed: DMatrix<f64>,
     /// Information matrix of the forces in all cases.
     pub information: DMatrix<f64>,
+    /// The information matrix as a difference, if each case has rows of its own: information of the force in each case with the fit's unknowns
+    /// held, and the matrix `B` whose product `B'B` their estimation takes off.
+    parts: Option<(DVector<f64>, DMatrix<f64>)>,
     /// Gradient of the log evidence with respect to the force in each case.
     pub gradient: DVector<f64>,
 }
@@ -79,10 +82,53 @@ impl SiteModel {
         }
         let cross = transposed(jacobian, &effect);
         let absorbed = transposed(&posterior.covariance, &cross);
+        let held = transposed(&effect, &effect);
+        let is_apart = (0..held.ncols()).all(|k| {
+            let column = held.column(k);
+            (0..held.nrows()).all(|row| row == k || column[row] == 0.0)
+        });
+        let is_smaller = 2 * cross.nrows() < held.ncols();
+        let parts = (is_apart && is_smaller)
+            .then(|| posterior.covariance.clone().cholesky())
+            .flatten()
+            .map(|root| {
+                (
+                    held.diagonal(),
+                    root.l_dirty().lower_triangle().tr_mul(&cross),
+                )
+            });
         Self {
-            information: transposed(&effect, &effect) - transposed(&cross, &absorbed),
+            information: held - transposed(&cross, &absorbed),
+            parts,
             gradient: effect.tr_mul(residual),
             absorbed,
+        }
+    }
+
+    /// Creates the model of a site whose forces are read with this information matrix.
+    #[cfg(test)]
+    pub(super) fn of_readings(information: DMatrix<f64>, gradient: DVector<f64>) -> Self {
+        Self {
+            absorbed: DMatrix::zeros(0, 0),
+            information,
+            parts: None,
+            gradient,
+        }
+    }
+
+    /// Returns the log likelihood of forces at the site, one per case, against no force.
+    pub(super) fn ln_likelihood(&self, forces: &DVector<f64>) -> f64 {
+        forces.dot(&self.gradient) - 0.5 * self.information_of(forces)
+    }
+
+    /// Returns the information of a pattern of forces: the product of the information matrix with the pattern on both sides.
+    pub(super) fn information_of(&self, pattern: &DVector<f64>) -> f64 {
+        match &self.parts {
+            Some((held, root)) => {
+                let squares = pattern.component_mul(pattern);
+                squares.dot(held) - (root * pattern).norm_squared()
+            }
+            None => pattern.dot(&(&self.information * pattern)),
         }
     }
 }

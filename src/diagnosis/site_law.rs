@@ -10,7 +10,8 @@ use nalgebra::DVector;
 
 use super::site::SiteModel;
 use crate::settings::{
-    LAW_GRID, LAW_GRID_DECADES, LAW_MAX_LIMIT_SD, LAW_REFINEMENTS, START_SLIP_LENGTH,
+    LAW_GRID, LAW_GRID_DECADES, LAW_MAX_LIMIT_SD, LAW_REFINEMENTS, NEGLIGIBLE_GAIN_NATS,
+    START_SLIP_LENGTH,
 };
 
 /// Priors of a friction law: half-normal scale of the limit, then median and log standard deviation of the slip length.
@@ -99,10 +100,8 @@ impl SiteMotion<'_> {
         // A larger limit would hold the site still in all cases.
         let holding = range / mean_compliance.max(f64::MIN_POSITIVE);
         let largest = holding.min(LAW_MAX_LIMIT_SD * priors.limit);
-        let ln_likelihood = |slider: &Slider| {
-            let f = DVector::from_vec(self.forces(slider).0);
-            f.dot(&site.gradient) - 0.5 * f.dot(&(&site.information * &f))
-        };
+        let ln_likelihood =
+            |slider: &Slider| site.ln_likelihood(&DVector::from_vec(self.forces(slider).0));
         let ln_prior = |slider: &Slider| {
             let [limit, length] = [
                 slider.limit / priors.limit,
@@ -143,7 +142,7 @@ impl SiteMotion<'_> {
         let (forces, _) = self.forces(&slider);
         let pattern: Vec<f64> = forces.iter().map(|f| f / slider.limit).collect();
         let column = DVector::from_vec(pattern.iter().map(|p| p * priors.limit).collect());
-        let information = 1.0 + column.dot(&(&site.information * &column));
+        let information = 1.0 + site.information_of(&column);
         let linear =
             0.5 * column.dot(&site.gradient).powi(2) / information - 0.5 * libm::log(information);
         let smooth = smooth.map_or(slider, |(_, at)| {
@@ -227,7 +226,8 @@ fn moved(slider: &Slider, parameter: usize, step: f64) -> Slider {
     out
 }
 
-/// Maximises `value` by steps along single parameters, which are halved in every round. Returns the maximum, its location, and the curvature
+/// Maximises `value` by steps along single parameters. Steps of one length are repeated while they gain more than a negligible amount, and then
+/// halved. Returns the maximum, its location, and the curvature
 /// along each parameter. The curvature is computed from differences over the shortest step by which the value falls by half a nat.
 fn refined(
     value: &dyn Fn(&Slider) -> f64,
@@ -239,17 +239,19 @@ fn refined(
         for step in &mut steps {
             *step *= 0.5;
         }
-        let mut is_rising = true;
-        while is_rising {
-            is_rising = false;
+        loop {
+            let before = best;
             for parameter in 0..3 {
                 for sign in [-1.0, 1.0] {
                     let there = moved(&at, parameter, sign * steps[parameter]);
                     let found = value(&there);
                     if found > best {
-                        (best, at, is_rising) = (found, there, true);
+                        (best, at) = (found, there);
                     }
                 }
+            }
+            if best < before + NEGLIGIBLE_GAIN_NATS {
+                break;
             }
         }
     }
@@ -350,11 +352,7 @@ mod tests {
         let information = DMatrix::identity(u.len(), u.len()) / 25.0;
         let planted = DVector::from_vec(motion.forces(&truth).0);
         let with = |force: &DVector<f64>| {
-            let site = SiteModel {
-                absorbed: DMatrix::zeros(0, 0),
-                gradient: &information * force,
-                information: information.clone(),
-            };
+            let site = SiteModel::of_readings(information.clone(), &information * force);
             motion.scanned(&site, &priors).expect("a finite value")
         };
         let found = with(&planted);

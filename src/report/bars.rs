@@ -18,17 +18,23 @@ pub struct Bars {
 
 /// Width of the chart and height of one bar with its margin, in pixels.
 const SIZE: (f64, f64) = (560.0, 26.0);
-/// Margins in pixels: left (for the names), right, top, and bottom (for the axis).
-const ROOM: [f64; 4] = [196.0, 14.0, 8.0, 46.0];
+/// Margins in pixels: right, top, and bottom (for the axis).
+const ROOM: [f64; 3] = [14.0, 8.0, 46.0];
+/// Room for the names of the bars on the left, in pixels: per character, beside the longest name, and at least.
+const NAMES: [f64; 3] = [6.3, 16.0, 120.0];
 /// Maximum number of characters shown of a bar's name.
-const LETTERS: usize = 29;
+const LETTERS: usize = 44;
 
 impl Bars {
     /// Draws the chart as an `<svg>` element. The page's style sheet defines the colours.
     pub(crate) fn svg(&self) -> String {
         let ends = self.rows.iter().flat_map(|(_, ends)| ends.iter().copied());
         let axis = Axis::over(ends.chain([self.level]), false, 6);
-        let [left, right, top, bottom] = ROOM;
+        let letters = self.rows.iter().map(|(name, _)| name.chars().count());
+        let longest = letters.max().unwrap_or(0).min(LETTERS) as f64;
+        let [each, beside, least] = NAMES;
+        let left = (each * longest + beside).max(least);
+        let [right, top, bottom] = ROOM;
         let wide = SIZE.0 - left - right;
         let tall = SIZE.1 * self.rows.len() as f64;
         let height = top + tall + bottom;

@@ -1,5 +1,6 @@
 //! Page that repeats the validations of the published method (the paper) with this program.
 
+use super::scene::Role;
 use super::{Align, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table};
 use admire_results::Timestamp;
 use serde::Serialize;
@@ -94,7 +95,7 @@ impl ReproductionReport<'_> {
         let mut page = Page::new(
             "Reproduction",
             "The paper's validations, run again",
-            "The published method was run again on the models of its own validation; below, each of its tables stands beside ours.",
+            "The paper's three validations, repeated: its tables and figures beside those of admire.",
         );
         page.origin(&[
             (
@@ -153,12 +154,16 @@ impl ReproductionReport<'_> {
     fn figures(section: &ReproducedSection) -> Result<Vec<Figure>, DrawingError> {
         let drawn = section.figures.iter().map(|figure| {
             let series = figure.curves.iter().enumerate().map(|(k, curve)| {
-                let mark = if k < 2 {
-                    SeriesStyle::LinePoints
-                } else {
-                    SeriesStyle::Line
+                let mark = match k {
+                    0 => SeriesStyle::Dashed,
+                    1 => SeriesStyle::LinePoints,
+                    _ => SeriesStyle::Line,
                 };
-                Series::new(&curve.name, mark, curve.points.clone())
+                // The first curve is that of the deck as given.
+                Series {
+                    role: (k == 0).then_some(Role::Given),
+                    ..Series::new(&curve.name, mark, curve.points.clone())
+                }
             });
             let chart = Chart {
                 title: figure.title.clone(),

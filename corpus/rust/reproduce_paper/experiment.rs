@@ -230,8 +230,8 @@ fn finding(letter: &str, apart: &[f64], width: f64) -> String {
         }
     };
     format!(
-        "Figure 11-{letter}: the loop's model is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees), the \
-         fit's is {} ({by_fit:.4}); the rig's hysteresis of {width:.4} degrees no model has, as in the paper.",
+        "In figure 11-{letter} the model of the loop is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees). \
+         The model of the fit is {} ({by_fit:.4}). No model has the rig's hysteresis of {width:.4} degrees, as in the paper.",
         nearer(by_loop),
         nearer(by_fit)
     )

@@ -193,13 +193,13 @@ fn ordering(curves: &[Curve], angle: &str) -> String {
     };
     let names: Vec<&str> = order.iter().map(|(_, name)| *name).collect();
     let verdict = match (as_printed("loop"), as_printed("fit")) {
-        (true, true) => "for the loop and for the fit the order is the paper's",
-        (true, false) => "the paper's order for the loop, not for the fit",
-        (false, true) => "the paper's order for the fit, not for the loop",
-        (false, false) => "not the paper's order",
+        (true, true) => "The loop and the fit have the paper's order",
+        (true, false) => "The loop has the paper's order, the fit has not",
+        (false, true) => "The fit has the paper's order, the loop has not",
+        (false, false) => "Neither has the paper's order",
     };
     format!(
-        "Figure 9, {angle}, from nearest to the reference to farthest: {}: {verdict} (without noise, with noise, initial).",
-        names.join(", ")
+        "The {angle} of figure 9 is closest to the reference by {}. {verdict}: without noise, with noise, initial.",
+        names.join(", then ")
     )
 }

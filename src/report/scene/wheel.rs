@@ -38,10 +38,13 @@ impl Scene {
                 .reduce(f64::max);
             if patch.is_none() {
                 let length = &self.length;
-                self.notes.push(format!(
-                    "The deck states no tyre: the wheel is drawn with a radius of {} {length}.",
+                let note = format!(
+                    "The deck states no tyre: wheels are drawn with a radius of {} {length}.",
                     USUAL_RADIUS * metre
-                ));
+                );
+                if !self.notes.contains(&note) {
+                    self.notes.push(note);
+                }
             }
             patch.unwrap_or(USUAL_RADIUS) * metre
         });
