@@ -139,7 +139,7 @@ pub struct Plan {
     pub detection_limits: Vec<DetectionLimit>,
     /// Detection limits of all other causes. Empty if the purpose does not include causes.
     pub cause_limits: Vec<CauseLimit>,
-    /// Load deviation of candidates beyond the range applied, as a factor on the largest load deviation in the study.
+    /// Load deviation of candidates beyond the applied range, as a multiple of the largest load deviation in the study.
     pub beyond: f64,
     /// Candidates that have no equilibrium or yield no reading, as text.
     pub not_possible: Vec<String>,

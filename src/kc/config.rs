@@ -53,8 +53,8 @@ pub enum AxisMethod {
     Geometric,
     /// Screw axis of the carrier's motion under the steering input.
     Instant,
-    /// Screw axis of the carrier's motion under a unit moment about the vertical at the wheel centre, with the travel locked: what Adams/Car
-    /// takes for an axle without steering.
+    /// Screw axis of the carrier's motion under a unit moment about the vertical at the wheel centre, with the travel locked. Adams/Car reports this
+    /// axis for an axle without steering.
     InstantMoment,
     /// Geometric axis if its markers are named; otherwise the instant axis if there is a steering input; otherwise no axis.
     #[default]
@@ -499,7 +499,7 @@ impl Config {
         }
     }
 
-    /// Returns this configuration with these of its tests alone. `one_way` leaves out the way back from the highest value.
+    /// Returns this configuration with only the given tests. If `one_way` is true, the return sweep from the highest value is left out.
     #[must_use]
     pub fn with_tests(&self, tests: &[TestKind], one_way: bool) -> Self {
         let mut new = self.clone();

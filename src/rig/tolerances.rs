@@ -190,7 +190,7 @@ impl Tolerances {
         }
     }
 
-    /// Formats the nonzero standard deviations in the form that [`Self::parse`] reads.
+    /// Formats the nonzero standard deviations as a text that [`Self::parse`] reads.
     pub(super) fn to_text(mut self) -> String {
         let asked = self.named().into_iter();
         let asked = asked.filter(|(_, size)| **size > 0.0);

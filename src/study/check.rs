@@ -36,8 +36,8 @@ const POOR_SPREAD: f64 = 0.05;
 const INCONSISTENT: f64 = 1e-6;
 
 impl Measurement {
-    /// Returns the measurement of a study with all names resolved in its model, and runs the checks of module `check`. Faults that can be
-    /// corrected safely are corrected with a warning. After an error, no fit should be trusted.
+    /// Returns the measurement of a study with all names resolved in its model, and runs the checks of module `check`. Faults that can be corrected
+    /// safely are corrected with a warning. If an error is reported, the results of a fit are not reliable.
     pub fn resolve(study: &Study, model: &Model) -> Checked<Self> {
         let mut out = Vec::new();
         let mut value = resolve::measurement(study, model, &mut out);

@@ -73,7 +73,7 @@ pub struct Study {
     pub available: Option<Vec<SpannedText>>,
     /// Reference deck of section `[reference]`, used only for reports.
     pub reference: Option<Source>,
-    /// Section `[target]`: what the axle should become.
+    /// Section `[target]`: the goals of a tuning run, and the numbers of the deck that it may change.
     pub target: Option<TargetSettings>,
     /// Section `[car]`: the subsystem of Adams/Car to which results are written back. No fit reads it.
     pub car: Option<CarSettings>,

@@ -270,7 +270,7 @@ fn run_left(
                 Err(error) => break Err(error),
             }
         };
-        // Threads that still wait to send a row now end.
+        // Threads that are waiting to send a row end now.
         stop.store(true, Ordering::Relaxed);
         drop(receive);
         taken

@@ -106,7 +106,7 @@ pub(super) fn numbers(
     })
 }
 
-/// Reports values in the deck that two variations change, because one variation would overwrite the other.
+/// Reports values in the deck that two variations change. One variation would overwrite the other.
 fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnostics) {
     let mut seen: Vec<(&Address, &str)> = Vec::new();
     for (at, variation) in variations.iter().enumerate() {
@@ -317,7 +317,7 @@ fn distribution(
         so_far
     });
     let mut cumulative: Vec<f64> = cumulative.collect();
-    // The last value with a positive weight takes up the round-off of the sum.
+    // The last value with a positive weight absorbs the round-off of the sum.
     let last = weights.iter().rposition(|w| *w > 0.0).unwrap_or(0);
     cumulative[last..].fill(1.0);
     Some(Distribution::Discrete {
