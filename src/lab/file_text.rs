@@ -1,4 +1,4 @@
-//! Files of laboratories: workbooks, and texts in any encoding with any separator.
+//! Files from laboratories: workbooks, and texts in any encoding with any separator.
 
 use super::file_options::FileOptions;
 use super::sheet::Sheet;
@@ -88,7 +88,7 @@ mod tests {
         assert_eq!(read(&wide).lines()[0][1].text, "Spur (\u{b0})");
     }
 
-    /// `1.500` beside `0,5` may be 1500 or 1.5: it is no number until the mapping says which mark counts.
+    /// If `1.500` and `0,5` are in one file, `1.500` may be 1500 or 1.5. It is not a number until the mapping states the decimal mark.
     #[test]
     fn a_point_beside_decimal_commas_is_unclear() {
         let sheet = read(b"a;b\n0,5;1.500\n");

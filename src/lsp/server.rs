@@ -106,7 +106,7 @@ impl Server {
         }
     }
 
-    /// Runs an action in such a way that a panic in it does not end the server.
+    /// Runs an action. A panic in the action does not end the server.
     fn guarded(&mut self, what: &str, action: impl FnOnce(&mut Self)) {
         if catch_unwind(AssertUnwindSafe(|| action(self))).is_err() {
             self.log(&format!("{what} failed; the server goes on"));

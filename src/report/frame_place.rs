@@ -1,4 +1,4 @@
-//! Check of whether the marks (measured points on parts) are given in the deck's frame.
+//! Check of the frame of the marks (measured points on parts): it must be the frame of the deck.
 
 use super::check::Verdict;
 use admire_identify::LoadedStudy;

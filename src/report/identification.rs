@@ -340,7 +340,7 @@ impl IdentificationReport<'_> {
             let (before, after) = (wheel.steer_deg_rms_before, wheel.steer_deg_rms_after);
             rows.push(("steer, rms, deg".into(), Some(before), Some(after)));
         }
-        // The column of the initial model is shown only where there are values for it.
+        // The column of the initial model is shown only if it contains values.
         let compared = rows.iter().any(|(_, before, _)| before.is_some());
         let mut columns = vec![("", Align::Left)];
         if compared {
@@ -396,7 +396,7 @@ impl IdentificationReport<'_> {
         }
     }
 
-    /// Adds a table of the residuals, and the tests of whether they look like noise.
+    /// Adds a table of the residuals, and the tests that compare them with noise.
     fn tests(&self, page: &mut Page) {
         let Some(test) = &self.fit.fit_test else {
             return;

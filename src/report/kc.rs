@@ -24,7 +24,7 @@ pub struct MeasuredCurve {
 /// Report of K&C (kinematics and compliance) tests as an HTML page.
 #[derive(Debug)]
 pub struct KcReport<'a> {
-    /// Title of the page: the deck's own, or the name of its file.
+    /// Title of the page: the title of the deck, or the name of its file.
     pub title: &'a str,
     /// Three-dimensional view of the axle with its wheels.
     pub scene: Option<&'a Scene>,
@@ -219,7 +219,7 @@ impl KcReport<'_> {
         Ok(page.finish(footer))
     }
 
-    /// Draws charts, to one scale where they show the same quantity.
+    /// Draws charts. Charts of the same quantity share one scale.
     fn drawn(charts: &mut [Chart]) -> Result<Vec<Figure>, DrawingError> {
         Chart::equalise(charts);
         charts
@@ -422,7 +422,7 @@ impl KcReport<'_> {
         }
         let name = title.to_lowercase();
         let mut y = axis_label(&name, &unit);
-        // Coordinates change their sign with the axes of the answer.
+        // Coordinates change sign with the axis convention of the results.
         let is_coordinate = name.ends_with("change");
         if let Some(sign) =
             positive(&name).filter(|_| !is_coordinate || self.convention == Convention::AdamsCar)
@@ -521,7 +521,7 @@ impl KcReport<'_> {
     }
 }
 
-/// Merges the curves of the left and the right wheel where they coincide, as on a symmetric axle with the wheels in phase.
+/// Merges the curves of the left and the right wheel if they coincide, as on a symmetric axle with the wheels in phase.
 fn merge_sides(series: &mut Vec<Series>) {
     let mut at = 0;
     while at < series.len() {

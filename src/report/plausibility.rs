@@ -1,4 +1,4 @@
-//! Overview of a study before any fit: its contents, its units, and whether they are plausible.
+//! Overview of a study before any fit: its contents, its units and their plausibility.
 
 use nalgebra::DMatrix;
 
