@@ -9,7 +9,7 @@ use crate::side::Symmetry;
 /// One row of the table `[PARAMETER]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameter {
-    /// Name without blanks at its ends.
+    /// Name without surrounding blanks.
     pub name: String,
     /// Sides on which the parameter exists.
     pub symmetry: Symmetry,

@@ -1,4 +1,4 @@
-//! Results of a study in the words of Adams/Car: a new subsystem file, property files with learned curves, and a list of all changes.
+//! Results of a study in the terms of Adams/Car: a new subsystem file, property files with learned curves, and a list of all changes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub(crate) const FOLDER: &str = "adams_car";
 /// List of the changes, inside the folder.
 const LIST: &str = "changes.json";
 
-/// Files in the words of Adams/Car.
+/// Files in the terms of Adams/Car.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct CarFiles {
     /// Paths relative to the output folder, with the bytes of each file.
@@ -45,8 +45,8 @@ pub(crate) fn possible_names(loaded: &LoadedStudy) -> Vec<String> {
         .collect()
 }
 
-/// Returns the results of an identification in the words of Adams/Car; `None` if the study names no subsystem. `deck` is the text of the deck
-/// with the identified numbers.
+/// Returns the results of an identification in the terms of Adams/Car; `None` if the study names no subsystem. `deck` is the text of the deck with
+/// the identified numbers.
 pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option<CarFiles> {
     let subject = Subject::new(loaded, deck)?;
     let errors = fit
@@ -70,8 +70,8 @@ pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option
     Some(subject.files(&[], &bushings, not_written))
 }
 
-/// Returns the findings and fitted numbers of a diagnosis in the words of Adams/Car; `None` if the study names no subsystem. `deck` is the text
-/// of the extended deck.
+/// Returns the findings and fitted numbers of a diagnosis in the terms of Adams/Car; `None` if the study names no subsystem. `deck` is the text of
+/// the extended deck.
 pub(crate) fn diagnosed(
     loaded: &LoadedStudy,
     outcome: &Outcome<'_>,
@@ -101,7 +101,7 @@ pub(crate) fn diagnosed(
                     "its bushing is not one of the subsystem".to_string(),
                 )),
             },
-            // The offset of a bushing is a preload of the extended deck, and a wrong stiffness is a stiffness of it.
+            // In the extended deck, the offset of a bushing is a preload, and a wrong stiffness is a changed stiffness.
             Cause::AssemblyOffset => {}
             Cause::ElementParameter if finding.address.starts_with("BUSHING/") => {}
             cause if cause.is_reading_fault() => {}
@@ -140,7 +140,7 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns the displacement of the hardpoint that a finding names, or the reason why it is not a displacement of one hardpoint.
+    /// Returns the displacement of the hardpoint that a finding names, or the reason why the finding is not a displacement of one hardpoint.
     fn moved(&self, finding: &Finding) -> Result<HardpointMove, String> {
         if finding.form.as_deref() != Some("point") {
             return Err(
@@ -177,7 +177,7 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns the only hardpoint among those at one place. If there are several, the names of the markers decide.
+    /// Returns the only hardpoint at a place. If several hardpoints coincide, the names of the markers decide.
     fn only(
         &self,
         found: &BTreeSet<(usize, Side)>,
@@ -336,7 +336,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Writes the results into the subsystem and lists what was changed.
+    /// Writes the results into the subsystem, and lists the changes.
     fn files(
         &self,
         moves: &[HardpointMove],
@@ -388,7 +388,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Returns the file name of a subsystem without its folder.
+/// Returns the file name of a subsystem without its path.
 fn subsystem_name(subsystem: &Subsystem) -> String {
     let path = Path::new(subsystem.file.source().name());
     let name = path.file_name().unwrap_or(path.as_os_str());

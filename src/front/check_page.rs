@@ -1,4 +1,4 @@
-//! Page of a check: what is wrong with files and studies, where, and what to do about it.
+//! Page of a check: the faults of files and studies, their places, and the remedies.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use super::error::Complaint;
 
 /// Study among the checked files.
 pub(crate) struct CheckedStudy {
-    /// Plausibility of its settings, readings and loads.
+    /// Plausibility of the study's settings, readings and loads.
     pub table: Plausibility,
-    /// Its model in the design position.
+    /// Model of the study in the design position.
     pub scene: Scene,
 }
 
@@ -25,9 +25,9 @@ pub(crate) struct Checked<'a> {
     pub found: &'a [Diagnostic],
     /// Texts of the files.
     pub sources: &'a Sources,
-    /// Studies among the files that can be read.
+    /// Readable studies among the files.
     pub studies: &'a [CheckedStudy],
-    /// What is still to be filled in, in order.
+    /// Entries that are still missing, in order.
     pub steps: &'a [String],
 }
 
@@ -165,7 +165,7 @@ fn complaints(checked: &Checked<'_>) -> Table {
     table
 }
 
-/// Tabulates the properties of a study with their assessment.
+/// Tabulates the properties of a study, with the assessment of each.
 fn plausibility(found: &Plausibility) -> Table {
     let mut table = Table::new(&[
         ("", Align::Left),

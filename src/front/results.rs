@@ -54,7 +54,7 @@ pub struct Rows {
     pub columns: Vec<SelectedColumn>,
     /// Kind of each step.
     pub kinds: Vec<StepKind>,
-    /// All values, row by row: one row for each step.
+    /// All values, row by row.
     pub values: Vec<f64>,
 }
 

@@ -71,7 +71,7 @@ impl Run {
         }
     }
 
-    /// Returns how the run ended.
+    /// Returns the way in which the run ended.
     pub fn ending(&self) -> &Ending {
         &self.ending
     }
@@ -131,7 +131,7 @@ impl Run {
         self.table.as_ref()
     }
 
-    /// Puts back the values of the table, which serialisation leaves out.
+    /// Restores the values of the table, which serialisation leaves out.
     #[cfg(feature = "python")]
     pub(crate) fn set_values(&mut self, values: Vec<f64>) {
         if let Some(table) = &mut self.table {

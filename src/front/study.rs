@@ -37,7 +37,7 @@ pub struct Study {
 /// Result of an identification: the identified stiffnesses of a study and their uncertainty.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// Contents of `identification.json`: the identified parameters, and how well the fit explains the readings.
+    /// Contents of `identification.json`: the identified parameters, and the quality of the fit.
     pub fit: Fit,
     /// Summary of the result in a few sentences.
     pub lead: String,
@@ -47,7 +47,7 @@ pub struct Identification {
     pub html: String,
     /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
-    /// Files in the words of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
+    /// Files in the terms of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
     pub car_files: Vec<(PathBuf, Vec<u8>)>,
 }
 
@@ -66,7 +66,7 @@ pub struct DiagnosisAnswer {
     pub html: String,
     /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
-    /// Files in the words of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
+    /// Files in the terms of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
     pub car_files: Vec<(PathBuf, Vec<u8>)>,
 }
 

@@ -14,13 +14,13 @@ use super::study::study_files;
 /// A mechanism rebuilt from results, as files.
 #[derive(Clone, Debug)]
 pub struct Rebuilt {
-    /// The results.
+    /// Record of the results.
     pub record: Record,
-    /// What was found in them.
+    /// Mechanism found in the results.
     pub mechanism: Mechanism,
-    /// The deck.
+    /// Deck of the mechanism.
     pub deck: Deck,
-    /// How well the deck repeats the results.
+    /// Agreement of the deck with the results.
     pub repeat: Repeat,
     /// Files of the study folder: name and text.
     pub files: Vec<(String, String)>,
@@ -28,7 +28,8 @@ pub struct Rebuilt {
 
 /// Rebuilds a deck and a study from results files of one mechanism.
 ///
-/// The files `tests` do not enter the deck: their loads are applied to it, and their poses compared with its own. The value is `None` where the files do not tell a mechanism; the diagnostics then have an error with its place.
+/// The files `tests` do not contribute to the deck. Their loads are applied to it, and the resulting poses are compared with the poses in the files.
+/// The value is `None` if no mechanism can be found in the files; the diagnostics then contain an error with its place.
 pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     let all: Vec<&Path> = paths.iter().chain(tests).copied().collect();
     let read = Record::read(&all);

@@ -86,7 +86,7 @@ pub(crate) fn study_files(
     ]
 }
 
-/// Returns a label for each state: its number, behind the name of its file if there are several.
+/// Returns a label for each state: its number, preceded by the name of its file if there are several files.
 fn cases(record: &Record) -> Vec<String> {
     let several = record.runs.len() > 1;
     let mut cases = Vec::new();
