@@ -13,9 +13,9 @@ use super::target::Target;
 
 /// Write a dataset in other units: the same mechanism with converted numbers.
 ///
-/// Numbers with a unit are scaled. Numbers inside functions are unchanged: what a function measures is converted to the old units, and its
-/// result is scaled. Variables, splines, and tolerances that apply to lengths and angles alike are unchanged too. Command files are not
-/// converted. If something cannot be converted (user subroutines, flexible bodies, contacts, ...), it is named and nothing is written.
+/// Numbers with a unit are scaled. Numbers inside functions are unchanged: the measures in a function are converted to the old units, and its result
+/// is scaled. Variables, splines, and tolerances that apply to lengths and angles alike are unchanged, too. Command files are not converted. If an
+/// item cannot be converted (user subroutines, flexible bodies, contacts, ...), it is named and nothing is written.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {

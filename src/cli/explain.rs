@@ -292,7 +292,7 @@ mod tests {
                 .unwrap()
                 .contains("more: admire guide kc")
         );
-        // A word of the field takes precedence over a statement that it abbreviates.
+        // A term of the field takes precedence over a statement whose abbreviation it is.
         let text = page("mark").unwrap();
         assert!(text.starts_with("mark (Measuring)\n") && text.contains("\n\nMarker/id"));
         assert!(page("marks.sgma").unwrap_err().contains("`marks.sigma`"));

@@ -10,7 +10,7 @@ use super::shell::{Exit, Shell};
 
 /// Put commands with the names of ADAMS' own commands into a folder; each runs this installation's `mdi`.
 ///
-/// Put the folder first on the PATH, and a script written for ADAMS runs on admire.
+/// If the folder is first on the PATH, a script written for ADAMS runs on admire.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {

@@ -22,12 +22,11 @@ use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
 
-/// Recommend which test, load or mark to add to a study, ranked by what each would gain.
+/// Recommend which test, load or mark to add to a study, ranked by the expected gain.
 ///
 /// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells, as far as `[plan] available` of the study
-/// lists them. For each, it computes the effect on
-/// the worst-determined stiffnesses, on the predicted wheel, and on causes between which the readings do not decide. With --out it writes
-/// `plan.json`, `report.html`, and `suggested.csv` with load cases to append to the study's own file.
+/// lists them. For each, it computes the effect on the worst-determined stiffnesses, on the predicted wheel, and on causes between which the
+/// readings do not decide. With --out, it writes `plan.json`, `report.html`, and `suggested.csv` with load cases to append to the study's file.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire plan corpus/pseudo-mcpherson --for stiffnesses\n  admire plan my-axle --count 5 --out next\n  tail -n +2 next/suggested.csv | head -1 >> my-axle/load_cases.csv"

@@ -14,7 +14,7 @@ pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
     Ok(opened.value)
 }
 
-/// Opens a results file and prints only why it cannot be opened.
+/// Opens a results file. Diagnostics are printed only if it cannot be opened.
 pub(super) fn open_silently(path: &Path, shell: &Shell) -> Result<Checked<AnyResults>, Exit> {
     open_any(path).map_err(|error| match error {
         ResultsError::Io(error) => shell.fail(Diagnostic::error(
