@@ -126,7 +126,7 @@ pub(crate) fn symmetry_of(
     let word = cell.text(file.source());
     let known = Symmetry::parse(&word);
     if known.is_none() {
-        let message = format!("`{word}` is no symmetry");
+        let message = format!("`{word}` is not a symmetry");
         out.push(
             Diagnostic::error(Code::WrongType, message)
                 .label(file.source().name(), cell.span(), "")

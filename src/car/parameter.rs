@@ -62,7 +62,7 @@ pub(crate) fn read(file: &PropertyFile, out: &mut Vec<Diagnostic>) -> Vec<Parame
                     _ => false,
                 };
                 if wrong {
-                    let message = format!("the value of a parameter of type {kind} cannot be this");
+                    let message = format!("this is not a value for a parameter of type {kind}");
                     out.push(Diagnostic::error(Code::WrongType, message).label(
                         source.name(),
                         value.span(),

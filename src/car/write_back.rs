@@ -140,7 +140,7 @@ impl WriteBack {
                     self.not_written.push(NotWritten {
                         what: one.because.clone(),
                         why: format!(
-                            "the entry of bushing `{usage}` is for both sides, and the preload of the right one does not tell the left one's"
+                            "the entry of bushing `{usage}` is for both sides, and the preload of the left one does not follow from that of the right one"
                         ),
                     });
                 }

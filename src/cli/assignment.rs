@@ -72,7 +72,7 @@ impl Assignment<'_> {
             return Ok(self.value.to_string());
         }
         let Some(operand) = plain_number(self.value) else {
-            let message = format!("`{}` is not a number to reckon with", self.value);
+            let message = format!("`{}` is not a number to compute with", self.value);
             return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
         };
         let Some(old) = old else {
@@ -131,7 +131,7 @@ pub(super) fn evaluated(
     let Some((operand, has_suffix)) = number::parse_number(value.as_bytes()) else {
         return Err(shell.usage(Diagnostic::error(
             Code::BadNumber,
-            format!("`{value}` is not a number to reckon with"),
+            format!("`{value}` is not a number to compute with"),
         )));
     };
     let mut all = Vec::new();

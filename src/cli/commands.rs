@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(commands) = recorded_commands(&source, model) else {
         let message = format!("`{}` records no commands", arguments.messages.display());
         shell.complain(&[Diagnostic::error(Code::UnsupportedResults, message)
-            .help("a message file has them behind `command:`")]);
+            .help("a message file contains them after `command:`")]);
         return Err(Exit::Findings);
     };
     if commands.simulations == 0 {

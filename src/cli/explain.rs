@@ -162,8 +162,8 @@ fn page(word: &str) -> Result<String, String> {
             capitals.iter().find(|(name, _)| begins(name))
         });
     Err(match near {
-        Some((_, name)) => format!("nothing is called `{word}`; did you mean `{name}`?\n"),
-        None => format!("nothing is called `{word}`; `admire explain` lists all there is\n"),
+        Some((_, name)) => format!("`{word}` is not a known word; did you mean `{name}`?\n"),
+        None => format!("`{word}` is not a known word; `admire explain` lists all words\n"),
     })
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Arguments {
 }
 
 const EXAMPLES: &str = "Examples:
-  admire import-kc rig.csv > import-kc.toml        # what the headings tell; fill in each `?`
+  admire import-kc rig.csv > import-kc.toml        # a proposal from the headings; fill in each `?`
   admire import-kc rig.csv --map import-kc.toml    # writes rig-kc.csv
   admire import-kc left.xlsx right.xlsx --side left,right --test bounce
   admire kc front.adm --measured rig-kc.csv        # curves of the deck and of the rig in one report";
@@ -83,7 +83,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let mut read = arguments.files.iter().chain(&map);
     if read.any(|path| place(path) == place(&out)) {
-        let message = format!("`{}` is read: the table needs another name", out.display());
+        let message = format!(
+            "`{}` is an input file: choose another name for the table",
+            out.display()
+        );
         return Err(shell.usage(Diagnostic::error(Code::CannotWrite, message)));
     }
     if !arguments.force && out.symlink_metadata().is_ok() {
@@ -118,7 +121,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_asked && !open.is_empty() && is_terminal {
         let mut ask = |question: &str| reply(question, shell);
         if !mapping.complete(&found, &sheets, &mut ask) {
-            let message = "nothing is imported: a question has no answer";
+            let message = "nothing is imported: a question was not answered";
             return Err(shell.fail(Diagnostic::error(Code::UnclearColumn, message)));
         }
         shell.write(&target, mapping.text(&[]).as_bytes())?;
@@ -133,7 +136,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         if is_asked {
             shell.print(&mapping.text(&open));
-            shell.say("the mapping above, with every ? filled in, goes into a file: --map FILE\n");
+            shell.say("fill in every ? of the mapping above, and save it in a file: --map FILE\n");
         }
         return Err(Exit::Findings);
     }

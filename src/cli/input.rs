@@ -64,7 +64,7 @@ pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exi
     if checked.value.is_none() && folder.join("study.toml").is_file() {
         let shown = folder.display();
         shell.say(&format!(
-            "`admire check {shown}` says what is missing, in order\n"
+            "`admire check {shown}` lists what is missing, in order\n"
         ));
     }
     checked.value.ok_or(Exit::Findings)

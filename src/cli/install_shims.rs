@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .map_err(|error| shell.fail(cannot(folder, &error)))?;
     if !mdi.is_file() {
         let message = format!(
-            "`{}` is not there, so that nothing could run",
+            "`{}` does not exist, so the commands could start nothing",
             mdi.display()
         );
         return Err(shell.fail(Diagnostic::error(Code::CannotRead, message).help(

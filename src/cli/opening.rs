@@ -37,7 +37,7 @@ impl Opening {
             .stderr(Stdio::null())
             .spawn();
         if let Err(error) = started {
-            shell.say(&format!("`{OPENER}` opens no page: {error}\n"));
+            shell.say(&format!("`{OPENER}` could not open the page: {error}\n"));
         }
     }
 }

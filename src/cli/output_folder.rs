@@ -197,7 +197,7 @@ fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<()
     if replacing.force {
         shell.complain(&[Diagnostic::note(
             Code::CannotWrite,
-            format!("replaced, as --force asks: {names}"),
+            format!("replaced because of --force: {names}"),
         )]);
         return Ok(());
     }

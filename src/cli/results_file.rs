@@ -52,11 +52,11 @@ pub(super) fn selection(
     Err(shell.fail(
         Diagnostic::error(
             Code::UndefinedId,
-            format!("no column of the file is called `{pattern}`"),
+            format!("the file has no column `{pattern}`"),
         )
         .help(match near {
             Some(at) => format!("did you mean `{}`?", paths[at]),
-            None => "`admire results FILE --list` shows what there is".to_string(),
+            None => "`admire results FILE --list` lists the columns".to_string(),
         }),
     ))
 }

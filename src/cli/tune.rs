@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         tuning.target.restarts = restarts.into();
     }
     interrupt::listen();
-    let bar = Progress::new("looking for the target", shell, || None);
+    let bar = Progress::new("searching for the target", shell, || None);
     let all = (1 + tuning.target.restarts) * tuning.target.evaluations;
     let mut before = 0;
     let mut last = (0, 0);
@@ -114,7 +114,7 @@ fn refuse(error: &TuneError, shell: &Shell) -> Exit {
         BenchError::Deck(_) => "the axle has no equilibrium at any start".to_string(),
         why => why.to_string(),
     };
-    let help = "`admire kc` with the kc.toml of the study shows which test fails; a smaller range may be within reach";
+    let help = "`admire kc` with the kc.toml of the study shows which test fails; a smaller range may have equilibria";
     shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
     Exit::NoAnswer
 }

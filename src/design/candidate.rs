@@ -191,7 +191,7 @@ impl ProposedMeasurements {
         for (values, labels) in seen.iter().step_by(step) {
             let what = match labels.len() {
                 1 => format!("case {} again", labels[0]),
-                count => format!("case {} again (there {count} times)", labels[0]),
+                count => format!("case {} again (measured {count} times so far)", labels[0]),
             };
             let cases = vec![values.to_vec()];
             self.list

@@ -178,7 +178,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     subject.with_progress(progress);
     progress.begin("fitting the model as it is");
     let fitted = fit_without_effects(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
-    progress.begin("weighing what could be measured");
+    progress.begin("evaluating candidate measurements");
     let programme = problem.programme;
     let available = &problem.measurement.available;
     let factors = [1.0, BEYOND_RANGE_FACTOR];

@@ -62,7 +62,7 @@ pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option
         if !parameter.address.starts_with("BUSHING/") {
             not_written.push(NotWritten {
                 what: format!("identified {}", parameter.address),
-                why: "it is no number of a bushing".to_string(),
+                why: "it is not a parameter of a bushing".to_string(),
             });
         }
     }
@@ -97,15 +97,17 @@ pub(crate) fn diagnosed(
             },
             Cause::ProgressiveStiffness => match subject.learned(finding, outcome) {
                 Some((id, term)) => laws.entry(id).or_default().push(term),
-                None => not_written.push(refused(
-                    "its bushing is not one of the subsystem".to_string(),
-                )),
+                None => {
+                    not_written.push(refused("its bushing is not in the subsystem".to_string()))
+                }
             },
             // In the extended deck, the offset of a bushing is a preload, and a wrong stiffness is a changed stiffness.
             Cause::AssemblyOffset => {}
             Cause::ElementParameter if finding.address.starts_with("BUSHING/") => {}
             cause if cause.is_reading_fault() => {}
-            _ => not_written.push(refused("a subsystem file has no number for it".to_string())),
+            _ => not_written.push(refused(
+                "a subsystem file has no parameter for it".to_string(),
+            )),
         }
     }
     let bushings = subject.bushings(&errors, &laws, "fitted", &mut not_written);
@@ -144,8 +146,7 @@ impl<'a> Subject<'a> {
     fn moved(&self, finding: &Finding) -> Result<HardpointMove, String> {
         if finding.form.as_deref() != Some("point") {
             return Err(
-                "one part alone is made otherwise; a hardpoint moves all parts that meet there"
-                    .to_string(),
+                "only one part differs; a hardpoint moves all parts that meet there".to_string(),
             );
         }
         let names = std::iter::once(&finding.address).chain(&finding.members);
@@ -207,7 +208,7 @@ impl<'a> Subject<'a> {
         };
         match (named.as_slice(), found.len()) {
             ([one], _) => Ok(*one),
-            (_, 0) => Err("no hardpoint of the subsystem is there".to_string()),
+            (_, 0) => Err("the subsystem has no hardpoint at this place".to_string()),
             _ => {
                 let names: Vec<String> = found
                     .iter()
@@ -270,7 +271,7 @@ impl<'a> Subject<'a> {
                 not_written.push(NotWritten {
                     what: because,
                     why: format!(
-                        "its name `{}` is none of the subsystem; the table `car.bushings` of study.toml says which one it is",
+                        "its name `{}` is not in the subsystem; the table `car.bushings` of study.toml says which one it is",
                         old.header.name
                     ),
                 });
@@ -290,8 +291,9 @@ impl<'a> Subject<'a> {
                 } else if terms.is_none() {
                     not_written.push(NotWritten {
                         what: format!("{how} {address}"),
-                        why: "the deck's own stiffness is zero, so that no factor leads to it"
-                            .to_string(),
+                        why:
+                            "the deck's own stiffness is zero, so no factor can express the change"
+                                .to_string(),
                     });
                 }
             }
@@ -523,7 +525,7 @@ mod tests {
         let subject = Subject::new(&loaded, loaded.dataset.bytes()).expect("a subsystem");
         let refused =
             |form: &str, markers: &[u32]| subject.moved(&finding(form, markers)).unwrap_err();
-        assert!(refused("part", &[7]).contains("one part alone"));
+        assert!(refused("part", &[7]).contains("only one part"));
         assert!(refused("point", &[19]).contains("no hardpoint"));
         let two = refused("point", &[15, 16]);
         assert!(two.contains("hpl_tierod_inner, hpl_rack_end"), "{two}");

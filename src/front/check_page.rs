@@ -59,7 +59,7 @@ pub(crate) fn check_page(checked: &Checked<'_>) -> String {
     ]);
     if !checked.found.is_empty() {
         page.table(&complaints(checked));
-        page.note("`admire explain CODE` says what a code means and how to cure it.");
+        page.note("`admire explain CODE` explains a code and its remedy.");
     }
     for study in checked.studies {
         page.detail("Plausibility of the study");
@@ -108,7 +108,8 @@ fn next(checked: &Checked<'_>) -> Vec<String> {
     }
     if count(checked, Severity::Error) > 0 {
         return vec![
-            "Mend the errors, from the first on: later ones often follow from it".to_string(),
+            "Correct the errors, beginning with the first: later ones often follow from it"
+                .to_string(),
         ];
     }
     if checked
@@ -116,7 +117,7 @@ fn next(checked: &Checked<'_>) -> Vec<String> {
         .iter()
         .any(|study| !study.table.allows_a_fit())
     {
-        return vec!["Mend what cannot be meant".to_string()];
+        return vec!["Correct the implausible entries".to_string()];
     }
     match checked.studies {
         [] => Vec::new(),

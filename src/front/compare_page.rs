@@ -132,7 +132,7 @@ fn answer(comparison: &Comparison, worst: &[&ColumnDifference]) -> String {
         return if comparison.agrees() {
             "The two files agree.".to_string()
         } else {
-            "All that both files have agrees; one of them has more.".to_string()
+            "All common columns agree; one file has more.".to_string()
         };
     };
     let largest = number(first.largest, Some(0.1 * first.largest));

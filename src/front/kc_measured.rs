@@ -67,7 +67,11 @@ pub(crate) fn measured(
             None => 1.0,
             Some(cell) => variable_unit(&cell.text, *kind, units).ok_or_else(|| {
                 let words = [driven_unit(kind.driven(), units)];
-                let message = format!("`{}` is no unit of the test `{}`", cell.text, kind.name());
+                let message = format!(
+                    "`{}` is not a unit of the test `{}`",
+                    cell.text,
+                    kind.name()
+                );
                 wrong(cell, message, did_you_mean(&cell.text, "the test", &words))
             })?,
         };

@@ -44,7 +44,7 @@ impl Deck {
         }
         for address in highlight {
             if !scene.highlight(address, address) {
-                let message = format!("{address} is no part, joint or force that is drawn");
+                let message = format!("{address} is not a drawn part, joint or force");
                 let none = Diagnostic::error(Code::UndefinedId, message);
                 return Err(Error::plain(ErrorKind::Usage, &none));
             }

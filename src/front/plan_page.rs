@@ -100,7 +100,7 @@ fn gains(found: &Plan, best: &Ranked) -> Vec<String> {
         && causes.probability_shift >= MIN_PROBABILITY_GAIN
     {
         let [a, b] = &undecided.between;
-        out.push(format!("it helps to tell {a} from {b}"));
+        out.push(format!("it helps to distinguish {a} from {b}"));
     }
     out
 }
@@ -203,7 +203,7 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
     }
     if found.left_out > 0 {
         page.note(&format!(
-            "{} further combinations of loads were not looked at.",
+            "{} further combinations of loads were not considered.",
             found.left_out
         ));
     }

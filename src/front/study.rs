@@ -193,7 +193,7 @@ impl Study {
         let (mut fit, marginal) = found.map_err(|error| self.no_fit(&error.to_string()))?;
         if let Some(again) = again {
             let Some(marginal) = marginal.filter(|_| fit.converged && !fit.interrupted) else {
-                return Err(self.no_fit("the fit did not converge: there is nothing to repeat"));
+                return Err(self.no_fit("the fit did not converge, so it cannot be repeated"));
             };
             again(&loaded, &marginal, &mut fit)?;
         }
@@ -347,7 +347,7 @@ impl Study {
         match Plausibility::of(&self.loaded).refusal() {
             Some(message) if !force => {
                 let refused = Diagnostic::error(Code::ImplausibleStudy, message);
-                let refused = refused.help("`force` fits all the same");
+                let refused = refused.help("`force` fits it anyway");
                 Err(self.failed(ErrorKind::Input, refused))
             }
             _ => Ok(()),

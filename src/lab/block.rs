@@ -86,12 +86,12 @@ pub fn blocks(
                 None => Block::below(sheet, index, &above, found.last()),
             };
             let Some(block) = block else {
-                let message = "no line of headings stands above these numbers";
+                let message = "there is no line of headings above these numbers";
                 let span = span_of(line);
                 out.push(
                     sheet
                         .error(Code::MissingColumn, message.to_string(), span)
-                        .help("say which line it is in the mapping, below `[file]`: header = 3"),
+                        .help("state the line of the headings in the mapping, below `[file]`: header = 3"),
                 );
                 return found;
             };

@@ -110,7 +110,7 @@ fn contradiction(
     if own_size.is_some() && stated_size.is_some() && own_size != stated_size {
         let message = format!("the heading states `{own}`, the mapping `{stated}`");
         let wrong = sheets[block.sheet].error(Code::WrongUnits, message, heading.span);
-        out.push(wrong.help("take `unit` out of the mapping if the heading is right"));
+        out.push(wrong.help("remove `unit` from the mapping if the heading is right"));
     }
 }
 
@@ -160,7 +160,7 @@ impl RowReader<'_> {
                         "`{}` may be thousands or a decimal point: other numbers of this file have decimal commas",
                         cell.text
                     ),
-                    "say which mark counts in the mapping, below `[file]`: decimal = \",\" or decimal = \".\"",
+                    "state the decimal mark in the mapping, below `[file]`: decimal = \",\" or decimal = \".\"",
                 )
             } else {
                 (
@@ -276,7 +276,7 @@ impl RowReader<'_> {
             let message = format!(
                 "the rows of the test `{name}` are not in the order of time, and a time occurs twice"
             );
-            let help = "give each run a file of its own, or take the column of time out of the mapping if the rows stand in the order driven";
+            let help = "give each run a file of its own, or remove the column of time from the mapping if the rows are in the order driven";
             let wrong = self
                 .sheet
                 .error(Code::DuplicateReading, message, second.span);

@@ -81,7 +81,8 @@ impl CurveTable {
                 && let Some(first) = series.rows.first()
             {
                 let (name, of) = (series.test.name(), driven(series.test).0.word());
-                let message = format!("the test `{name}` is driven by {of}, which no column holds");
+                let message =
+                    format!("the test `{name}` is driven by {of}, which no column contains");
                 let help = format!("import it too: is = \"{of}\" in the mapping");
                 let sheet = &sheets[series.sheet];
                 out.push(

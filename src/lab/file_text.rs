@@ -24,7 +24,7 @@ pub fn sheets(
     let delimiter = options.delimiter.or_else(|| delimiter(text.bytes()));
     let Some(delimiter) = delimiter else {
         let message = "the file has neither semicolons, tabs nor commas between its cells";
-        let help = "say what separates them in the mapping, below `[file]`: delimiter = \"|\"; a workbook other than .xlsx is to be saved as CSV";
+        let help = "state the separator in the mapping, below `[file]`: delimiter = \"|\"; save a workbook other than .xlsx as CSV";
         return Err(Diagnostic::error(Code::BadReading, message)
             .label(text.name(), Span::new(0, text.bytes().len().min(1)), "")
             .help(help));

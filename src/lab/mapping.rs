@@ -281,7 +281,7 @@ fn column(
         if good && quantity == Some(Quantity::Angle) {
             return Some(*over.get_ref());
         }
-        let message = "`over_mm` must be a length above 0, and is of angles only".to_string();
+        let message = "`over_mm` must be a length above 0, and applies only to angles".to_string();
         let help = "the length over which the laboratory measured, such as the diameter of the rim";
         out.wrong(over.span(), message, help.to_string());
         None
@@ -294,7 +294,7 @@ fn column(
     if let (Some(unit), Some(quantity)) = (&own.unit, measured)
         && quantity.factor(unit.get_ref()).is_none()
     {
-        let message = format!("`{}` is no unit of `{}`", unit.get_ref(), name.get_ref());
+        let message = format!("`{}` is not a unit of `{}`", unit.get_ref(), name.get_ref());
         out.wrong(unit.span(), message, quantity.described().to_string());
     }
     Column {

@@ -53,10 +53,10 @@ impl Missing {
         match self {
             Self::Unit => "the unit of these columns is not clear",
             Self::OverMm => {
-                "these angles are given as lengths: over which length they were measured is not stated"
+                "these angles are given as lengths, but the length over which they were measured is not stated"
             }
             Self::Side => "the side of these columns is not clear",
-            Self::Positive => "in which direction these columns count positive is not stated",
+            Self::Positive => "the positive direction of these columns is not stated",
             Self::LoadSign => "the sign of these loads in the deck is not stated",
         }
     }

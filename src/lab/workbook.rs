@@ -28,7 +28,7 @@ pub(crate) fn sheets_of(
 ) -> Result<Vec<Sheet>, Diagnostic> {
     let refused = |why: String| {
         let message = format!(
-            "`{}` is no workbook in the format .xlsx: {why}",
+            "`{}` is not a workbook in the format .xlsx: {why}",
             source.name()
         );
         Diagnostic::error(Code::CannotRead, message)

@@ -117,11 +117,11 @@ pub fn mechanism(record: &Record) -> Result<Mechanism, String> {
         down: gravity.unwrap_or_else(|| -Vec3::z()),
     };
     if forces.largest == 0.0 {
-        let why = "no force acts in the results, and connections are found from forces";
+        let why = "the results contain no forces, and connections cannot be found without forces";
         return Err(why.to_string());
     }
     let assignment = assign(&known).ok_or(
-        "the forces of the results balance on no part: the file lacks the forces of some elements",
+        "the forces in the results do not balance on any part: the file lacks the forces of some elements",
     )?;
     let connections = connect(&known, &assignment);
     let mut builder = Builder {

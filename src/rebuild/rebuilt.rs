@@ -69,7 +69,7 @@ pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     if !found.lost.is_empty() {
         let lost = names(&found.lost, &|k| record.elements[k].name.clone());
         let message =
-            format!("the parts of {lost} are not found, and the deck lacks these elements");
+            format!("the parts of {lost} were not found, so the deck omits these elements");
         let help = "add results of other tests, in which their forces differ";
         diagnostics.push(located(
             Diagnostic::warning(Code::MissingColumn, message).help(help),
@@ -85,7 +85,7 @@ pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     }
     if !found.is_balanced() {
         let message = format!(
-            "the moments of the parts balance to a lever of {:.1e} {} only: a force is missing or acts elsewhere",
+            "the moments of the parts balance only to a lever of {:.1e} {}: a force is missing or acts elsewhere",
             found.lever_left, record.units.length.word
         );
         diagnostics.push(located(Diagnostic::warning(Code::MissingColumn, message)));

@@ -336,7 +336,7 @@ impl Table {
         }
         diagnostics.extend(reader.diagnostics().iter().cloned());
         if other > 0 {
-            let message = format!("{other} steps that are no equilibria are left out");
+            let message = format!("{other} steps that are not equilibria are left out");
             diagnostics.push(*located(Diagnostic::note(Code::MissingColumn, message)));
         }
         table.complete().map_err(located)?;

@@ -71,7 +71,7 @@ pub(crate) fn study_files(
     }
     let mut study = format!(
         "# Made from results by `admire rebuild`. Every state of the results is a load case; the marks are the poses of the results.\n\
-         # They carry no noise: sigma is what a coordinate measuring machine would leave.\n\
+         # They have no noise: sigma is that of a coordinate measuring machine.\n\
          [model]\ndeck = \"{name}\"\n\n[loads]\nfile = \"load_cases.csv\"\n\n[loads.columns]\n"
     );
     for drive in &deck.drives {

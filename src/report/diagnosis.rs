@@ -141,7 +141,7 @@ impl DiagnosisReport<'_> {
             );
             page.table(&limits::of_causes(diagnosis, self.loaded, &scene));
             page.note(
-                "How large each other cause has to be, to first order, at the places where it is seen best and worst; and at how many places it is not seen. diagnosis.json lists all places, couplings and higher terms.",
+                "Size of each other cause that would be detected, to first order, at the places where it is detected best and worst; and the number of places where it is not detected. diagnosis.json lists all places, couplings and higher terms.",
             );
         }
         page.detail("Tests of structure");

@@ -72,7 +72,7 @@ pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
     let decimals = Decimals::of_error(miss.noise);
     let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.format(x));
     format!(
-        "Channel {} is missed by {before}{unit} rms as the model was and by {after}{unit} as it is extended, where its noise is {noise}{unit}.",
+        "Channel {} is missed by {before}{unit} rms by the original model and by {after}{unit} by the extended one; its noise is {noise}{unit}.",
         miss.name,
         unit = miss.behind
     )

@@ -79,7 +79,7 @@ impl Text<'_> {
     fn held_out_gain(&self) -> String {
         let diagnosis = &self.outcome.diagnosis;
         if diagnosis.findings.is_empty() {
-            return "no cause was found that could gain something".to_string();
+            return "no cause was found, so there is no gain".to_string();
         }
         let (Some(unseen), Some(found)) = (&self.outcome.unseen, &diagnosis.hold_out) else {
             return "nothing was held out, so the gain is not known".to_string();
@@ -147,10 +147,10 @@ impl Text<'_> {
                 steps.push("nothing in the model needs to be changed".to_string());
             }
             (Verdict::Discrepancy, _) => {
-                steps.push("go on with extended.adm, which has these causes".to_string());
+                steps.push("continue with extended.adm, which contains these causes".to_string());
             }
             (Verdict::Unexplained, Some(remainder)) => steps.push(format!(
-                "look at {}, where an extra force takes up most of what remains",
+                "look at {}, where an extra force explains most of what remains",
                 remainder.address
             )),
             (Verdict::Unexplained, None) => {}

@@ -115,7 +115,7 @@ impl Text<'_> {
         let left = findings.filter_map(|finding| {
             let force = finding.parameters.get(LAW_MISFIT)?;
             Some(format!(
-                "The law of {} {} is another one in detail: its force differs by {force:.3} rms from the one that was fitted.",
+                "The law of {} {} differs in detail: its force deviates by {force:.3} rms from the fitted one.",
                 finding.cause, finding.address
             ))
         });
@@ -298,7 +298,7 @@ impl Text<'_> {
         }
         if let Some(dof) = noise.dof {
             out.push(format!(
-                "The noise has heavy tails, like Student's t with {dof} degrees of freedom; far readings count less."
+                "The noise has heavy tails, like Student's t with {dof} degrees of freedom; distant readings have less weight."
             ));
         }
         out.extend(self.misplaced_in_words());
@@ -408,7 +408,7 @@ impl Text<'_> {
             )
         });
         Some(format!(
-            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it takes up {:.0} % of it{rival}.{predicts}",
+            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it explains {:.0} % of it{rival}.{predicts}",
             found.address,
             at(least),
             at(most),

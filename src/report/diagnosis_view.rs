@@ -105,7 +105,7 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
         [] => {
             let answer = match diagnosis.verdict {
                 Verdict::Unexplained => {
-                    "The measurement holds something that the model does not have and that no known cause explains."
+                    "The measurement contains an effect that the model lacks and that no known cause explains."
                 }
                 Verdict::Consistent | Verdict::Discrepancy => {
                     "The model explains what was measured; nothing in it needs to be changed."
@@ -133,7 +133,7 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
         let rivals = finding.indistinguishable_from.iter();
         let rivals = rivals.map(|rival| at_place(rival.cause, &rival.address, scene));
         text += &format!(
-            " These readings do not tell {what} from {}.",
+            " These readings do not distinguish {what} from {}.",
             rivals.collect::<Vec<_>>().join(", or from ")
         );
     }
@@ -156,7 +156,7 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
             (true, _) => "curves that no fit saw",
         };
         text += &format!(
-            " With what was found the error on {what} {} times the noise of the readings.",
+            " With these findings, the error on {what} {} times the noise of the readings.",
             change(found.rms_before, found.rms_after)
         );
     }

@@ -195,7 +195,7 @@ pub(super) fn next_step(fit: &Fit, study: &str) -> String {
     }
     let is_identified = |parameter: &ParameterFit| parameter.status == Status::Identified;
     if fit.parameters.iter().all(is_identified) {
-        return "go on with identified.adm, which has these numbers".to_string();
+        return "continue with identified.adm, which contains these values".to_string();
     }
     let lacking = fit.parameters.iter().filter(|p| !is_identified(p));
     let mut names: Vec<&str> = lacking

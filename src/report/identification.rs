@@ -74,7 +74,7 @@ impl IdentificationReport<'_> {
         }
         self.laws(&mut page, &figures)?;
         if !self.fit.unidentifiable_directions.is_empty() {
-            page.detail("What the data do not tell apart");
+            page.detail("What the data do not determine");
             page.table(&self.directions());
         }
         if !self.fit.assembly_offsets.is_empty() {
@@ -319,7 +319,7 @@ impl IdentificationReport<'_> {
             rows.push((name, Some(before), Some(after)));
         }
         if let Some(marks) = &self.fit.marks {
-            let name = "marks, rms of one coordinate, all that was fitted beside it included";
+            let name = "marks, rms of one coordinate, with all other fitted effects";
             rows.push((name.into(), None, marks.rms));
             let name = "marks, chi-square per degree of freedom".into();
             rows.push((name, None, marks.chi2_per_dof));
@@ -375,7 +375,7 @@ impl IdentificationReport<'_> {
         }
         page.table(&table);
         page.note(
-            "Estimated from the readings around what is usual, or stated in [tolerances] of study.toml.",
+            "Estimated from the readings around the usual values, or stated in [tolerances] of study.toml.",
         );
         let mut table = Table::new(&[
             ("number", Align::Left),

@@ -205,7 +205,7 @@ impl KcReport<'_> {
             self.units,
         ));
         page.note(
-            "Values at ride height, of the left wheel where one value stands; slopes are tangents. Toe + is toe-in, camber + is top outboard, on \
+            "Values at ride height, of the left wheel if one value is given; slopes are tangents. Toe + is toe-in, camber + is top outboard, on \
              both sides. Definitions: `admire guide kc`.",
         );
         for test in &self.run.tests {
@@ -319,7 +319,7 @@ impl KcReport<'_> {
             match (both, same) {
                 (false, _) => "Driven one way.",
                 (true, true) => "Both branches are one curve: there is no friction in the deck.",
-                (true, false) => "The branches differ: joints rub. The half widths are below.",
+                (true, false) => "The branches differ because of friction in the joints. The half widths are below.",
             }
         ));
         let mut figures = Vec::new();

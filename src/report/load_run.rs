@@ -79,9 +79,9 @@ pub(super) fn figures(runs: &[LoadRun]) -> Result<Vec<Figure>, DrawingError> {
     Chart::equalise(&mut charts);
     let drawn = charts.iter().zip(runs).map(|(chart, run)| {
         let caption = if run.unseen {
-            "The other loads stand still. No fit has seen these readings."
+            "The other loads are constant. No fit used these readings."
         } else {
-            "The other loads stand still."
+            "The other loads are constant."
         };
         Figure::chart(chart, caption)
     });

@@ -92,7 +92,7 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
         );
     } else if !outcome.converged {
         verdict +=
-            " The search did not converge: the numbers are the best found, not the best there are.";
+            " The search did not converge: the values are the best found, but not an optimum.";
     }
     let miss = |goal: &GoalOutcome| {
         format!(
@@ -114,7 +114,7 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
         items.push(format!("bounds reached: {}", bounds.join(", ")));
     }
     let next = if outcome.met {
-        "go on with tuned.adm; `admire diff` shows what changed".to_string()
+        "continue with tuned.adm; `admire diff` shows what changed".to_string()
     } else if bounds.is_empty() {
         "more numbers that may move, or larger tolerances of the goals that conflict".to_string()
     } else {
@@ -176,7 +176,7 @@ impl TuneReport<'_> {
         );
         page.detail("Goals that conflict");
         if outcome.conflicts.is_empty() {
-            page.note("No two goals that are missed stand against each other.");
+            page.note("No two missed goals conflict.");
         } else {
             let all: Vec<String> = outcome.conflicts.iter().map(conflict).collect();
             page.list(&all);

@@ -214,7 +214,7 @@ fn refuse(item: &str) -> Diagnostic {
         .iter()
         .map(|(name, _)| *name)
         .collect();
-    Diagnostic::error(Code::BadEffect, format!("`{item}` is no tolerance")).help(format!(
+    Diagnostic::error(Code::BadEffect, format!("`{item}` is not a tolerance")).help(format!(
         "for example hardpoints=0.3,load_gain=0.005; there are {}",
         names.join(", ")
     ))

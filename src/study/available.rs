@@ -187,7 +187,7 @@ fn unknown(what: &str, name: &str, known: &[String]) -> Diagnostic {
 }
 
 fn no_entry(text: &str) -> Diagnostic {
-    let message = format!("`{text}` is nothing that `plan.available` lists");
+    let message = format!("`{text}` is not an entry for `plan.available`");
     Diagnostic::error(Code::BadSetting, message).help(
         "it lists `loads`, `load COLUMN from LOW to HIGH`, `repeats`, `marks`, `marks on PART`, `wheel`, `load cells`, `load cell in BUSHING/1`",
     )

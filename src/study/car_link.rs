@@ -50,7 +50,7 @@ impl CarLink {
         );
         let found = if points.is_empty() && all > 0 {
             Diagnostic::warning(Code::CarSubsystem, message).help(
-                "the places of hardpoints are compared with those of markers: check the units of the subsystem, and whether it is the deck's",
+                "the positions of hardpoints are compared with those of markers: check the units of the subsystem, and whether it belongs to the deck",
             )
         } else {
             Diagnostic::note(Code::CarSubsystem, message)

@@ -78,7 +78,7 @@ impl NamedProgram {
     /// Returns the diagnostic for a program without permission. `help` explains how to allow the program.
     pub fn refusal(&self, help: &str) -> Diagnostic {
         let message = format!(
-            "{} names a program that was not allowed yet: {}",
+            "{} names a program that has not been allowed: {}",
             self.file.display(),
             self.shown()
         );

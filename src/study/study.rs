@@ -247,7 +247,7 @@ fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
         return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
     }
     if !path.exists() {
-        let message = format!("`{shown}` is no study: it has no file study.toml");
+        let message = format!("`{shown}` is not a study: it has no file study.toml");
         return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
     }
     let text = format!("{} cannot be read: {error}", path.display());

@@ -281,7 +281,7 @@ impl Table {
             diagnostics.push(
                 Diagnostic::warning(
                     Code::BadReading,
-                    format!("`{}` is no number; the reading is left out", cell.text),
+                    format!("`{}` is not a number; the reading is left out", cell.text),
                 )
                 .label(self.source.name(), cell.span, ""),
             );

@@ -142,7 +142,7 @@ impl GoalSettings {
         let count = [file.is_some(), value.is_some(), gradient.is_some(), limited];
         if count.iter().filter(|given| **given).count() != 1 {
             wrong.push(
-                "a goal has one of `curve`, `value`, `gradient`, or the limits `least` and `most`"
+                "a goal needs one of `curve`, `value`, `gradient`, or the limits `least` and `most`"
                     .to_string(),
             );
         }

@@ -290,5 +290,5 @@ fn effects(page: &mut Page, output: &OutputSummary) {
         table.row(std::iter::once(effect.name.clone()).chain(values.map(six_digits)));
     }
     page.table(&table);
-    page.note("Changes over the whole range of probability. A spread as large as the mean size says that the number acts along a bend or together with others.");
+    page.note("Changes over the whole range of probability. A spread as large as the mean size indicates that the number acts nonlinearly or together with others.");
 }
