@@ -11,7 +11,7 @@ use super::relation::Relation;
 /// A joint of the deck.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Joint {
-    /// Keyword of its kind, for example `REVOLUTE`.
+    /// Keyword of the type of joint, for example `REVOLUTE`.
     pub kind: &'static str,
     /// Frame of the I marker on the I body.
     pub i: Pose,

@@ -171,7 +171,7 @@ impl EffectSpec {
                 let known: Vec<&str> = asked.iter().map(String::as_str).collect();
                 Err(self
                     .refuse(format!("has no value `{name}`"))
-                    .help(format!("it knows {}", known.join(", "))))
+                    .help(format!("its values are {}", known.join(", "))))
             }
             None => Ok(()),
         }
