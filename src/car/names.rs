@@ -13,7 +13,8 @@ pub struct BushingName {
 
 /// Parses the name of an object: `.axle.rear.bkl_arm_outer.field` is the bushing `arm_outer` on the left side.
 ///
-/// The last component of the form `b`, a letter, the letter of a side and an underscore is used. `None` if no component has this form.
+/// The component must begin with `b`, a letter, the letter of a side and an underscore. If several components do, the last one applies.
+/// `None` if no component has this form.
 pub fn bushing_name(object: &str) -> Option<BushingName> {
     object.rsplit('.').find_map(|component| {
         let component = component.trim().to_ascii_lowercase();
