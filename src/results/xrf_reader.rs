@@ -171,7 +171,7 @@ impl<R: Read> XrfReader<R> {
         self.done = true;
         let at = self.scanner.offset() as usize;
         let message = format!(
-            "the file is truncated; {} whole steps were read",
+            "the file ends too early; {} whole steps were read",
             self.steps
         );
         self.diagnostics.push(
