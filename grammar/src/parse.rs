@@ -49,7 +49,7 @@ impl fmt::Display for Problem {
             Self::Outside => write!(f, "this line is in no statement and no function block"),
             Self::Missing(what, name) => write!(f, "`{name}` has no `{what}`"),
             Self::Twice(name) => write!(f, "`{name}` is declared twice"),
-            Self::Unknown(name) => write!(f, "nothing is called `{name}`"),
+            Self::Unknown(name) => write!(f, "`{name}` is not declared"),
             Self::DefaultCount(name) => write!(f, "`{name}` has a default of the wrong count"),
             Self::Clash(a, b) => write!(f, "the shortest forms of `{a}` and `{b}` are the same"),
         }

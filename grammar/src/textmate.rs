@@ -1,6 +1,6 @@
 //! The TextMate grammar of datasets and command files, for the colours of editors.
 //!
-//! `adams.tmLanguage.json` beside this file holds what every statement shares. This module adds one rule for each statement of a dataset
+//! `adams.tmLanguage.json` beside this file contains the rules common to all statements. This module adds one rule for each statement of a dataset
 //! and of a command file, with the keywords of its arguments in every legal abbreviation.
 
 use std::fmt::Write;
@@ -9,13 +9,13 @@ use crate::declaration::{Argument, Grammar, Keyword, Statement, Value};
 
 const TEMPLATE: &str = include_str!("adams.tmLanguage.json");
 
-/// Regular expression for what follows a keyword without a value, such as a flag.
+/// Regular expression for the text that follows a keyword without a value, such as a flag.
 const ALONE: &str = r"\b(?=\s*(?:[,:;)&!\\]|$))";
 
 /// End of a statement: a semicolon, or a line that is no continuation, comment or blank.
 const END: &str = r";|^(?!\s*(?:[,!]|$))";
 
-/// A mark after which the next line belongs to the statement: `&`, or a comma unless that line begins like a statement.
+/// Continuation mark: `&`, or a comma, unless the next line begins like a statement.
 const CONTINUES: &str = r"(?:(&)|,)\s*(!.*)?\n";
 const CONTINUED: &str = r"(?i)(?<!\n)$|^(?=\s*[A-Z]\w*\s*/|\s*END\s*$)";
 
@@ -88,7 +88,7 @@ fn arguments(statement: &Statement) -> String {
         }
     }
     let is_text = |a: &Argument| matches!(a.value, Value::Text | Value::Texts | Value::File);
-    // The kind of word, all of these words, and the expression around them.
+    // Each rule consists of the kind of keyword, all keywords of this kind, and the surrounding expression.
     let rules = [
         (
             "flag",
@@ -170,7 +170,7 @@ fn spelling(keyword: &Keyword, all: &[&Keyword]) -> String {
     out + &")?".repeat(open)
 }
 
-/// Returns true if this beginning of a keyword is a legal abbreviation of it, and of no other keyword of `all`.
+/// Returns true if this beginning of a keyword is a legal abbreviation of this keyword, and of no other keyword in `all`.
 fn is_spelling(typed: &str, keyword: &Keyword, all: &[&Keyword]) -> bool {
     let mut prefixed = all.iter().filter(|k| k.name.starts_with(typed));
     if all.iter().any(|k| k.name == typed) {
@@ -203,7 +203,7 @@ mod tests {
             keyword("TORSION", 4),
         );
         let all = [&k, &kt, &torque, &torsion];
-        // `K` is a keyword of its own, `KT` the beginning of one only, `TOR` of two.
+        // `K` is a complete keyword. `KT` is the beginning of only one keyword, and `TOR` the beginning of two.
         assert_eq!(spelling(&k, &all), "K");
         assert_eq!(spelling(&kt, &all), "KT(?:X)?");
         assert_eq!(spelling(&torque, &all), r"TORQ(?:U(?:E\w*)?)?");

@@ -62,7 +62,7 @@ pub(crate) fn new_key(file: &PropertyFile, block: usize, key: &str, value: &str)
     vec![Edit::new(Span::at(after.end()), line)]
 }
 
-/// Returns the span of a block with the rule of minus signs above its heading, up to the next block or the end of the file.
+/// Returns the span of a block, including the rule of minus signs above its heading, up to the next block or the end of the file.
 pub(crate) fn whole_block(file: &PropertyFile, block: usize) -> Option<Span> {
     let bytes = file.source().bytes();
     let start_of = |heading: Span| {
@@ -85,7 +85,7 @@ pub(crate) fn whole_block(file: &PropertyFile, block: usize) -> Option<Span> {
     Some(Span::new(start, end.max(start)))
 }
 
-/// Returns the edit that repeats a block behind itself.
+/// Returns the edit that inserts a copy of a block after the block itself.
 pub(crate) fn repeated_block(file: &PropertyFile, block: usize) -> Option<Edit> {
     let bytes = file.source().bytes();
     let span = whole_block(file, block)?;

@@ -85,8 +85,8 @@ impl BushingProperty {
         }
     }
 
-    /// Returns the text of a bushing property file with these contents. `units` are those of the contents; the file is in millimetres, newtons
-    /// and degrees. `remark` is written as a comment of the header.
+    /// Returns the text of a bushing property file with these contents. `units` are the units of the contents; the file is in millimetres, newtons
+    /// and degrees. `remark` is written as a comment in the header.
     pub fn text(&self, units: &Units, remark: &str) -> String {
         let rule = |name: &str| format!("${name:->79}\n");
         let own = written_units();
@@ -128,7 +128,7 @@ impl BushingProperty {
                 name.to_lowercase()
             );
             for (x, y) in curve.x.iter().zip(&curve.y) {
-                // A zero with a sign reads as one without.
+                // Adding zero turns a negative zero into a positive zero.
                 let (x, y) = (x / fx + 0.0, y / fy + 0.0);
                 _ = writeln!(text, " {x:?}  {y:?}");
             }
@@ -190,7 +190,7 @@ mod tests {
         }
     }
 
-    /// Closed form: k u + c u^3 + e u^5, and its mirror image.
+    /// The force must equal 2 u - 3 u^3 + u^2 for u >= 0, and must be odd in u.
     #[test]
     fn an_odd_law_is_odd() {
         let law = OddLaw {

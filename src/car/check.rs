@@ -1,4 +1,4 @@
-//! Complaints about any file in TeimOrbit format.
+//! Diagnostics of any file in TeimOrbit format.
 
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::property::{PropertyFile, PropertyKind};
@@ -7,8 +7,8 @@ use admire_syntax::text::Source;
 use crate::assembly::Assembly;
 use crate::subsystem::Subsystem;
 
-/// Returns the complaints about a file in the order of their places: those of its form, and those of the typed view of its kind. A file of
-/// another kind is checked as text only.
+/// Returns the diagnostics of a file in the order of their places: those of its format, and those of the typed view for its kind. For a file of
+/// another kind, only the format is checked.
 pub fn check(source: Source) -> Vec<Diagnostic> {
     let read = PropertyFile::parse(source);
     let mut out = read.diagnostics;

@@ -1,4 +1,4 @@
-//! Edits of single values; all other bytes stay.
+//! Edits of single values. All other bytes are unchanged.
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::number::parse_number;
@@ -9,12 +9,12 @@ use admire_syntax::text::Edit;
 use crate::entry::Entry;
 use crate::settings::WRITTEN_DIGITS;
 
-/// Returns the edits that give a value a new text. A number is written as typed. A text keeps its quotes, and blanks that pad it to the width of
-/// its column.
+/// Returns the edits that replace the text of a value. A number is written as typed. A text keeps its quotes, and the blanks that pad it to the width
+/// of its column.
 ///
 /// # Errors
-/// `bad-number` if a number is to become something else; `wrong-type` if a text contains a quote, a line end or another control character, or if
-/// a word without quotes would become several words.
+/// `bad-number` if a number would become something else; `wrong-type` if a text contains a quote, a line end or another control character, or if a
+/// word without quotes would become several words.
 pub fn set(file: &PropertyFile, entry: &Entry, text: &str) -> Result<Vec<Edit>, Diagnostic> {
     let span = entry.cell.span();
     let source = file.source();
@@ -93,7 +93,7 @@ pub(crate) fn with_blanks(text: &str, width: usize) -> String {
     format!("{text}{}", " ".repeat(missing))
 }
 
-/// Returns the edit that gives a numeric value a new number, spelled like the old one.
+/// Returns the edit that replaces a number. The new number has the spelling style of the old one.
 ///
 /// # Errors
 /// `bad-number` if the value is not finite; `wrong-type` if the present value is a text.
@@ -118,7 +118,7 @@ pub fn set_number(file: &PropertyFile, entry: &Entry, value: f64) -> Result<Vec<
     }
 }
 
-/// Spells a number like an old one, with the digits that files of Adams/Car carry.
+/// Formats a number in the style of an old one, with the number of digits that files of Adams/Car contain.
 pub(crate) fn spelled(value: f64, old: &[u8]) -> String {
     spell_like(rounded(value), old)
 }
@@ -196,7 +196,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the file is, an accepted edit of one value leaves the number and the addresses of all other values.
+        /// In any file, an accepted edit of one value preserves the number and the addresses of all other values.
         #[test]
         fn an_edit_changes_one_value_of_any_file(
             lines in prop::collection::vec("[\\[\\](){}'$!= ,a-c1.\\-\u{e9}]{0,12}", 0..12),

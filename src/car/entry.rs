@@ -13,10 +13,10 @@ use crate::settings::ADDRESS_NAME_CHARACTERS;
 
 /// One value of a file with its address.
 ///
-/// A parameter has the address `BLOCK.KEY`, a cell of a table `BLOCK/ROW.COLUMN`. A row is named by its first cell if that is a text, otherwise
-/// by its number from 1. A column is named by the heading, or by its number. A block that occurs several times is named by its USAGE:
-/// `PART_ASSEMBLY/upright.MASS`. A part of a block is `BLOCK(PART)`. `#2` follows the name of the second of several blocks, rows or keys of one
-/// name.
+/// A parameter has the address `BLOCK.KEY`, a cell of a table `BLOCK/ROW.COLUMN`. A row is named by its first cell if this is a text, otherwise by
+/// its number from 1. A column is named by the heading, or by its number. A block that occurs several times is named by its USAGE:
+/// `PART_ASSEMBLY/upright.MASS`. A part of a block is `BLOCK(PART)`. If several blocks, rows or keys have the same name, the second one is followed
+/// by `#2`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Entry {
     /// Address of the value.
@@ -37,7 +37,7 @@ impl Entry {
 /// Numbers names that occur several times: the second is `name#2`.
 #[derive(Default)]
 struct Names {
-    /// How often each name in lower case came, and the names that were given.
+    /// Number of occurrences of each name in lower case, and the names assigned so far.
     count: HashMap<String, usize>,
 }
 
@@ -50,7 +50,7 @@ impl Names {
         };
         *count += 1;
         let mut number = *count;
-        // A file may have a name that ends in `#2` itself.
+        // A name in the file may itself end in `#2`.
         loop {
             let given = format!("{lower}#{number}");
             if let hash_map::Entry::Vacant(free) = self.count.entry(given) {
@@ -63,7 +63,7 @@ impl Names {
     }
 }
 
-/// Returns the beginning of a name, because a hostile file may have one of a million characters.
+/// Returns the beginning of a name. A malicious file may contain a name of a million characters.
 fn cut(name: &str) -> &str {
     match name.char_indices().nth(ADDRESS_NAME_CHARACTERS) {
         Some((at, _)) => &name[..at],
@@ -80,7 +80,7 @@ pub fn entries(file: &PropertyFile) -> Vec<Entry> {
     }
     let mut labels = Names::default();
     let mut out = Vec::new();
-    // A part belongs to the block above it and has that block's label.
+    // A part belongs to the block above it, and has the label of that block.
     let mut above = String::new();
     for (at, block) in file.blocks.iter().enumerate() {
         let label = if let Some(part) = &block.part {
@@ -111,7 +111,7 @@ pub fn entries(file: &PropertyFile) -> Vec<Entry> {
             of_table(source, table, (&label, at), &mut rows, &mut out);
         }
     }
-    // A block may have the name of another block's row.
+    // The name of a block may equal the name of a row in another block.
     let mut addresses = Names::default();
     for entry in &mut out {
         entry.address = addresses.unique(std::mem::take(&mut entry.address));
@@ -163,8 +163,8 @@ fn of_table(
     }
 }
 
-/// Returns the values at an address, in the order of the file. `*` stands for any text. The name of a block or row selects all its values. Case
-/// is ignored.
+/// Returns the values at an address, in the order of the file. `*` matches any text. The name of a block or row selects all its values. Case is
+/// ignored.
 ///
 /// # Errors
 /// `undefined-id` if nothing matches. The help names the nearest address, or the blocks of the file.
@@ -217,10 +217,10 @@ pub fn select(file: &PropertyFile, text: &str) -> Result<Vec<Entry>, Diagnostic>
         .help(help))
 }
 
-/// Returns true if a text matches a pattern in which `*` stands for any text. The time is proportional to the product of both lengths at most.
+/// Returns true if a text matches a pattern in which `*` matches any text. The time is at most proportional to the product of both lengths.
 fn matches(pattern: &[u8], text: &[u8]) -> bool {
     let (mut p, mut t) = (0, 0);
-    // Place behind the last star, and the place in the text up to which that star reaches.
+    // Position after the last star, and the position in the text up to which this star matches.
     let mut retry: Option<(usize, usize)> = None;
     while t < text.len() {
         if pattern.get(p) == Some(&b'*') {

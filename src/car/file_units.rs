@@ -1,31 +1,31 @@
-//! Units of a file, as factors to the units of a model and as words.
+//! Units of a file, as factors to the units of a model and as names.
 
 use admire_syntax::property::PropertyFile;
 use admire_syntax::units::{Dimension, FORCE_UNITS, LENGTH_UNITS, Unit, Units};
 
-/// Returns the factor from the units of a file to those of a model. A file without units has those of the model.
+/// Returns the factor from the units of a file to the units of a model. A file without units has the units of the model.
 pub(crate) fn factor(file: &PropertyFile, dimension: Dimension, units: &Units) -> f64 {
     file.units
         .as_ref()
         .map_or(1.0, |own| own.factor(dimension, units))
 }
 
-/// Returns the word for the length unit of a file.
+/// Returns the name of the length unit of a file.
 pub(crate) fn length_word(file: &PropertyFile, units: &Units) -> String {
     word(file.units.map(|own| own.length), LENGTH_UNITS, units.length)
 }
 
-/// Returns the word for the force unit of a file.
+/// Returns the name of the force unit of a file.
 pub(crate) fn force_word(file: &PropertyFile, units: &Units) -> String {
     word(file.units.map(|own| own.force), FORCE_UNITS, units.force)
 }
 
-/// Returns the words for the torque unit of a file: `newton-mm`.
+/// Returns the name of the torque unit of a file, such as `newton-mm`.
 pub(crate) fn torque_word(file: &PropertyFile, units: &Units) -> String {
     format!("{}-{}", force_word(file, units), length_word(file, units))
 }
 
-/// Returns the word for the unit with this size in SI units, or for the unit of the model if the file has none.
+/// Returns the name of the unit with this size in SI units, or of the unit of the model if the file has none.
 fn word(size: Option<f64>, all: &[Unit], of_model: Unit) -> String {
     let Some(size) = size else {
         return of_model.word.to_string();

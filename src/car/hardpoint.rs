@@ -12,11 +12,11 @@ use crate::side::{Side, Symmetry};
 /// One row of the table `[HARDPOINT]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Hardpoint {
-    /// Name without blanks at its ends.
+    /// Name without surrounding blanks.
     pub name: String,
     /// Sides on which the hardpoint exists.
     pub symmetry: Symmetry,
-    /// x, y and z in the length unit of the file, with their locations. For `left/right` they are those of the left side.
+    /// x, y and z in the length unit of the file, with their locations. For `left/right`, they are the coordinates of the left side.
     pub coordinates: [Number; 3],
     /// Location of the word for the symmetry, without its quotes.
     pub symmetry_span: Span,
@@ -25,7 +25,7 @@ pub struct Hardpoint {
 }
 
 impl Hardpoint {
-    /// Returns the place of the hardpoint on one side, in the units of the file. The right side of a pair is the mirror image of the left side in
+    /// Returns the position of the hardpoint on one side, in the units of the file. The right side of a pair is the mirror image of the left side in
     /// the plane y = 0. `None` if the hardpoint does not exist on that side.
     pub fn place(&self, side: Side) -> Option<[f64; 3]> {
         let [x, y, z] = self.coordinates.map(|number| number.value);
@@ -126,7 +126,7 @@ pub(crate) fn symmetry_of(
     let word = cell.text(file.source());
     let known = Symmetry::parse(&word);
     if known.is_none() {
-        let message = format!("`{word}` is no symmetry");
+        let message = format!("`{word}` is not a symmetry");
         out.push(
             Diagnostic::error(Code::WrongType, message)
                 .label(file.source().name(), cell.span(), "")
@@ -136,7 +136,7 @@ pub(crate) fn symmetry_of(
     known
 }
 
-/// Reports hardpoints that are there twice on one side.
+/// Reports hardpoints that occur twice on one side.
 fn repeated(file: &PropertyFile, all: &[Hardpoint], out: &mut Vec<Diagnostic>) {
     let mut seen: std::collections::HashMap<(String, Side), Span> =
         std::collections::HashMap::new();
@@ -157,7 +157,7 @@ fn repeated(file: &PropertyFile, all: &[Hardpoint], out: &mut Vec<Diagnostic>) {
 }
 
 impl Hardpoint {
-    /// Returns the place on one side in the length unit of a model; `None` if the hardpoint does not exist on that side.
+    /// Returns the position on one side in the length unit of a model; `None` if the hardpoint does not exist on that side.
     pub fn place_in(&self, file: &PropertyFile, side: Side, units: &Units) -> Option<[f64; 3]> {
         let scale = factor(file, Dimension::LENGTH, units);
         Some(self.place(side)?.map(|x| x * scale))

@@ -1,4 +1,4 @@
-//! Rows of hardpoints with displaced places.
+//! Rows of displaced hardpoints.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,13 +24,13 @@ pub struct HardpointMove {
     pub side: Side,
     /// Displacement along x, y and z in the length unit of the deck.
     pub by: [f64; 3],
-    /// Standard errors of the displacement, where they are known.
+    /// Standard errors of the displacement, if known.
     pub std_error: [Option<f64>; 3],
-    /// Origin of the displacement: `hardpoint-error MARKER/7`.
+    /// Origin of the displacement, such as `hardpoint-error MARKER/7`.
     pub because: String,
 }
 
-/// Returns the edits of all hardpoint rows, and lists their words.
+/// Returns the edits of all hardpoint rows, and adds the changes to the list.
 pub(crate) fn move_hardpoints(
     subsystem: &Subsystem,
     units: &Units,
@@ -88,7 +88,7 @@ pub(crate) fn move_hardpoints(
 /// Edits of the rows of hardpoints.
 struct RowEdit<'a> {
     file: &'a PropertyFile,
-    /// Length unit of the file in the one of the deck.
+    /// Factor from the length unit of the file to the length unit of the deck.
     scale: f64,
     /// Smallest change of a coordinate that is written, in the unit of the file.
     smallest: f64,
@@ -96,13 +96,13 @@ struct RowEdit<'a> {
 }
 
 impl RowEdit<'_> {
-    /// Returns true if a displacement on the right side is the mirror image of the one on the left side.
+    /// Returns true if the displacement on the right side is the mirror image of the displacement on the left side.
     fn are_mirrored(&self, left: &HardpointMove, right: &HardpointMove) -> bool {
         let mirror = [1.0, -1.0, 1.0];
         (0..3).all(|k| (left.by[k] - mirror[k] * right.by[k]).abs() <= self.smallest * self.scale)
     }
 
-    /// Returns the new coordinate of an axis and its spelling; `None` if it stays.
+    /// Returns the new coordinate of an axis and its text; `None` if it does not change.
     fn coordinate(&self, old: f64, by: f64, style: &[u8]) -> Option<(f64, String)> {
         let by = by / self.scale;
         if !by.is_finite() || by.abs() <= self.smallest {
@@ -112,7 +112,7 @@ impl RowEdit<'_> {
         Some((new, spelled(new, style)))
     }
 
-    /// Changes the coordinates of a row that stays one row.
+    /// Changes the coordinates of a row that remains a single row.
     fn one_row(
         &self,
         point: &Hardpoint,

@@ -5,7 +5,7 @@
 //! Typed views exist for subsystems, assemblies, springs, tyres and bushings; all other files are text. [`WriteBack`] writes results into a
 //! subsystem: hardpoints, scale factors and preloads of bushings, and property files with learned curves.
 //!
-//! What each reading of a file rests on is listed in grammar/NOTES.md.
+//! The basis for each interpretation of a file is listed in grammar/NOTES.md.
 //!
 //! Modules import in one direction only: `settings`, `side`, `file_units` <- `entry` <- `edit`, `diff`, `hardpoint`, `parameter`, `bushing`, `spring`,
 //! `tire` <- `subsystem`, `assembly` <- `check`, `names`, `block_edit`, `word_change` <- `hardpoint_rows` <-

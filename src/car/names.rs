@@ -2,7 +2,7 @@
 
 use crate::side::Side;
 
-/// Bushing of a subsystem, as the name of an object in a deck tells it.
+/// Bushing of a subsystem, identified by the name of an object in a deck.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct BushingName {
     /// Side of the vehicle.
@@ -11,9 +11,10 @@ pub struct BushingName {
     pub usage: String,
 }
 
-/// Reads the name of an object: `.axle.rear.bkl_arm_outer.field` is the bushing `arm_outer` on the left side.
+/// Parses the name of an object: `.axle.rear.bkl_arm_outer.field` is the bushing `arm_outer` on the left side.
 ///
-/// The last component that begins with `b`, a letter, the letter of a side and an underscore counts. `None` if no component has this form.
+/// The component must begin with `b`, a letter, the letter of a side and an underscore. If several components do, the last one applies.
+/// `None` if no component has this form.
 pub fn bushing_name(object: &str) -> Option<BushingName> {
     object.rsplit('.').find_map(|component| {
         let component = component.trim().to_ascii_lowercase();

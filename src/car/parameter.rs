@@ -9,7 +9,7 @@ use crate::side::Symmetry;
 /// One row of the table `[PARAMETER]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameter {
-    /// Name without blanks at its ends.
+    /// Name without surrounding blanks.
     pub name: String,
     /// Sides on which the parameter exists.
     pub symmetry: Symmetry,
@@ -62,7 +62,7 @@ pub(crate) fn read(file: &PropertyFile, out: &mut Vec<Diagnostic>) -> Vec<Parame
                     _ => false,
                 };
                 if wrong {
-                    let message = format!("the value of a parameter of type {kind} cannot be this");
+                    let message = format!("this is not a value for a parameter of type {kind}");
                     out.push(Diagnostic::error(Code::WrongType, message).label(
                         source.name(),
                         value.span(),

@@ -1,7 +1,6 @@
-//! Numbers that decide how files of Adams/Car are matched and written.
+//! Limits for matching and writing files of Adams/Car.
 
-/// Largest distance in millimetres between a hardpoint and a marker of the deck that are the same point. Adams/Car writes both with ten
-/// digits.
+/// Largest distance in millimetres at which a hardpoint and a marker of the deck count as the same point. Adams/Car writes both with ten digits.
 pub const HARDPOINT_MATCH_MM: f64 = 0.01;
 
 /// Smallest change of a coordinate in millimetres that is written into a subsystem file. Smaller changes are round-off of rotations.
@@ -21,8 +20,8 @@ pub(crate) const LINEAR_CURVE_POINTS: usize = 5;
 /// Number of significant digits of a number that is written into a file of Adams/Car.
 pub(crate) const WRITTEN_DIGITS: usize = 12;
 
-/// Largest number of characters that an address takes from one name in a file. The rest of a longer name is cut off.
+/// Largest number of characters of a name in an address. The rest of a longer name is cut off.
 pub(crate) const ADDRESS_NAME_CHARACTERS: usize = 120;
 
-/// Largest number of characters that the name of a new property file takes from the name of its bushing.
+/// Largest number of characters of the bushing's name in the name of a new property file.
 pub(crate) const LEARNED_NAME_CHARACTERS: usize = 60;

@@ -3,15 +3,15 @@
 pub enum Symmetry {
     /// `left/right`: one entry for both sides. The left side is as written; the right side is its mirror image in the plane y = 0.
     Pair,
-    /// `left`: an entry of the left side alone.
+    /// `left`: an entry that exists only on the left side.
     Left,
-    /// `right`: an entry of the right side alone.
+    /// `right`: an entry that exists only on the right side.
     Right,
-    /// `single`: an entry that belongs to no side.
+    /// `single`: an entry without a side.
     Single,
 }
 
-/// Side of the vehicle on which an instance of an entry is.
+/// Side of the vehicle for an instance of an entry.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Side {
     /// Left side, letter `l`.
@@ -23,7 +23,7 @@ pub enum Side {
 }
 
 impl Symmetry {
-    /// Returns the symmetry that a word of a file means; `None` for other words. Case and surrounding blanks are ignored.
+    /// Returns the symmetry for a word of a file; `None` for other words. Case and surrounding blanks are ignored.
     pub fn parse(word: &str) -> Option<Self> {
         match word.trim().to_ascii_lowercase().as_str() {
             "left/right" => Some(Self::Pair),

@@ -6,7 +6,7 @@ use admire_syntax::units::Units;
 /// Contents of a spring property file, in the units of a model.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Spring {
-    /// Length at which the spring is without force: FREE_LENGTH of `[SPRING_DATA]`.
+    /// Length at which the spring force is zero: FREE_LENGTH of `[SPRING_DATA]`.
     pub free_length: Option<f64>,
     /// Displacements of the curve; positive in compression, zero at the free length.
     pub displacement: Vec<f64>,

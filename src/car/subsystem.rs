@@ -8,7 +8,7 @@ use crate::hardpoint::{self, Hardpoint, symmetry_of};
 use crate::parameter::{self, Parameter};
 use crate::side::Symmetry;
 
-/// One block `[BUSHING_ASSEMBLY]`: the bushings of one name.
+/// One block `[BUSHING_ASSEMBLY]`: all bushings with one name.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BushingAssembly {
     /// Name of the bushing (USAGE).
@@ -43,7 +43,7 @@ pub struct Subsystem {
 impl Subsystem {
     /// Reads a subsystem file from any bytes.
     ///
-    /// Diagnostics are those of the file itself, and those of hardpoints, parameters and bushings that cannot be read.
+    /// The diagnostics are those of the file itself, and those of unreadable hardpoints, parameters and bushings.
     pub fn parse(source: Source) -> Checked<Self> {
         let read = PropertyFile::parse(source);
         let mut diagnostics = read.diagnostics;
@@ -51,7 +51,7 @@ impl Subsystem {
         Checked { value, diagnostics }
     }
 
-    /// Reads the contents of a file that was parsed already.
+    /// Reads the contents of a file that has already been parsed.
     pub(crate) fn of(file: PropertyFile, out: &mut Vec<Diagnostic>) -> Self {
         let source = file.source();
         let header = |name: &str| -> Option<String> {

@@ -5,12 +5,12 @@ use admire_syntax::units::{Dimension, Units};
 
 use crate::file_units::factor;
 
-/// Size and vertical stiffness of a tyre, in the units of a model. The coefficients of its slip forces stay in the file.
+/// Size and vertical stiffness of a tyre, in the units of a model. The coefficients of its slip forces are not read.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Tire {
     /// Kind of tyre model, such as `PAC2002`: PROPERTY_FILE_FORMAT of `[MODEL]`.
     pub format: Option<String>,
-    /// Radius without load: UNLOADED_RADIUS of `[DIMENSION]`.
+    /// Unloaded radius: UNLOADED_RADIUS of `[DIMENSION]`.
     pub unloaded_radius: Option<f64>,
     /// Width of the section: WIDTH of `[DIMENSION]`.
     pub width: Option<f64>,
@@ -25,7 +25,7 @@ pub struct Tire {
 }
 
 impl Tire {
-    /// Reads the contents of a parsed file in the units of a model. A value that the file does not give is `None`.
+    /// Reads the contents of a parsed file in the units of a model. A value that is missing in the file is `None`.
     pub fn of(file: &PropertyFile, units: &Units) -> Self {
         let stiffness = Dimension::new(1, 0, -1, 0, 0);
         let damping = Dimension::new(1, 0, -1, 1, 0);

@@ -1,23 +1,23 @@
-//! Changes of files in the words of Adams/Car.
+//! Changes of files, in the terms of Adams/Car.
 
 use serde::Serialize;
 
-/// One changed value, in the words of Adams/Car.
+/// One changed value, in the terms of Adams/Car.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct WordChange {
-    /// Object of the model: `hpl_lca_outer`, `bushing lca_front`.
+    /// Object of the model, such as `hpl_lca_outer` or `bushing lca_front`.
     pub element: String,
-    /// Sides that the entry is for: `left/right`, `left`, `right`, `single`.
+    /// Sides of the entry: `left/right`, `left`, `right` or `single`.
     pub symmetry: &'static str,
     /// Name of the factor as in Adams/Insight: `x`, `fx_scaling_factor`, `t_preload_x`, `property_file`.
     pub factor: String,
-    /// Value before, as a number or as a text. A missing scale factor counts as 1, a missing preload as 0.
+    /// Value before the change, as a number or as a text. A missing scale factor counts as 1, a missing preload as 0.
     pub before: String,
-    /// Value after.
+    /// Value after the change.
     pub after: String,
     /// Unit of a number; empty for texts and ratios.
     pub unit: String,
-    /// Standard error of the new value in its unit, where it is known.
+    /// Standard error of the new value in its unit, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub std_error: Option<f64>,
     /// Origin of the change.

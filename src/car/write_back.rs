@@ -22,13 +22,13 @@ use crate::word_change::{LearnedFile, NotWritten, WordChange};
 pub struct BushingChange {
     /// Bushing of the subsystem.
     pub name: BushingName,
-    /// New stiffness over old stiffness, with the standard error of this ratio; `None` for a component that stays.
+    /// Ratio of new to old stiffness, with the standard error of this ratio; `None` for an unchanged component.
     pub scale: [Option<(f64, Option<f64>)>; 6],
-    /// Preload force and torque on I in the units of the deck; `None` for a component that stays.
+    /// Preload force and torque on I in the units of the deck; `None` for an unchanged component.
     pub preload: [Option<f64>; 6],
     /// Contents of a new property file in the units of the deck. It replaces the scale factors.
     pub learned: Option<BushingProperty>,
-    /// Origin of the changes: `identified BUSHING/1`.
+    /// Origin of the changes, such as `identified BUSHING/1`.
     pub because: String,
 }
 
@@ -41,20 +41,20 @@ pub struct WriteBack {
     pub changes: Vec<WordChange>,
     /// New property files.
     pub files: Vec<LearnedFile>,
-    /// Results that are not in the new file.
+    /// Results that could not be written to the new file.
     pub not_written: Vec<NotWritten>,
 }
 
-/// Sides of a subsystem's entries that are in the deck.
+/// Sides of a subsystem's entries that exist in the deck.
 type InDeck<T> = BTreeSet<(T, Side)>;
 
 impl WriteBack {
     /// Writes results into a subsystem file.
     ///
-    /// `hardpoints` and `bushings` tell which sides of which entries the deck contains. If the deck contains only one side of an entry for
-    /// `left/right`, the entry stays one for both. If the deck contains both sides and their results differ, the entry is split into one for
-    /// `left` and one for `right`. A scale factor is multiplied by the ratio of the stiffnesses, because the deck's stiffness belongs to the
-    /// factor that the file has.
+    /// `hardpoints` and `bushings` state which sides of which entries the deck contains. If the deck contains only one side of an entry for
+    /// `left/right`, the entry still applies to both sides. If the deck contains both sides and their results differ, the entry is split into one for
+    /// `left` and one for `right`. A scale factor is multiplied by the ratio of the stiffnesses, because the stiffness in the deck includes the
+    /// present factor of the file.
     pub fn new(
         subsystem: &Subsystem,
         units: &Units,
@@ -85,7 +85,7 @@ impl WriteBack {
             }
         }
         let mut words = Vec::new();
-        // Blocks are changed from the last to the first, so that the indices of the blocks before stay.
+        // Blocks are changed from the last to the first, so that the indices of the preceding blocks remain valid.
         for assembly in subsystem.bushings.iter().rev() {
             let before = out.changes.len();
             out.change_bushing(&subsystem.file, units, assembly, bushings, changes);
@@ -95,7 +95,7 @@ impl WriteBack {
         out
     }
 
-    /// Changes the block of one bushing in `self.bytes`. Blocks before it are those of `file`.
+    /// Changes the block of one bushing in `self.bytes`. The preceding blocks are those of `file`.
     fn change_bushing(
         &mut self,
         file: &PropertyFile,
@@ -140,7 +140,7 @@ impl WriteBack {
                     self.not_written.push(NotWritten {
                         what: one.because.clone(),
                         why: format!(
-                            "the entry of bushing `{usage}` is for both sides, and the preload of the right one does not tell the left one's"
+                            "the entry of bushing `{usage}` is for both sides, and the preload of the left one does not follow from that of the right one"
                         ),
                     });
                 }
@@ -160,7 +160,7 @@ impl WriteBack {
                 };
                 self.bytes = applied(&self.bytes, &[copy]);
                 let now = self.now(file);
-                // The copy is the next block of this name.
+                // The copy is the next block with this name.
                 let second = (assembly.block + 1..now.blocks.len())
                     .find(|at| now.blocks[*at].name == "BUSHING_ASSEMBLY");
                 for (side, block, change) in [
@@ -177,12 +177,12 @@ impl WriteBack {
         }
     }
 
-    /// Parses the present bytes.
+    /// Parses the current bytes.
     fn now(&self, file: &PropertyFile) -> PropertyFile {
         PropertyFile::parse(Source::new(file.source().name(), self.bytes.as_slice())).value
     }
 
-    /// Gives a key of a block a new value, or adds the key. `value` is written as it is, but a text keeps the quotes it has.
+    /// Sets a key of a block to a new value, or adds the key. `value` is written as it is; a text in quotes keeps its quotes.
     fn set_key(&mut self, file: &PropertyFile, block: usize, key: &str, value: &str) {
         let now = self.now(file);
         let Some(found) = now.blocks.get(block) else {
@@ -254,7 +254,7 @@ impl WriteBack {
                 _ => "",
             };
             let mut name = learned_name(&instance.assembly.usage, side);
-            // Two names may differ in characters only that a file name may not have.
+            // Two names may differ only in characters that a file name must not contain.
             while self
                 .files
                 .iter()
@@ -313,7 +313,7 @@ impl WriteBack {
     }
 }
 
-/// Returns the name of a new property file for a bushing. Characters that a file name may not have everywhere become underscores.
+/// Returns the name of a new property file for a bushing. Characters that are invalid in file names on some systems become underscores.
 fn learned_name(usage: &str, side: &str) -> String {
     let plain = |c: char| {
         if c.is_ascii_alphanumeric() || c == '-' {
@@ -350,7 +350,7 @@ const PRELOADS: [&str; 6] = [
     "R_PRELOAD_Z",
 ];
 
-/// Block that is changed.
+/// Block to be changed.
 struct Instance<'a> {
     assembly: &'a BushingAssembly,
     units: &'a Units,

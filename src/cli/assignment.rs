@@ -60,7 +60,7 @@ impl Operator {
 }
 
 impl Assignment<'_> {
-    /// Returns the new text of one value, which is now the number `old` or a text. A computed number follows the spelling `written`.
+    /// Returns the new text of a value whose current content is the number `old` or a text. A computed number is written in the style of `written`.
     pub(super) fn reckoned(
         &self,
         address: &str,
@@ -72,7 +72,7 @@ impl Assignment<'_> {
             return Ok(self.value.to_string());
         }
         let Some(operand) = plain_number(self.value) else {
-            let message = format!("`{}` is not a number to reckon with", self.value);
+            let message = format!("`{}` is not a number to compute with", self.value);
             return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
         };
         let Some(old) = old else {
@@ -88,8 +88,8 @@ impl Assignment<'_> {
     }
 }
 
-/// Expands an assignment into plain assignments: addresses, each with the text of its new value. With `degrees`, numbers for angles without
-/// a suffix are in degrees.
+/// Expands an assignment into plain assignments, each with an address and the text of its new value. With `degrees`, numbers for angles without a
+/// suffix are in degrees.
 pub(super) fn expanded(
     assignment: &str,
     dataset: &Dataset,
@@ -131,7 +131,7 @@ pub(super) fn evaluated(
     let Some((operand, has_suffix)) = number::parse_number(value.as_bytes()) else {
         return Err(shell.usage(Diagnostic::error(
             Code::BadNumber,
-            format!("`{value}` is not a number to reckon with"),
+            format!("`{value}` is not a number to compute with"),
         )));
     };
     let mut all = Vec::new();

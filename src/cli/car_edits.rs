@@ -65,7 +65,7 @@ pub(super) fn set(
                 first.code,
                 format!("nothing is written: `{name}` would have a new fault"),
             )
-            .help("change what it concerns too, or --force"),
+            .help("also change the other places that it concerns, or use --force"),
         )),
         _ => Ok(file.source().bytes().to_vec()),
     }

@@ -23,14 +23,14 @@ use super::shell::{Exit, Shell, exit_of};
 
 /// Check datasets, command files, files of Adams/Car and studies.
 ///
-/// Prints each complaint at its place in the file. A command file is checked
+/// Prints each complaint with its place in the file. A command file is checked
 /// against the deck that it names. The exit code is 1 if any complaint is an
 /// error; with --strict, also if any complaint is a warning.
 ///
-/// Comments in a deck silence complaints: `! admire: ignore[tab]` behind a
+/// Comments in a deck silence complaints: `! admire: ignore[tab]` after a
 /// statement or above it, `! admire: ignore-file[tab]` anywhere for the whole
-/// file. Settings for all files of a folder stand in `admire.toml` there or
-/// above:
+/// file. Settings for all files of a folder are in `admire.toml` in that folder
+/// or in a folder above it:
 ///
 /// ```toml
 /// [check]
@@ -105,7 +105,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         if let Some(study) =
             study.filter(|study| study.target.is_some() && study.columns.is_empty())
         {
-            // Its tests take the place of load cases and readings.
+            // The tests in kc.toml replace the load cases and readings of a study with a target.
             let deck = study.deck.name().to_string();
             let (_, said) = Tuning::read(folder);
             let settings = all.of(&folder.join("study.toml"), shell)?;
@@ -126,7 +126,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             }),
             None => steps.extend(Study::read(folder).value.iter().flat_map(missing)),
         }
-        // The diagnostics of the deck itself were printed above, or are not to be shown.
+        // The diagnostics of the deck itself were printed above, or must not be shown.
         let deck = read
             .value
             .map(|loaded| loaded.study.deck.name().to_string());
@@ -134,7 +134,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let file = d.labels.first().map(|label| label.file.to_string());
             file.is_some() && file == deck
         };
-        // Missing entries of an unfinished study are not faults, because the list of steps names them.
+        // A missing entry of an unfinished study is not a fault. The list of steps names it.
         let is_step = |d: &Diagnostic| {
             let Some(file) = d.labels.first().map(|label| &label.file) else {
                 return false;

@@ -158,7 +158,7 @@ pub(super) fn set(
                 format!("`{text}` is not written: the file would have a new fault"),
             );
             if unreadable.is_empty() {
-                refused = refused.help("write it all the same with --force");
+                refused = refused.help("use --force to write it anyway");
             }
             return Err(shell.fail(refused));
         }

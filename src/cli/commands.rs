@@ -8,9 +8,9 @@ use super::shell::{Exit, Shell};
 
 /// Turn the commands that a message file records into a command file.
 ///
-/// When Simulink or another program drives a run, the commands come from outside, and ADAMS writes each of them into its message file. As a
-/// command file, they repeat the run without that program. Simulations that the message file does not echo, as in a co-simulation, are
-/// rebuilt from their reported end and steps.
+/// When Simulink or another program drives a run, the commands come from outside, and ADAMS writes each of them into its message file. The command
+/// file repeats the run without that program. Simulations that the message file does not echo, as in a co-simulation, are reconstructed from their
+/// reported end and steps.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire commands plant.msg --out replay.acf\n  admire solve replay.acf"
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(commands) = recorded_commands(&source, model) else {
         let message = format!("`{}` records no commands", arguments.messages.display());
         shell.complain(&[Diagnostic::error(Code::UnsupportedResults, message)
-            .help("a message file has them behind `command:`")]);
+            .help("a message file contains them after `command:`")]);
         return Err(Exit::Findings);
     };
     if commands.simulations == 0 {

@@ -13,9 +13,9 @@ use super::target::Target;
 
 /// Write a dataset in other units: the same mechanism with converted numbers.
 ///
-/// Numbers with a unit are scaled. Numbers inside functions are unchanged: what a function measures is converted to the old units, and its
-/// result is scaled. Variables, splines, and tolerances that apply to lengths and angles alike are unchanged too. Command files are not
-/// converted. If something cannot be converted (user subroutines, flexible bodies, contacts, ...), it is named and nothing is written.
+/// Numbers with a unit are scaled. Numbers inside functions are unchanged: the measures in a function are converted to the old units, and its result
+/// is scaled. Variables, splines, and tolerances that apply to lengths and angles alike are unchanged, too. Command files are not converted. If an
+/// item cannot be converted (user subroutines, flexible bodies, contacts, ...), it is named and nothing is written.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -36,8 +36,9 @@ const EXAMPLES: &str = "Examples:
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_command_file(&arguments.deck) {
         return Err(shell.usage(
-            Diagnostic::error(Code::WrongUnits, "a command file is not converted")
-                .help("its numbers mean something beside a dataset only: write them anew"),
+            Diagnostic::error(Code::WrongUnits, "a command file is not converted").help(
+                "its numbers have units only together with a dataset: write them in the new units",
+            ),
         ));
     }
     let source = shell.read(&arguments.deck)?;
@@ -63,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 Code::WrongUnits,
                 "command files of this dataset are not converted",
             )
-            .help("their times, redefined values and tolerances are numbers of the old units"),
+            .help("their times, redefined values and tolerances are still in the old units"),
         );
     }
     shell.complain(&said);

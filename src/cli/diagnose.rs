@@ -28,7 +28,7 @@ use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 
-/// Find what a model still gets wrong after its best fit, name the cause, and extend the model by it.
+/// Find the faults that remain in a model after its best fit, name their causes, and extend the model by them.
 ///
 /// Writes `diagnosis.json`, `extended.adm`, `extended.acf` and `report.html`. If the study names a subsystem of Adams/Car (`[car]`), a new
 /// subsystem file, property files with learned curves and the list `changes.json` are written to the subfolder `adams_car`. The terminal
@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     /// Folder for the output files; `out-diagnose` in the folder of the study if absent.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Effort to measure what the causes gain in load cases that were not used.
+    /// Method for measuring the gain of the causes in load cases that were held out.
     #[arg(long, value_enum, default_value_t = CheckChoice::HeldOut)]
     check_gain: CheckChoice,
     #[command(flatten)]
@@ -57,7 +57,7 @@ pub(super) struct Arguments {
 /// Choice of a [`GainCheck`] on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum CheckChoice {
-    /// Refit without the held-out cases; the causes were chosen with them.
+    /// Refit without the held-out cases, although the causes were chosen with them.
     Quick,
     /// Also search a second time without the held-out cases.
     HeldOut,

@@ -114,13 +114,13 @@ fn programs(report: &mut Report) {
     let Some(found) = found_on_path("mdi") else {
         return report.look(
             "mdi on the PATH",
-            "none: scripts find no solver; admire install-shims FOLDER makes one",
+            "none: scripts find no solver; admire install-shims FOLDER creates one",
         );
     };
     let whose = if is_ours(&found, beside.as_deref()) {
         "this solver"
     } else {
-        "another program, ADAMS perhaps"
+        "another program, perhaps ADAMS"
     };
     report.fine("mdi on the PATH", &format!("{} ({whose})", found.display()));
 }
@@ -145,7 +145,7 @@ fn of_study(
 ) -> Result<(), Exit> {
     let Some(study) = Study::read(folder).value else {
         let why = format!(
-            "`{}` cannot be read: admire check says why",
+            "`{}` cannot be read: admire check shows the reason",
             folder.display()
         );
         report.broken("study", &why);
@@ -166,7 +166,7 @@ fn of_study(
         found_on_path(program)
     };
     let Some(found) = found else {
-        report.broken("program of study", &format!("`{program}` is not there"));
+        report.broken("program of study", &format!("`{program}` does not exist"));
         return Ok(());
     };
     let named = NamedProgram::named_in(&study.folder.join("study.toml"), &study.solver.command);
@@ -179,7 +179,7 @@ fn of_study(
         ),
         None => report.look(
             "program of study",
-            &format!("{} starts but says nothing", found.display()),
+            &format!("{} starts but prints nothing", found.display()),
         ),
     }
     Ok(())

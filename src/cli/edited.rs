@@ -31,7 +31,7 @@ pub(super) fn refuse_faults(
                 first.code,
                 "nothing is written: the deck would have a new fault",
             )
-            .help("change what it concerns too, or --force"),
+            .help("also change the other places that it concerns, or use --force"),
         )),
         _ => Ok(()),
     }

@@ -17,8 +17,8 @@ const MAX_GAIN_LINES: usize = 3;
 /// Largest number of lines for the next step.
 const MAX_NEXT_LINES: usize = 4;
 
-/// Formats a summary in at most [`MAX_LINES`] lines, with the paths of what was written, each behind its name. What does not fit is in
-/// the report.
+/// Formats a summary in at most [`MAX_LINES`] lines, with the paths of the written files, each after its name. Text that does not fit is only in the
+/// report.
 pub(super) fn ending(summary: &Summary, written: &[(&str, &Path)]) -> String {
     let verdict = shortened("", &summary.verdict, MAX_VERDICT_LINES);
     let gain = shortened("held out: ", &summary.held_out, MAX_GAIN_LINES);
@@ -32,7 +32,7 @@ pub(super) fn ending(summary: &Summary, written: &[(&str, &Path)]) -> String {
     verdict + &found + &rest
 }
 
-/// Lists what was written: the report, and the folder of the files for Adams/Car if there are any.
+/// Lists the written files: the report, and the folder of the files for Adams/Car if there are any.
 pub(super) fn written<'a>(report: &'a Path, for_car: Option<&'a Path>) -> Vec<(&'a str, &'a Path)> {
     let car = for_car.map(|folder| ("for Adams/Car", folder));
     car.into_iter().chain([("report", report)]).collect()
@@ -67,7 +67,7 @@ fn items(items: &[String], room: usize) -> String {
     blocks[..shown].concat() + &format!("  {more} more: in the report, and here with -v\n")
 }
 
-/// Wraps a text as [`hanging`] does and cuts it behind a number of lines; the cut is marked by three points.
+/// Wraps a text as [`hanging`] does, and cuts it after a number of lines. Three points mark the cut.
 fn shortened(head: &str, text: &str, lines: usize) -> String {
     if text.is_empty() {
         return String::new();
@@ -79,7 +79,7 @@ fn shortened(head: &str, text: &str, lines: usize) -> String {
     let kept: Vec<&str> = whole.lines().take(lines).collect();
     let mut kept = kept.join("\n");
     let last = kept.rfind('\n').map_or(0, |at| at + 1);
-    // The points need four columns.
+    // The points need four columns of the last line.
     while kept[last..].chars().count() + 4 > WIDTH {
         match kept.rfind(' ').filter(|at| *at > last) {
             Some(at) => kept.truncate(at),
@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// However long its texts are, a summary has at most its number of lines, none of them wider than the terminal.
+    /// A summary has at most its number of lines, and no line is wider than the terminal, however long the texts are.
     #[test]
     fn a_summary_is_short() {
         let report = Path::new("out/report.html");
@@ -120,7 +120,7 @@ mod tests {
         }
     }
 
-    /// Items that are left out are counted, and short ones share a line before any is left out.
+    /// Items that are left out are counted. Short items share a line before any item is left out.
     #[test]
     fn what_is_left_out_is_counted() {
         let many: Vec<String> = (0..12).map(|k| format!("BUSHING/{k} 1 ± 2 N/mm")).collect();

@@ -162,8 +162,8 @@ fn page(word: &str) -> Result<String, String> {
             capitals.iter().find(|(name, _)| begins(name))
         });
     Err(match near {
-        Some((_, name)) => format!("nothing is called `{word}`; did you mean `{name}`?\n"),
-        None => format!("nothing is called `{word}`; `admire explain` lists all there is\n"),
+        Some((_, name)) => format!("`{word}` is not a known word; did you mean `{name}`?\n"),
+        None => format!("`{word}` is not a known word; `admire explain` lists all words\n"),
     })
 }
 
@@ -292,7 +292,7 @@ mod tests {
                 .unwrap()
                 .contains("more: admire guide kc")
         );
-        // A word of the field takes precedence over a statement that it abbreviates.
+        // A term of the field takes precedence over a statement whose abbreviation it is.
         let text = page("mark").unwrap();
         assert!(text.starts_with("mark (Measuring)\n") && text.contains("\n\nMarker/id"));
         assert!(page("marks.sgma").unwrap_err().contains("`marks.sigma`"));

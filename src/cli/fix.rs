@@ -24,15 +24,14 @@ pub(super) struct Arguments {
     /// Datasets (.adm), command files (.acf), folders, or patterns: `runs/*.adm`.
     #[arg(required = true)]
     decks: Vec<PathBuf>,
-    /// Also apply fixes that may be wrong: a misspelt word is replaced by the only word that is similar, and a line that lost its comma
-    /// gets it back.
+    /// Also apply fixes that may be wrong: a misspelt word is replaced by the only similar word, and a missing comma at the end of a line is added.
     #[arg(long = "unsafe")]
     may_be_wrong: bool,
     /// Make the changes after they are shown.
     #[arg(long)]
     write: bool,
-    /// Also replace forces by USER subroutines that only read an Adams/Car bushing, spring or bump-stop file. The curves of the file take
-    /// their place.
+    /// Also replace forces by USER subroutines that only read an Adams/Car bushing, spring or bump-stop file. The new forces contain the curves of
+    /// the file.
     #[arg(long)]
     replace_user: bool,
     /// With --replace-user: folder in which property files are searched by name, besides the folder of the deck.
@@ -103,7 +102,7 @@ fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> 
     source.bytes().to_vec()
 }
 
-/// Replaces forces by subroutines that read property files with the curves in these files.
+/// Replaces forces whose subroutines read property files. The new forces contain the curves of these files.
 fn without_user_forces(
     source: &Source,
     arguments: &Arguments,

@@ -18,9 +18,9 @@ use super::shell::{Exit, Shell};
 
 /// Print values of a dataset, of a command file or of a file of Adams/Car.
 ///
-/// Numbers are in the deck's units, angles in radians or with --degrees in degrees. An argument that is not written has its default value.
-/// `*` matches any id or name, or every value of an argument; each value is then printed behind its address. In a command file (.acf), a
-/// command is named KIND or KIND/id, with #2 for the second of several. In a file of Adams/Car (.sub, .asy, .bus, .spr, .tir, ...), a value is BLOCK.KEY or
+/// Numbers are in the deck's units, with angles in radians or with --degrees in degrees. An argument that is not written has its default value. `*`
+/// matches any id or name, or every value of an argument; each value is then printed after its address. In a command file (.acf), a command is named
+/// KIND or KIND/id, with #2 for the second of several. In a file of Adams/Car (.sub, .asy, .bus, .spr, .tir, ...), a value is BLOCK.KEY or
 /// BLOCK/ROW.COLUMN; a block or row alone prints all its values.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]

@@ -11,7 +11,7 @@ use super::shell::{Exit, Shell};
 
 /// Show a page of the guide, or the list of its pages.
 ///
-/// On a terminal a page is shown by `$PAGER`, or by `less` without it. Examples: `admire guide`, `admire guide study`.
+/// On a terminal, the program in `$PAGER` shows the page, or `less` if it is not set. Examples: `admire guide`, `admire guide study`.
 #[derive(clap::Args, Debug)]
 pub(super) struct Arguments {
     /// Page to show; without it, the list of pages is shown.

@@ -176,7 +176,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut more = Vec::new();
     if let Some(repeats) = repeats.filter(|_| !fit.interrupted) {
         if !fit.converged {
-            let message = "the fit did not converge: there is nothing to repeat";
+            let message = "the fit did not converge, so it cannot be repeated";
             shell.fail(Diagnostic::error(Code::NoFit, message));
             return Err(Exit::NoAnswer);
         }
@@ -311,7 +311,7 @@ fn repeated(
         Exit::NoAnswer
     })?;
     let Some(made) = made else {
-        shell.say("interrupted; the same command goes on where it stopped\n");
+        shell.say("interrupted; the same command continues where it stopped\n");
         return Err(Exit::Interrupted);
     };
     let mut tables = Vec::new();

@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let read = serde_json::from_slice(text.bytes()).map_err(|error| {
         shell.fail(Diagnostic::error(
             Code::SyntaxError,
-            format!("`{}` is no JSON: {error}", text.name()),
+            format!("`{}` is not JSON: {error}", text.name()),
         ))
     })?;
     let edits = json::import(dataset, &read).map_err(|complaints| {
@@ -50,13 +50,16 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.sources.add(changed.value.source().clone());
         let new: Vec<Diagnostic> = new.into_iter().cloned().collect();
         shell.complain(&new);
-        return Err(not_written("the deck could not be read with it", shell));
+        return Err(not_written("the deck would be unreadable", shell));
     }
     // The changed text must contain exactly the values of the JSON.
     if !edits.is_empty()
         && let Some(first) = json::disagreements(&changed.value, &read).first()
     {
-        return Err(not_written(&format!("{first} cannot be written so"), shell));
+        return Err(not_written(
+            &format!("{first} cannot be written in this form"),
+            shell,
+        ));
     }
     shell.sources.add(changed.value.source().clone());
     refuse_faults(&Before::of(&original), &changed, arguments.force, shell)?;
@@ -70,6 +73,6 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 fn not_written(why: &str, shell: &Shell) -> Exit {
     shell.fail(Diagnostic::error(
         Code::WrongType,
-        format!("the JSON is not brought back: {why}"),
+        format!("the changes in the JSON are not applied: {why}"),
     ))
 }

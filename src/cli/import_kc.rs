@@ -14,9 +14,9 @@ use super::width::table_text;
 
 /// Import the table of a K&C laboratory: curves for `admire kc --measured` and for a study, and load cases.
 ///
-/// Reads CSV with any separator, decimal mark and encoding, and Excel workbooks. A mapping says once what each column holds: characteristic,
-/// unit, sign and side. On a terminal it is asked and written for the next file; elsewhere the proposed mapping goes to standard output,
-/// with a `?` wherever something is to be filled in. No unit and no sign is guessed. Signs, units and all keys are in `admire guide kc`.
+/// Reads CSV with any separator, decimal mark and encoding, and Excel workbooks. A mapping describes each column: characteristic, unit, sign and
+/// side. On a terminal, you are asked about missing entries, and the mapping is stored for the next file. Otherwise, the proposed mapping goes to
+/// standard output, with a `?` for each missing entry. Units and signs are never guessed. `admire guide kc` describes signs, units and all keys.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -26,10 +26,10 @@ pub(super) struct Arguments {
     /// Mapping of the columns; `import-kc.toml` beside the first file if absent. On a terminal it is written if it does not exist.
     #[arg(long, value_name = "TOML")]
     map: Option<PathBuf>,
-    /// Table to write; beside the first file, with the ending `-kc.csv`, if absent.
+    /// Table to write; if absent, a file beside the first file with the ending `-kc.csv`.
     #[arg(long, short, value_name = "CSV")]
     out: Option<PathBuf>,
-    /// Test of the files, if nothing in them names it: one for all files, or one for each.
+    /// Test of the files, if the files do not name it: one for all files, or one for each.
     #[arg(long, value_name = "TEST", value_delimiter = ',', value_parser = test)]
     test: Vec<TestKind>,
     /// Side of the files, if their columns do not name it: one for all files, or one for each.
@@ -41,7 +41,7 @@ pub(super) struct Arguments {
 }
 
 const EXAMPLES: &str = "Examples:
-  admire import-kc rig.csv > import-kc.toml        # what the headings tell; fill in each `?`
+  admire import-kc rig.csv > import-kc.toml        # a proposal from the headings; fill in each `?`
   admire import-kc rig.csv --map import-kc.toml    # writes rig-kc.csv
   admire import-kc left.xlsx right.xlsx --side left,right --test bounce
   admire kc front.adm --measured rig-kc.csv        # curves of the deck and of the rig in one report";
@@ -77,13 +77,16 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let is_terminal = std::io::stdin().is_terminal()
         && std::io::stdout().is_terminal()
         && std::io::stderr().is_terminal();
-    // A mapping that is named must exist, unless its questions are asked now.
+    // A mapping named on the command line must exist, unless it can be created by questions on a terminal.
     let is_named = arguments.map.is_some() && !is_terminal;
     let map = (is_named || target.is_file()).then(|| target.clone());
     let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let mut read = arguments.files.iter().chain(&map);
     if read.any(|path| place(path) == place(&out)) {
-        let message = format!("`{}` is read: the table needs another name", out.display());
+        let message = format!(
+            "`{}` is an input file: choose another name for the table",
+            out.display()
+        );
         return Err(shell.usage(Diagnostic::error(Code::CannotWrite, message)));
     }
     if !arguments.force && out.symlink_metadata().is_ok() {
@@ -110,7 +113,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .as_ref()
         .map_or_else(FileOptions::default, |map| map.file.clone());
     let (sheets, found) = tables(arguments, &options, shell)?;
-    // A shell makes an empty file before `admire import-kc FILE > import-kc.toml` begins.
+    // For `admire import-kc FILE > import-kc.toml`, the shell creates an empty file before this program starts.
     let mapping = mapping.filter(|mapping| !mapping.columns.is_empty());
     let is_asked = mapping.is_none();
     let mut mapping = mapping.unwrap_or_else(|| Mapping::proposed(&found, options));
@@ -118,7 +121,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_asked && !open.is_empty() && is_terminal {
         let mut ask = |question: &str| reply(question, shell);
         if !mapping.complete(&found, &sheets, &mut ask) {
-            let message = "nothing is imported: a question has no answer";
+            let message = "nothing is imported: a question was not answered";
             return Err(shell.fail(Diagnostic::error(Code::UnclearColumn, message)));
         }
         shell.write(&target, mapping.text(&[]).as_bytes())?;
@@ -133,7 +136,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         if is_asked {
             shell.print(&mapping.text(&open));
-            shell.say("the mapping above, with every ? filled in, goes into a file: --map FILE\n");
+            shell.say("fill in every ? of the mapping above, and save it in a file: --map FILE\n");
         }
         return Err(Exit::Findings);
     }
@@ -192,7 +195,7 @@ fn tables(
     Ok((all, found))
 }
 
-/// Returns the complaint that no heading names a known characteristic.
+/// Returns the diagnostic for files in which no heading names a known characteristic.
 fn nothing_known(found: &[Block], sheets: &[Sheet]) -> Diagnostic {
     let names: Vec<String> = found[0]
         .headings
@@ -230,7 +233,7 @@ fn reply(question: &str, shell: &Shell) -> Option<String> {
     }
 }
 
-/// Formats how each column was read, what was left out, and what to do next.
+/// Formats the interpretation of each column, the columns left out, and the next step.
 fn summary(table: &CurveTable, out: &Path) -> String {
     let mut shown = Table::new();
     shown.load_style(presets::NOTHING);

@@ -64,13 +64,13 @@ pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exi
     if checked.value.is_none() && folder.join("study.toml").is_file() {
         let shown = folder.display();
         shell.say(&format!(
-            "`admire check {shown}` says what is missing, in order\n"
+            "`admire check {shown}` lists what is missing, in order\n"
         ));
     }
     checked.value.ok_or(Exit::Findings)
 }
 
-/// Reads a study folder as [`study`] does. Text for a reader has the number of notes in place of the notes, unless every stage is printed.
+/// Reads a study folder as [`study`] does. In text output, the notes are replaced by their number, unless the command is verbose.
 pub(super) fn study_in_brief(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exit> {
     if shell.is_verbose() || shell.format != Format::Text {
         return study(folder, shell);

@@ -23,11 +23,11 @@ pub(super) fn files_of(words: &[PathBuf], shell: &Shell) -> Result<Vec<PathBuf>,
         if found.is_empty() {
             let what = if word.is_dir() {
                 format!(
-                    "no dataset (.adm) or command file (.acf) is below `{}`",
+                    "there is no dataset (.adm) or command file (.acf) below `{}`",
                     word.display()
                 )
             } else {
-                format!("no file is called `{}`", word.display())
+                format!("there is no file `{}`", word.display())
             };
             return Err(shell.fail(Diagnostic::error(Code::CannotRead, what)));
         }

@@ -33,7 +33,7 @@ const COMPLETIONS: [(&str, &str); 3] = [
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let home = || std::env::home_dir().map(|home| home.join(".local"));
     let Some(prefix) = arguments.prefix.clone().or_else(home) else {
-        let message = "there is no home folder to install below";
+        let message = "there is no home folder for the installation";
         return Err(shell.usage(
             Diagnostic::error(Code::CannotWrite, message).help("name a folder: --prefix DIR"),
         ));

@@ -10,7 +10,7 @@ use super::shell::{Exit, Shell};
 
 /// Put commands with the names of ADAMS' own commands into a folder; each runs this installation's `mdi`.
 ///
-/// Put the folder first on the PATH, and a script written for ADAMS runs on admire.
+/// If the folder is first on the PATH, a script written for ADAMS runs on admire.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .map_err(|error| shell.fail(cannot(folder, &error)))?;
     if !mdi.is_file() {
         let message = format!(
-            "`{}` is not there, so that nothing could run",
+            "`{}` does not exist, so the commands could start nothing",
             mdi.display()
         );
         return Err(shell.fail(Diagnostic::error(Code::CannotRead, message).help(

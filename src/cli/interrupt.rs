@@ -16,7 +16,7 @@ pub(super) fn listen() {
             end_runs();
             std::process::exit(Exit::Interrupted as i32);
         }
-        eprintln!("stopping after this step; once more to give up at once");
+        eprintln!("stopping after this step; press Ctrl-C again to stop at once");
     });
 }
 

@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             );
             return Err(shell.fail(
                 Diagnostic::error(Code::BadSetting, message)
-                    .help("convert it by `admire convert-units`"),
+                    .help("convert it with `admire convert-units`"),
             ));
         }
         let name = path
@@ -145,7 +145,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             shell.complain(&[Diagnostic::note(
                 Code::OutOfRange,
                 format!(
-                    "{name} is without {}: not defined in every state",
+                    "{name} omits {}: not defined in every state",
                     lost.join(", ")
                 ),
             )]);
@@ -228,7 +228,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
             let message = format!(
                 "`{file}`, {at}: a motion of the wheel is free, so compliances are not defined: {motion}"
             );
-            let help = "name the part that does not spin as the wheel carrier; lock what is free, or say what locks it. A deck \
+            let help = "name the part that does not spin as the wheel carrier; lock the free motion, or name the statement that locks it. A deck \
                         without springs has kinematics only: leave its load tests out by `run = false`, or hold = \"height\"";
             shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
             Exit::NoAnswer
@@ -249,7 +249,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
                 } => {
                     let mut lines = causes.clone();
                     lines.extend(history_table(history));
-                    lines.push("a smaller range of the test may be within reach".to_string());
+                    lines.push("a smaller range of the test may have equilibria".to_string());
                     diagnostic.help(lines.join("\n"))
                 }
                 _ => diagnostic,

@@ -4,7 +4,7 @@ use admire_guide::link::in_words;
 
 use super::width::{WIDTH, hanging, wrapped};
 
-/// Width in characters up to which the first column of a table holds its cells in one line. This column contains the words that the table
+/// Largest width in characters of the first column of a table. A longer cell gets a line of its own. This column contains the words that the table
 /// explains.
 const FIRST_COLUMN_WIDTH: usize = 34;
 /// Blanks between two columns of a table.
@@ -209,7 +209,7 @@ fn lines(cell: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Formats a table as a list: the first cell of a row, and below it the other cells behind their headings.
+/// Formats a table as a list: the first cell of a row, and below it the other cells, each after its heading.
 fn as_lists(rows: &[Vec<String>]) -> String {
     let Some((heads, rows)) = rows.split_first() else {
         return String::new();
@@ -234,7 +234,7 @@ mod tests {
     use super::*;
     use admire_guide::PAGES;
 
-    /// No text but the addresses of links is lost, and only code may be wider than the terminal.
+    /// Only the addresses of links are omitted, and only code may be wider than the terminal.
     #[test]
     fn pages_keep_to_the_width() {
         for page in PAGES {

@@ -92,7 +92,7 @@ const EXAMPLES: &str = "First steps:
   admire guide tutorial                      fifteen minutes from a test to a diagnosed model
   admire doctor                              what is installed here, and what is found";
 
-/// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and diagnoses what a model still gets wrong.
+/// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and diagnoses the faults that remain in a model.
 ///
 /// Exit codes: 0 success; 1 the input has errors, a file cannot be read or written, or a comparison found differences; 2 the command line
 /// is wrong; 3 there is no equilibrium or no fit.

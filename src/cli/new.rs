@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         && shell.is_verbose()
     {
         shell.say(&format!(
-            "programs that the study names will be asked for: {error}\n"
+            "you will be asked before a program of the study is started: {error}\n"
         ));
     }
     let study = arguments.study.display();

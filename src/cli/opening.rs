@@ -1,4 +1,4 @@
-//! Opens a written page with the program of the system.
+//! Opens a written page with the system's default program.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,12 +8,12 @@ use super::shell::Shell;
 /// Option that opens the written page.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(super) struct Opening {
-    /// Open the written page with the usual program of this system.
+    /// Open the written page with the system's default program.
     #[arg(long)]
     open: bool,
 }
 
-/// Program that opens a file with the program that the user chose for its kind.
+/// Command that opens a file with the user's default program for its type.
 const OPENER: &str = if cfg!(windows) {
     "explorer"
 } else if cfg!(target_os = "macos") {
@@ -28,7 +28,7 @@ impl Opening {
         if !self.open {
             return;
         }
-        // An absolute path cannot be taken for an option.
+        // An absolute path cannot be mistaken for an option.
         let page = std::path::absolute(page).unwrap_or_else(|_| page.to_path_buf());
         let started = Command::new(OPENER)
             .arg(&page)
@@ -37,7 +37,7 @@ impl Opening {
             .stderr(Stdio::null())
             .spawn();
         if let Err(error) = started {
-            shell.say(&format!("`{OPENER}` opens no page: {error}\n"));
+            shell.say(&format!("`{OPENER}` could not open the page: {error}\n"));
         }
     }
 }

@@ -13,7 +13,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 
-/// Name of the file that lists the files which runs wrote into a folder.
+/// Name of the file that lists the files written into a folder by earlier runs.
 const MANIFEST: &str = "admire-outputs.json";
 
 /// Option that allows replacing files that no earlier run wrote.
@@ -197,7 +197,7 @@ fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<()
     if replacing.force {
         shell.complain(&[Diagnostic::note(
             Code::CannotWrite,
-            format!("replaced, as --force asks: {names}"),
+            format!("replaced because of --force: {names}"),
         )]);
         return Ok(());
     }

@@ -22,7 +22,7 @@ impl Permission {
         else {
             return Ok(());
         };
-        let help = "`--allow-command` starts it; on a terminal it is asked once";
+        let help = "`--allow-command` allows it; on a terminal, you are asked once";
         if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
             return Err(shell.usage(program.refusal(help)));
         }
@@ -30,7 +30,7 @@ impl Permission {
             return Err(shell.usage(program.refusal(help)));
         }
         if let Err(error) = program.allow() {
-            shell.say(&format!("it will be asked again: {error}\n"));
+            shell.say(&format!("you will be asked again: {error}\n"));
         }
         Ok(())
     }

@@ -22,12 +22,11 @@ use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
 
-/// Recommend which test, load or mark to add to a study, ranked by what each would gain.
+/// Recommend which test, load or mark to add to a study, ranked by the expected gain.
 ///
 /// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells, as far as `[plan] available` of the study
-/// lists them. For each, it computes the effect on
-/// the worst-determined stiffnesses, on the predicted wheel, and on causes between which the readings do not decide. With --out it writes
-/// `plan.json`, `report.html`, and `suggested.csv` with load cases to append to the study's own file.
+/// lists them. For each, it computes the effect on the worst-determined stiffnesses, on the predicted wheel, and on causes between which the
+/// readings do not decide. With --out, it writes `plan.json`, `report.html`, and `suggested.csv` with load cases to append to the study's file.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire plan corpus/pseudo-mcpherson --for stiffnesses\n  admire plan my-axle --count 5 --out next\n  tail -n +2 next/suggested.csv | head -1 >> my-axle/load_cases.csv"
@@ -162,7 +161,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
             text += &hanging("", &without_loads(undecided));
         }
     } else if matches!(found.aim, Aim::All | Aim::Causes) {
-        text += "causes: the readings leave no two explanations undecided\n";
+        text += "causes: the readings decide between all explanations\n";
     }
     if found.candidates.is_empty() {
         return text;
@@ -188,7 +187,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
     }
     if found.left_out > 0 {
         text += &format!(
-            "{} further combinations of loads were not looked at\n",
+            "{} further combinations of loads were not considered\n",
             found.left_out
         );
     }
@@ -261,7 +260,7 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
         gains.push(if fall(combination.sd_log, *sd) < NOTHING {
             let nats = best.information.unwrap_or_default();
             format!(
-                "tells nothing of the worst-determined combinations, but {nats:.1} nats of all stiffnesses together"
+                "gives no information about the worst-determined combinations, but {nats:.1} nats about all stiffnesses together"
             )
         } else {
             format!(
@@ -285,7 +284,7 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
     if let (Some(undecided), Some(causes)) = (&found.causes, best.causes) {
         let [a, b] = &undecided.between;
         gains.push(if causes.probability_shift < MIN_PROBABILITY_GAIN {
-            format!("does not tell {a} from {b}")
+            format!("does not distinguish {a} from {b}")
         } else {
             let word = if causes.at_least { "at least " } else { "" };
             format!(
@@ -295,7 +294,7 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
         });
     }
     let gains = match gains.split_last() {
-        None => "promises nothing that was asked for".to_string(),
+        None => "is expected to gain nothing for this purpose".to_string(),
         Some((last, [])) => last.clone(),
         Some((last, rest)) => format!("{}, and {last}", rest.join(", ")),
     };

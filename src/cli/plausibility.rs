@@ -30,9 +30,8 @@ pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> 
         return Ok(());
     }
     deck_warnings(loaded, shell);
-    Err(shell.fail(
-        Diagnostic::error(Code::ImplausibleStudy, message).help("`--force` fits all the same"),
-    ))
+    Err(shell
+        .fail(Diagnostic::error(Code::ImplausibleStudy, message).help("`--force` fits it anyway")))
 }
 
 /// Names the doubtful properties of a study in one line; `None` if there are none.

@@ -7,11 +7,11 @@ use super::Outcome;
 use super::output_folder::{Replacing, folder_beside, output_folder, write_folder};
 use super::shell::{Exit, Shell};
 
-/// Make a deck and a study out of results files that hold poses and forces.
+/// Make a deck and a study from results files that contain poses and forces.
 ///
-/// Parts, joints, hardpoints, bushings, springs and masses are found in the static equilibria of the results. All files are tests of one
-/// and the same mechanism; the more they differ, the more they determine. `rebuild.md` says what was found and what the results do not
-/// tell. The folder is a study: every state is a load case, and the poses are its readings.
+/// Parts, joints, hardpoints, bushings, springs and masses are found in the static equilibria of the results. All files must be tests of the same
+/// mechanism; more varied tests determine more of it. `rebuild.md` states what was found and what the results do not determine. The folder is a
+/// study: every state is a load case, and the poses are its readings.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     /// Folder to write; `out-rebuild` beside the first file if absent.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Results of other tests: the deck is not made from them, and the report says how well it predicts them.
+    /// Results of other tests. They are not used for the deck; the report states how well the deck predicts them.
     #[arg(long, value_name = "FILE")]
     test: Vec<PathBuf>,
     #[command(flatten)]

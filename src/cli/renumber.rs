@@ -15,9 +15,9 @@ use super::get::parse;
 use super::output_folder::{Replacing, write_folder};
 use super::shell::{Exit, Shell};
 
-/// Give objects new ids; every reference follows, in arguments, in functions and in commands.
+/// Give objects new ids, and update every reference in arguments, in functions and in commands.
 ///
-/// Shows the change as a diff; with --in-place or --out, also makes it.
+/// Shows the change as a diff; with --in-place or --out, also applies it.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire renumber front.adm MARKER=1000 --out renumbered.adm")]
 pub(super) struct Arguments {
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     /// place of `MARKER/7`, gives one object its new id.
     #[arg(required = true, value_name = "KIND=FIRST[,STEP]", add = ArgValueCompleter::new(complete))]
     ids: Vec<String>,
-    /// Command files (.acf) that belong to the dataset; their references follow too.
+    /// Command files (.acf) that belong to the dataset; their references are updated, too.
     #[arg(long, short, value_name = "FILE")]
     commands: Vec<PathBuf>,
     /// File for the deck. With command files, or if a folder of this name exists: folder for all files under their own names.
@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     replacing: Replacing,
 }
 
-/// Shows the change, or makes it if requested.
+/// Shows the change, or applies it if requested.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read_for(&arguments.deck, arguments.in_place)?;
     let dataset = Dataset::parse(source.clone()).value;

@@ -18,7 +18,7 @@ use reproduction::{ReproductionError, STAGES, reproduce};
 #[path = "../../corpus/rust/reproduce_paper/mod.rs"]
 mod reproduction;
 
-/// Repeat the paper's three validations and print its tables beside ours.
+/// Repeat the paper's three validations, and print its tables next to the new results.
 ///
 /// For `pseudo-mcpherson` (section 4.2), `multilink` (4.3) and `kc-experiment` (4.4) in a corpus folder: ratio of identified to true
 /// stiffnesses, iterations, unidentified stiffnesses, the order of the wheel curves, and what cannot be compared.

@@ -33,7 +33,7 @@ pub(super) fn run(
     let Some(to) = to else {
         return Err(shell.usage(
             Diagnostic::error(Code::CannotWrite, "results are written to a file")
-                .help("say where with -o FILE, or --in-place"),
+                .help("name a file with -o FILE, or use --in-place"),
         ));
     };
     let mut reader = open(file, shell)?;

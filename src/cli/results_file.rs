@@ -14,7 +14,7 @@ pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
     Ok(opened.value)
 }
 
-/// Opens a results file and prints only why it cannot be opened.
+/// Opens a results file. Diagnostics are printed only if it cannot be opened.
 pub(super) fn open_silently(path: &Path, shell: &Shell) -> Result<Checked<AnyResults>, Exit> {
     open_any(path).map_err(|error| match error {
         ResultsError::Io(error) => shell.fail(Diagnostic::error(
@@ -52,11 +52,11 @@ pub(super) fn selection(
     Err(shell.fail(
         Diagnostic::error(
             Code::UndefinedId,
-            format!("no column of the file is called `{pattern}`"),
+            format!("the file has no column `{pattern}`"),
         )
         .help(match near {
             Some(at) => format!("did you mean `{}`?", paths[at]),
-            None => "`admire results FILE --list` shows what there is".to_string(),
+            None => "`admire results FILE --list` lists the columns".to_string(),
         }),
     ))
 }

@@ -178,7 +178,7 @@ pub(super) fn run(
     {
         shell.complain(&[Diagnostic::warning(
             Code::UndefinedId,
-            "the file has no columns left_tire_forces.normal and right_tire_forces.normal: the radius stays as it is",
+            "the file has no columns left_tire_forces.normal and right_tire_forces.normal: the radius is kept constant",
         )]);
     }
     let rows = rows(reader.as_mut(), arguments, filter, shell)?;
@@ -284,7 +284,7 @@ fn rows(
     }
     if rows.is_empty() {
         return Err(shell.fail(
-            Diagnostic::error(Code::CannotRead, "no step of the file is asked for")
+            Diagnostic::error(Code::CannotRead, "the options select no step of the file")
                 .help("the model as it was put in (modelInput) is shown with --kind modelInput"),
         ));
     }

@@ -10,7 +10,7 @@ use super::output_folder::{Replacing, output_folder, write_folder};
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
 
-/// Measure a study's deck on the virtual test rig, and write what a rig would deliver: a whole study folder.
+/// Measure a study's deck on the virtual test rig, and write a complete study folder, as a rig would deliver it.
 ///
 /// Nothing in the folder reveals the planted effects; `--truth` writes them to a separate file.
 #[derive(clap::Args, Debug)]
@@ -42,7 +42,7 @@ pub(super) struct Arguments {
     /// of `[tolerances]`, and `parts`, `assembly_offset`, `bushing_axis_deg`, `preload`, `pose_deg`
     #[arg(long, value_name = "LIST")]
     tolerances: Option<String>,
-    /// Noise that differs from what the study states: `tails=3,outliers=6,outlier_size=2,declared=0.5`
+    /// Noise that differs from the noise stated in the study: `tails=3,outliers=6,outlier_size=2,declared=0.5`
     #[arg(long, value_name = "LIST")]
     scatter: Option<String>,
     /// Load cases of the paper's table 1 or 2, or each load up and down, instead of the study's load cases.

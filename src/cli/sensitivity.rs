@@ -17,9 +17,9 @@ use super::width::table_text;
 
 /// Show how the equilibrium changes with the parameters of a dataset.
 ///
-/// Prints the derivatives of motions, forces or measures with respect to stiffnesses, preloads, marker positions, spring lengths and loads.
-/// The derivatives are exact, from the tangent of the equilibrium. They are in the deck's units, which are printed (angles in radians). A
-/// change of QP moves a marker as `admire set` does: without rotation, with ZP and XP along, and with the markers in its frame (RM).
+/// Prints the derivatives of motions, forces or measures with respect to stiffnesses, preloads, marker positions, spring lengths and loads. The
+/// derivatives are exact, from the tangent of the equilibrium. They are in the deck's units, which are printed (angles in radians). A change of QP
+/// moves a marker as `admire set` does: without rotation, together with ZP and XP, and with the markers in its frame (RM).
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire sensitivity front.adm --of KNUCKLE --by BUSHING/1.K")]
 pub(super) struct Arguments {

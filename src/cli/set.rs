@@ -206,6 +206,6 @@ fn look_at(
 fn not_written(assignment: &str, shell: &Shell) -> Exit {
     shell.fail(Diagnostic::error(
         Code::WrongType,
-        format!("`{assignment}` is not written: the deck could not be read with it"),
+        format!("`{assignment}` is not written: the deck would be unreadable"),
     ))
 }

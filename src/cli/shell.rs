@@ -288,7 +288,7 @@ impl Shell {
             return Err(self.fail(Diagnostic::error(
                 Code::CannotWrite,
                 format!(
-                    "`{}` is no file that could be replaced in place",
+                    "`{}` is not a regular file, so it cannot be replaced in place",
                     path.display()
                 ),
             )));

@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         None if is_command_file(&arguments.file) => Some((None, arguments.file.as_path())),
         None => None,
         Some(_) if is_command_file(&arguments.file) => {
-            return conflict(shell, "the dataset comes before the command file");
+            return conflict(shell, "name the dataset before the command file");
         }
         Some(commands) => Some((Some(arguments.file.as_path()), commands.as_path())),
     };
@@ -172,11 +172,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 
 /// Creates the warning that a part moved far.
 fn went_far(part: &str) -> Diagnostic {
-    Diagnostic::warning(
-        Code::LargeMotion,
-        format!("{part} in this static solution"),
-    )
-    .help("it may be another equilibrium than the one that is meant; loads in steps lead to the nearest")
+    Diagnostic::warning(Code::LargeMotion, format!("{part} in this static solution"))
+        .help("this may not be the intended equilibrium; loads in steps lead to the nearest one")
 }
 
 /// Creates the warning that an equilibrium is unstable.
@@ -219,7 +216,7 @@ fn part(text: &str, model: &Model, shell: &Shell) -> Result<PartIx, Exit> {
         part.header.name == text || format!("{kind}/{}", part.header.id) == wanted
     });
     found.map(PartIx).ok_or_else(|| {
-        let message = format!("`{text}` is no part of this dataset");
+        let message = format!("`{text}` is not a part of this dataset");
         shell.complain(&[Diagnostic::error(Code::UndefinedId, message)]);
         Exit::Findings
     })
@@ -345,8 +342,8 @@ impl Answer<'_> {
         let settled = self.settled?;
         let length = self.model.units.name(Dimension::LENGTH);
         let other = match settled.other {
-            Some(moved) => format!("the other way leads to one {moved:.4} {length} away"),
-            None => "the other way leads to none".to_string(),
+            Some(moved) => format!("the other direction leads to one {moved:.4} {length} away"),
+            None => "the other direction leads to none".to_string(),
         };
         Some(format!(
             "the first equilibrium was unstable: {}\nthis one is {:.4} {length} away; {other}",

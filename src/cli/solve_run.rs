@@ -92,7 +92,7 @@ pub(super) fn run(
     bar.finish_and_clear();
     if taken.is_asked() {
         let Some(results) = &ending.results else {
-            let message = "the run wrote no results: there are no columns to take";
+            let message = "the run wrote no results, so there are no columns to write";
             return Err(shell.fail(Diagnostic::error(Code::CannotRead, message)));
         };
         take(results, taken, shell)?;

@@ -19,16 +19,16 @@ use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 use super::sweep_slurm::{self, Submitted};
 
-/// Run thousands of variants of a deck and collect the answers in one table.
+/// Run thousands of variants of a deck and collect the results in one table.
 ///
-/// SWEEP.toml states what varies (addresses with distributions, or a table of cases), what is run (a command file, K&C tests, or the
-/// identification or diagnosis of a study) and what is kept. Every case is solved from scratch from its own deck, so that order, threads
-/// and shards change no bit of the results. An interrupted run continues when the same command is given again. The results are in
-/// DIR/results.parquet, one row for each case.
+/// SWEEP.toml states what varies (addresses with distributions, or a table of cases), what is run (a command file, K&C tests, or the identification
+/// or diagnosis of a study) and what is recorded. Every case is solved from scratch from its own deck, so that order, threads and shards change no
+/// bit of the results. An interrupted run continues if the same command is given again. The results are in DIR/results.parquet, one row for each
+/// case.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Plan of the sweep: what varies, what is run, what is kept; `admire guide sweep` has every key.
+    /// Plan of the sweep: what varies, what is run, what is recorded; `admire guide sweep` describes every key.
     #[arg(value_name = "SWEEP.toml")]
     plan: PathBuf,
     /// Folder of the sweep: a new folder, or the folder of an earlier run of this sweep; `out-sweep` beside the plan if absent.

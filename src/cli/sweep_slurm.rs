@@ -85,7 +85,7 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
     joining.push(format!("--output={}", place.join("merge.log").display()));
     let job = sbatch(&joining, options, &merge, shell)?;
     shell.say(&format!(
-        "joining them: job {job}; `{}` holds the scripts and what they say\n",
+        "joining them: job {job}; `{}` holds the scripts and their output\n",
         place.display()
     ));
     shell.print(&format!("{job}\n"));
@@ -109,7 +109,7 @@ fn sbatch(
         shell.fail(Diagnostic::error(Code::RunsProgram, why).help(help))
     };
     let by_hand = format!(
-        "the scripts are written; by hand: sbatch {} {}",
+        "the scripts are written; submit them by hand: sbatch {} {}",
         own.join(" "),
         script.display()
     );

@@ -17,12 +17,12 @@ use super::output_folder::{Replacing, output_folder, refuse_replacing, write_fol
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
 
-/// Change hardpoints, stiffnesses and other numbers of a deck until its K&C characteristics are those that are wanted.
+/// Change hardpoints, stiffnesses and other numbers of a deck until its K&C characteristics meet their targets.
 ///
-/// The section `[target]` of study.toml names the goals, the numbers that may move, their bounds and the cost of moving them; `admire guide tune`
-/// has every key. The search is a trust-region Gauss-Newton method with exact derivatives where the solver has them. It starts from the study
-/// and from points spread over the bounds. Writes `tuned.adm` (the deck with new numbers, all other text as it was), `tuning.json` and
-/// `report.html`; the deck of the study is not touched.
+/// The section `[target]` of study.toml states the goals, the numbers that may change, their bounds and the cost of changing them; `admire guide
+/// tune` describes every key. The search is a trust-region Gauss-Newton method, with exact derivatives if the solver provides them. It starts from
+/// the study and from points spread over the bounds. Writes `tuned.adm` (the deck with new numbers and otherwise unchanged text), `tuning.json` and
+/// `report.html`; the deck of the study is not changed.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire tune corpus/double-wishbone --out target/tuned\n  admire tune my-axle --restarts 0"
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
 /// Names of the output files.
 const OUTPUTS: [&str; 3] = ["tuned.adm", "tuning.json", "report.html"];
 
-/// Searches, writes the outputs and prints the result.
+/// Runs the search, writes the outputs and prints the result.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let out = output_folder(arguments.out.as_deref(), &arguments.study, "tune");
     refuse_replacing(&out, &OUTPUTS, arguments.replacing, shell)?;
@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         tuning.target.restarts = restarts.into();
     }
     interrupt::listen();
-    let bar = Progress::new("looking for the target", shell, || None);
+    let bar = Progress::new("searching for the target", shell, || None);
     let all = (1 + tuning.target.restarts) * tuning.target.evaluations;
     let mut before = 0;
     let mut last = (0, 0);
@@ -114,7 +114,7 @@ fn refuse(error: &TuneError, shell: &Shell) -> Exit {
         BenchError::Deck(_) => "the axle has no equilibrium at any start".to_string(),
         why => why.to_string(),
     };
-    let help = "`admire kc` with the kc.toml of the study shows which test fails; a smaller range may be within reach";
+    let help = "`admire kc` with the kc.toml of the study shows which test fails; a smaller range may have equilibria";
     shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
     Exit::NoAnswer
 }

@@ -49,14 +49,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let message = format!("`{}` is a results file", arguments.deck.display());
             return Err(shell.usage(
                 Diagnostic::error(Code::UnsupportedResults, message)
-                    .help("the deck comes first, its results second"),
+                    .help("name the deck first, and its results second"),
             ));
         }
         let mut reader = open(&arguments.deck, shell)?;
         let mut scene = bodies(&name(&arguments.deck), reader.as_ref());
         moved(&mut scene, reader.as_mut(), shell)?;
         scene.notes.push(
-            "Without its deck a results file tells only where the frames of its bodies are."
+            "Without its deck, a results file contains only the positions of the body frames."
                 .to_string(),
         );
         scene
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     for address in &arguments.highlight {
         if !scene.highlight(address, address) {
-            let message = format!("{address} is no part, joint or force that is drawn");
+            let message = format!("{address} is not a drawn part, joint or force");
             return Err(shell.fail(Diagnostic::error(Code::UndefinedId, message)));
         }
     }
@@ -139,7 +139,7 @@ fn moved(scene: &mut Scene, reader: &mut dyn ResultsReader, shell: &Shell) -> Re
     }
     if !found.missing.is_empty() {
         scene.notes.push(format!(
-            "The results hold no position of {}; they stay where the deck puts them.",
+            "The results hold no position of {}; they remain in their design positions.",
             found.missing.join(", ")
         ));
     }

@@ -5,8 +5,8 @@ use comfy_table::{ColumnConstraint, Table};
 /// Number of columns for tables and prose.
 pub(super) const WIDTH: usize = 80;
 
-/// Formats a table without trailing blanks. If the table is too wide, the gaps between its columns are narrowed. If that does not suffice,
-/// the columns are split into blocks, each of which repeats the first column.
+/// Formats a table without trailing blanks. If the table is too wide, the gaps between its columns are narrowed. If it is still too wide, the columns
+/// are split into blocks, each of which repeats the first column.
 pub(super) fn table_text(table: &Table) -> String {
     if let Some(text) = within(table) {
         return text;

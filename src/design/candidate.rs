@@ -40,7 +40,7 @@ pub(super) struct ProposedMeasurement {
     pub what: String,
     /// New load cases, mark, wheel component or load cell that this measurement adds to the study.
     pub new: New,
-    /// True if the laboratory of the study can do it.
+    /// True if the laboratory of the study can take this measurement.
     pub is_available: bool,
 }
 
@@ -138,8 +138,8 @@ impl ProposedMeasurements {
         new
     }
 
-    /// Creates the same load cases nearer to the usual loads. `reach` says for each candidate how many times farther than in the study it
-    /// deflects the mechanism; the deviations from the usual loads are divided by it. Also returns the place of each candidate among them;
+    /// Creates the same load cases with smaller deviations from the usual loads. `reach` holds, for each candidate, the ratio of its deflections to
+    /// the largest deflections in the study. The deviations are divided by this ratio. Also returns the index of each candidate in the new list;
     /// `None` for a candidate within the range of the study.
     pub(super) fn reduced(
         &self,
@@ -191,7 +191,7 @@ impl ProposedMeasurements {
         for (values, labels) in seen.iter().step_by(step) {
             let what = match labels.len() {
                 1 => format!("case {} again", labels[0]),
-                count => format!("case {} again (there {count} times)", labels[0]),
+                count => format!("case {} again (measured {count} times so far)", labels[0]),
             };
             let cases = vec![values.to_vec()];
             self.list
@@ -434,7 +434,7 @@ mod tests {
         assert_eq!(what, "vertical 750, lateral -5000 (beyond)");
     }
 
-    /// A stated range is kept: no value beyond it, and none of a load that is not listed.
+    /// Candidates stay within a stated range. A load that is not listed keeps its usual value.
     #[test]
     fn loads_stay_in_the_range_that_is_stated() {
         let programme = programme(["vertical", "lateral"], &CASES);
@@ -462,7 +462,7 @@ mod tests {
         assert!(applied.iter().all(inside), "{applied:?}");
     }
 
-    /// Loads that deflect twice as far as the study are halved about the usual loads.
+    /// If loads deflect the mechanism twice as far as in the study, their deviations from the usual loads are halved.
     #[test]
     fn loads_beyond_the_range_seen_are_reduced() {
         let programme = programme(["vertical", "lateral"], &CASES);

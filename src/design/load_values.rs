@@ -18,8 +18,8 @@ pub(super) fn usual(programme: &LoadProgramme) -> Vec<f64> {
     (0..programme.loads.len()).map(of).collect()
 }
 
-/// Returns the values at the ends of the range of a load, the upper end first. A load that has no range has none. `usual` holds the usual
-/// values, `factor` multiplies the largest deviation of a load whose range is not stated.
+/// Returns the values at the ends of the range of a load, the upper end first; empty for a load without a range. `usual` holds the usual values. For
+/// a load without a stated range, its largest deviation is multiplied by `factor`.
 pub(super) fn ends(
     programme: &LoadProgramme,
     available: &Available,
@@ -35,7 +35,7 @@ pub(super) fn ends(
             // Loads are rounded to four digits, so that a rig can set them.
             [1.0, -1.0].map(|side| round(programme, load, usual + side * factor * far))
         }
-        // A rig does not go beyond a range that is stated.
+        // A stated range is a limit of the rig, so no value beyond it is returned.
         _ if factor > 1.0 => return Vec::new(),
         LoadRange::Fixed => return Vec::new(),
         LoadRange::Applied => [

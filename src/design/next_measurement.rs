@@ -1,4 +1,4 @@
-//! Choice of the load case in which two rival explanations of the readings predict the most different readings.
+//! Choice of the load case for which two rival explanations predict the most different readings.
 
 use std::collections::BTreeMap;
 

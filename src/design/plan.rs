@@ -139,7 +139,7 @@ pub struct Plan {
     pub detection_limits: Vec<DetectionLimit>,
     /// Detection limits of all other causes. Empty if the purpose does not include causes.
     pub cause_limits: Vec<CauseLimit>,
-    /// Load deviation of candidates beyond the range applied, as a factor on the largest load deviation in the study.
+    /// Load deviation of candidates beyond the applied range, as a multiple of the largest load deviation in the study.
     pub beyond: f64,
     /// Candidates that have no equilibrium or yield no reading, as text.
     pub not_possible: Vec<String>,
@@ -178,7 +178,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     subject.with_progress(progress);
     progress.begin("fitting the model as it is");
     let fitted = fit_without_effects(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
-    progress.begin("weighing what could be measured");
+    progress.begin("evaluating candidate measurements");
     let programme = problem.programme;
     let available = &problem.measurement.available;
     let factors = [1.0, BEYOND_RANGE_FACTOR];

@@ -152,9 +152,9 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         }
     }
 
-    /// Returns how many times farther than any case of the study a candidate's load cases deflect the mechanism. Deflections are those of the
-    /// deck's markers on moving parts, along each axis, from where they are in the case nearest to the usual loads. Returns one for an
-    /// instrument, and `None` if a load case has no equilibrium.
+    /// Returns the ratio of the deflections in a candidate's load cases to the largest deflections in the cases of the study. Deflections are
+    /// displacements of the deck's markers on moving parts, along each axis, from their positions in the case nearest to the usual loads. Returns one
+    /// for an instrument, and `None` if a load case has no equilibrium.
     pub(super) fn reach(&self, at: usize) -> Option<f64> {
         let Some(sequence) = self.sequence[at] else {
             return Some(1.0);
@@ -310,7 +310,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
         readings.is_finite().then_some(readings)
     }
 
-    /// Returns the readings of a new mark on a part in all cases that the fit used, together with the existing marks of that part.
+    /// Returns the readings of a new mark on a part in all cases that the fit used, together with the existing marks of the part.
     fn of_a_mark(&self, part: PartIx, place: &Vec3) -> Option<Readings> {
         let (subject, fitted) = (self.subject, self.fitted);
         let at = self.place(part)?;

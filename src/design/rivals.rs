@@ -1,4 +1,4 @@
-//! Two rival explanations of the same readings, and how well a further measurement distinguishes them.
+//! Two rival explanations of the same readings, and the ability of a further measurement to distinguish them.
 
 use std::sync::Arc;
 
@@ -77,9 +77,10 @@ impl CompetingModels {
 /// Chi-square between the predictions of two rival models in a candidate measurement.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Discrimination {
-    /// Chi-square. For loads that deflect the mechanism farther than the study, it is that of nearer loads, within the range of the study.
+    /// Chi-square. If the loads deflect the mechanism farther than in the study, the chi-square is computed for smaller loads, within the range of
+    /// the study.
     pub chi_square: f64,
-    /// True if the chi-square is a lower bound: the loads go beyond the range in which the models have been seen.
+    /// True if the chi-square is a lower bound, because the loads deflect the mechanism farther than in the study.
     pub is_at_least: bool,
 }
 
@@ -118,15 +119,15 @@ impl<'a, 'b> Pair<'a, 'b> {
         discrimination_chi_square(&self.information, &first?, &second?)
     }
 
-    /// Returns the larger reach of the two models; one if a model has no equilibrium.
+    /// Returns the larger of the deflection ratios of the two models; one if a model has no equilibrium.
     fn reach(&self, at: usize) -> f64 {
         let each = self.predictors.each_ref().map(|p| p.reach(at));
         each.into_iter().flatten().fold(1.0, f64::max)
     }
 }
 
-/// Compares the predictions of two models in each candidate measurement. An entry is `None` if the candidate cannot be measured. Beyond the
-/// deflections of the study no reading holds the models, so their difference counts only up to these deflections.
+/// Compares the predictions of two models in each candidate measurement. An entry is `None` if the candidate cannot be measured. No reading
+/// constrains the models beyond the deflections of the study, so their difference counts only up to these deflections.
 pub(super) fn discriminations(
     subject: &DiagnosisProblem<'_>,
     fits: [&FittedModel; 2],
@@ -174,9 +175,9 @@ fn discrimination_chi_square(
 }
 
 impl Separation {
-    /// Returns the expected benefit of a measurement that distinguishes two models by this chi-square. `odds` is the probability of the
-    /// first model before the measurement. The log Bayes factor in favour of the true model is Gaussian: its mean is half the chi-square,
-    /// its variance the chi-square.
+    /// Returns the expected benefit of a measurement that distinguishes two models by this chi-square. `odds` is the probability of the first model
+    /// before the measurement. The log Bayes factor in favour of the true model is Gaussian. Its mean is half the chi-square, and its variance is the
+    /// chi-square.
     pub(super) fn of(found: Discrimination, odds: f64) -> Self {
         let chi_square = found.chi_square;
         let (mut right, mut entropy, mut sum) = (0.0, 0.0, 0.0);

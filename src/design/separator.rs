@@ -1,4 +1,4 @@
-//! Instruments that distinguish two explanations which no load distinguishes.
+//! Instruments that distinguish two explanations if no load distinguishes them.
 
 use serde::Serialize;
 

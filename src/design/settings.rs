@@ -24,7 +24,7 @@ admire_study::constants! {
 
     /// Excess over the range of deflections of the study, as a fraction, up to which a load case counts as within it.
     RANGE_TOLERANCE: f64 = 0.01, "";
-    /// Smallest range of deflections of the study, in standard deviations of the noise of a mark: less is not seen.
+    /// Smallest range of deflections of the study that counts as observed, in standard deviations of the noise of a mark.
     LEAST_RANGE_SIGMAS: f64 = 10.0, "sigma";
 
     // ## Criteria: plan.rs, rivals.rs, next_measurement.rs
@@ -37,6 +37,6 @@ admire_study::constants! {
     RIVAL_MIN_PROBABILITY: f64 = 0.01, "";
     /// Chi-square above which a load case is reported to distinguish two explanations.
     SEPARATION_CHI_SQUARE: f64 = 6.0, "";
-    /// Maximum number of instruments that are named where no load separates two explanations.
+    /// Maximum number of instruments that are named if no load distinguishes two explanations.
     MAX_SEPARATORS: usize = 3, "";
 }

@@ -1,4 +1,4 @@
-//! Position and angles of the wheel, predicted whether or not the study measures them.
+//! Position and angles of the wheel. They are predicted even if the study does not measure them.
 
 use super::candidate::loaded_marker;
 use admire_diagnosis::DiagnosisProblem;

@@ -151,7 +151,7 @@ pub fn diagnose_watched<'a>(
         unexplained.structured = true;
         let acts = 100.0 * (1.0 - selected.none_of_these());
         unexplained.places.push(format!(
-            "some cause acts with a probability of {acts:.0} %, but none that is more probable than not"
+            "a cause acts with a probability of {acts:.0} %, but no single cause is more probable than not"
         ));
     }
     let stand_in = leading.effects.iter().position(|h| !h.is_in_catalogue());

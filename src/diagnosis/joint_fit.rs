@@ -110,8 +110,7 @@ impl JointFit {
             fit.converged = true;
             for remark in &mut fit.remarks {
                 if remark == NOT_CONVERGED {
-                    *remark = "The fit that takes all but the stiffnesses for exact did not converge; the fit with tolerances did, and the \
-                               numbers are its own."
+                    *remark = "The fit without tolerances did not converge; the fit with tolerances did, and its values are given."
                         .to_string();
                 }
             }

@@ -50,13 +50,13 @@ pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
     let study = &loaded.study;
     let (message, keys, help) = if study.identify.method != Method::GaussNewton {
         let message = format!(
-            "bootstrap and posterior are those of method = \"gauss-newton\", not of \"{}\"",
+            "bootstrap and posterior need method = \"gauss-newton\", not of \"{}\"",
             study.identify.method.as_str()
         );
         (
             message,
             ["identify", "method"],
-            "leave out the option, or say --method gauss-newton",
+            "leave out the option, or use --method gauss-newton",
         )
     } else if study.solver.backend != BackendChoice::Native {
         let message = "bootstrap and posterior need the exact derivatives of the built-in solver";
@@ -88,7 +88,7 @@ pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
             .map(|bushing| format!("\"BUSHING/{}\"", bushing.header.id))
             .collect();
         format!(
-            "bushings = [{}]; without the key every BUSHING is sought",
+            "bushings = [{}]; without the key, every BUSHING is identified",
             names.join(", ")
         )
     };

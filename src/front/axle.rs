@@ -29,7 +29,7 @@ pub struct AxleTests {
     pub complaints: Vec<Complaint>,
 }
 
-/// Data for comparison in the report of an axle's tests.
+/// Other decks and measured curves, for comparison in the report of an axle's tests.
 #[derive(Clone, Debug, Default)]
 pub struct Beside {
     /// Other decks that run the same tests, with their names in the report.
@@ -47,7 +47,7 @@ impl Deck {
         self.kc_beside(config, convention, &Beside::default())
     }
 
-    /// Runs the tests as [`kc`](Self::kc) does. The report compares the results with other decks and with measured curves.
+    /// Runs the tests as [`kc`](Self::kc) does. The report also shows the results of other decks and the measured curves.
     ///
     /// # Errors
     /// The errors of [`kc`](Self::kc) for any of the decks. Also an error if another deck has other units, or if the measured curves cannot

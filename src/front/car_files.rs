@@ -1,4 +1,4 @@
-//! Results of a study in the words of Adams/Car: a new subsystem file, property files with learned curves, and a list of all changes.
+//! Results of a study in the terms of Adams/Car: a new subsystem file, property files with learned curves, and a list of all changes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub(crate) const FOLDER: &str = "adams_car";
 /// List of the changes, inside the folder.
 const LIST: &str = "changes.json";
 
-/// Files in the words of Adams/Car.
+/// Files in the terms of Adams/Car.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct CarFiles {
     /// Paths relative to the output folder, with the bytes of each file.
@@ -45,8 +45,8 @@ pub(crate) fn possible_names(loaded: &LoadedStudy) -> Vec<String> {
         .collect()
 }
 
-/// Returns the results of an identification in the words of Adams/Car; `None` if the study names no subsystem. `deck` is the text of the deck
-/// with the identified numbers.
+/// Returns the results of an identification in the terms of Adams/Car; `None` if the study names no subsystem. `deck` is the text of the deck with
+/// the identified numbers.
 pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option<CarFiles> {
     let subject = Subject::new(loaded, deck)?;
     let errors = fit
@@ -62,7 +62,7 @@ pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option
         if !parameter.address.starts_with("BUSHING/") {
             not_written.push(NotWritten {
                 what: format!("identified {}", parameter.address),
-                why: "it is no number of a bushing".to_string(),
+                why: "it is not a parameter of a bushing".to_string(),
             });
         }
     }
@@ -70,8 +70,8 @@ pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option
     Some(subject.files(&[], &bushings, not_written))
 }
 
-/// Returns the findings and fitted numbers of a diagnosis in the words of Adams/Car; `None` if the study names no subsystem. `deck` is the text
-/// of the extended deck.
+/// Returns the findings and fitted numbers of a diagnosis in the terms of Adams/Car; `None` if the study names no subsystem. `deck` is the text of
+/// the extended deck.
 pub(crate) fn diagnosed(
     loaded: &LoadedStudy,
     outcome: &Outcome<'_>,
@@ -97,15 +97,17 @@ pub(crate) fn diagnosed(
             },
             Cause::ProgressiveStiffness => match subject.learned(finding, outcome) {
                 Some((id, term)) => laws.entry(id).or_default().push(term),
-                None => not_written.push(refused(
-                    "its bushing is not one of the subsystem".to_string(),
-                )),
+                None => {
+                    not_written.push(refused("its bushing is not in the subsystem".to_string()))
+                }
             },
-            // The offset of a bushing is a preload of the extended deck, and a wrong stiffness is a stiffness of it.
+            // In the extended deck, the offset of a bushing is a preload, and a wrong stiffness is a changed stiffness.
             Cause::AssemblyOffset => {}
             Cause::ElementParameter if finding.address.starts_with("BUSHING/") => {}
             cause if cause.is_reading_fault() => {}
-            _ => not_written.push(refused("a subsystem file has no number for it".to_string())),
+            _ => not_written.push(refused(
+                "a subsystem file has no parameter for it".to_string(),
+            )),
         }
     }
     let bushings = subject.bushings(&errors, &laws, "fitted", &mut not_written);
@@ -140,12 +142,11 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns the displacement of the hardpoint that a finding names, or the reason why it is not a displacement of one hardpoint.
+    /// Returns the displacement of the hardpoint that a finding names, or the reason why the finding is not a displacement of one hardpoint.
     fn moved(&self, finding: &Finding) -> Result<HardpointMove, String> {
         if finding.form.as_deref() != Some("point") {
             return Err(
-                "one part alone is made otherwise; a hardpoint moves all parts that meet there"
-                    .to_string(),
+                "only one part differs; a hardpoint moves all parts that meet there".to_string(),
             );
         }
         let names = std::iter::once(&finding.address).chain(&finding.members);
@@ -177,7 +178,7 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns the only hardpoint among those at one place. If there are several, the names of the markers decide.
+    /// Returns the only hardpoint at a place. If several hardpoints coincide, the names of the markers decide.
     fn only(
         &self,
         found: &BTreeSet<(usize, Side)>,
@@ -207,7 +208,7 @@ impl<'a> Subject<'a> {
         };
         match (named.as_slice(), found.len()) {
             ([one], _) => Ok(*one),
-            (_, 0) => Err("no hardpoint of the subsystem is there".to_string()),
+            (_, 0) => Err("the subsystem has no hardpoint at this place".to_string()),
             _ => {
                 let names: Vec<String> = found
                     .iter()
@@ -270,7 +271,7 @@ impl<'a> Subject<'a> {
                 not_written.push(NotWritten {
                     what: because,
                     why: format!(
-                        "its name `{}` is none of the subsystem; the table `car.bushings` of study.toml says which one it is",
+                        "its name `{}` is not in the subsystem; the table `car.bushings` of study.toml says which one it is",
                         old.header.name
                     ),
                 });
@@ -290,8 +291,9 @@ impl<'a> Subject<'a> {
                 } else if terms.is_none() {
                     not_written.push(NotWritten {
                         what: format!("{how} {address}"),
-                        why: "the deck's own stiffness is zero, so that no factor leads to it"
-                            .to_string(),
+                        why:
+                            "the deck's own stiffness is zero, so no factor can express the change"
+                                .to_string(),
                     });
                 }
             }
@@ -336,7 +338,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Writes the results into the subsystem and lists what was changed.
+    /// Writes the results into the subsystem, and lists the changes.
     fn files(
         &self,
         moves: &[HardpointMove],
@@ -388,7 +390,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Returns the file name of a subsystem without its folder.
+/// Returns the file name of a subsystem without its path.
 fn subsystem_name(subsystem: &Subsystem) -> String {
     let path = Path::new(subsystem.file.source().name());
     let name = path.file_name().unwrap_or(path.as_os_str());
@@ -523,7 +525,7 @@ mod tests {
         let subject = Subject::new(&loaded, loaded.dataset.bytes()).expect("a subsystem");
         let refused =
             |form: &str, markers: &[u32]| subject.moved(&finding(form, markers)).unwrap_err();
-        assert!(refused("part", &[7]).contains("one part alone"));
+        assert!(refused("part", &[7]).contains("only one part"));
         assert!(refused("point", &[19]).contains("no hardpoint"));
         let two = refused("point", &[15, 16]);
         assert!(two.contains("hpl_tierod_inner, hpl_rack_end"), "{two}");

@@ -1,4 +1,4 @@
-//! Page of a check: what is wrong with files and studies, where, and what to do about it.
+//! Page of a check: the faults of files and studies, their places, and the remedies.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use super::error::Complaint;
 
 /// Study among the checked files.
 pub(crate) struct CheckedStudy {
-    /// Plausibility of its settings, readings and loads.
+    /// Plausibility of the study's settings, readings and loads.
     pub table: Plausibility,
-    /// Its model in the design position.
+    /// Model of the study in the design position.
     pub scene: Scene,
 }
 
@@ -25,9 +25,9 @@ pub(crate) struct Checked<'a> {
     pub found: &'a [Diagnostic],
     /// Texts of the files.
     pub sources: &'a Sources,
-    /// Studies among the files that can be read.
+    /// Readable studies among the files.
     pub studies: &'a [CheckedStudy],
-    /// What is still to be filled in, in order.
+    /// Entries that are still missing, in order.
     pub steps: &'a [String],
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn check_page(checked: &Checked<'_>) -> String {
     ]);
     if !checked.found.is_empty() {
         page.table(&complaints(checked));
-        page.note("`admire explain CODE` says what a code means and how to cure it.");
+        page.note("`admire explain CODE` explains a code and its remedy.");
     }
     for study in checked.studies {
         page.detail("Plausibility of the study");
@@ -108,7 +108,8 @@ fn next(checked: &Checked<'_>) -> Vec<String> {
     }
     if count(checked, Severity::Error) > 0 {
         return vec![
-            "Mend the errors, from the first on: later ones often follow from it".to_string(),
+            "Correct the errors, beginning with the first: later ones often follow from it"
+                .to_string(),
         ];
     }
     if checked
@@ -116,7 +117,7 @@ fn next(checked: &Checked<'_>) -> Vec<String> {
         .iter()
         .any(|study| !study.table.allows_a_fit())
     {
-        return vec!["Mend what cannot be meant".to_string()];
+        return vec!["Correct the implausible entries".to_string()];
     }
     match checked.studies {
         [] => Vec::new(),
@@ -165,7 +166,7 @@ fn complaints(checked: &Checked<'_>) -> Table {
     table
 }
 
-/// Tabulates the properties of a study with their assessment.
+/// Tabulates the properties of a study, with the assessment of each.
 fn plausibility(found: &Plausibility) -> Table {
     let mut table = Table::new(&[
         ("", Align::Left),

@@ -1,4 +1,4 @@
-//! Command files, read and built by programs.
+//! Command files that a program reads or creates.
 
 use std::path::Path;
 use std::time::Instant;
@@ -59,8 +59,8 @@ impl Commands {
         Ok(Self { file })
     }
 
-    /// Creates a file without commands. `head` is the first line of the file: the dataset and the prefix of the output files, for example
-    /// `model.adm run1`. If `head` is empty, the file consists of commands alone, which is enough for [`Deck::execute`].
+    /// Creates a file without commands. `head` is the first line of the file: the dataset and the prefix of the output files, for example `model.adm
+    /// run1`. If `head` is empty, the file contains only commands, which is enough for [`Deck::execute`].
     pub fn new(head: &str) -> Self {
         let head = head.trim();
         let mut text = String::new();

@@ -1,4 +1,4 @@
-//! Page of a comparison of two results files: columns over time, their differences, and what only one file has.
+//! Page that compares two results files: columns over time, their differences, and the contents that only one file has.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
         let name = path.file_name().unwrap_or(path.as_os_str());
         name.to_string_lossy().into_owned()
     });
-    // Where both files have one name, their paths differ.
+    // If both files have the same name, their paths are shown.
     let names = if names[0] == names[1] {
         files.map(|path| path.display().to_string())
     } else {
@@ -109,7 +109,7 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
     Ok(page.finish(&format!("admire {VERSION}")))
 }
 
-/// Returns the unit of a column in short; empty if it has none.
+/// Returns the short unit of a column; empty if the column has none.
 fn unit(column: &ColumnDifference) -> String {
     column.units.as_deref().map_or_else(String::new, short_unit)
 }
@@ -132,7 +132,7 @@ fn answer(comparison: &Comparison, worst: &[&ColumnDifference]) -> String {
         return if comparison.agrees() {
             "The two files agree.".to_string()
         } else {
-            "All that both files have agrees; one of them has more.".to_string()
+            "All common columns agree; one file has more.".to_string()
         };
     };
     let largest = number(first.largest, Some(0.1 * first.largest));
@@ -208,7 +208,7 @@ fn figures(
         .iter()
         .map(|column| overlay(column, names, &read))
         .collect();
-    // Pairs side by side: the overlays in one row, the differences below them.
+    // Pairs of columns are shown side by side: the overlays in one row, the differences below them.
     for pair in both.chunks(2).zip(columns.chunks(2)) {
         for chart in pair.0 {
             out.push(Figure::chart(chart, "").map_err(failed)?);
@@ -243,7 +243,7 @@ fn rows(file: &Path, columns: &[&ColumnDifference]) -> Result<Rows, Error> {
     results.select(&patterns, &filter, &SharedProgress::default())
 }
 
-/// Draws a column of both files over time, or over the number of the step where the time stands still.
+/// Draws a column of both files over time, or over the number of the step if the time is constant.
 fn overlay(column: &ColumnDifference, names: &[String; 2], read: &[Rows]) -> Chart {
     let styles = [SeriesStyle::Line, SeriesStyle::Dashed];
     let mut x = "time".to_string();

@@ -422,7 +422,7 @@ impl Deck {
         Ok((lowered.value, files.value))
     }
 
-    /// Builds the model of the deck, and forgets the files that the deck names.
+    /// Builds the model of the deck, without returning the files that the deck names.
     #[cfg(feature = "python")]
     pub(crate) fn lowered(&self) -> Result<Model, Error> {
         Ok(self.model()?.0)

@@ -136,7 +136,7 @@ pub(crate) fn with_statements(
         let taken = after.value.position(&statement.kind, statement.id);
         if taken.is_some() {
             let id = statement.id.map_or_else(String::new, |id| format!("/{id}"));
-            let message = format!("the deck has {}{id} already", statement.kind);
+            let message = format!("the deck already has {}{id}", statement.kind);
             return Err(Diagnostic::error(Code::DuplicateId, message));
         }
         let edits = after.value.add(statement);
@@ -155,7 +155,7 @@ pub(crate) fn removal(
         return dataset.remove(address);
     }
     let message = format!("`{text}` is one value of a list");
-    let help = "statements and arguments can be removed";
+    let help = "only statements and arguments can be removed";
     Err(Diagnostic::error(Code::WrongType, message).help(help))
 }
 

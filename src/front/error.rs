@@ -57,7 +57,7 @@ pub struct Place {
     pub line: Option<usize>,
     /// Column in bytes, from 1; `None` if the text of the file is not available.
     pub column: Option<usize>,
-    /// Message for this place alone.
+    /// Message about this place.
     pub message: String,
 }
 

@@ -21,7 +21,7 @@ pub(crate) fn foreign_parts(loaded: &LoadedStudy) -> Vec<Diagnostic> {
         let mut diagnostic = Diagnostic::error(
             Code::InconsistentMarks,
             format!(
-                "the marks of {name} in cases {} are not of one part: {:.3} rms are left by the best rigid motion, and no part bends so much",
+                "the marks of {name} in cases {} do not belong to one part: the best rigid motion leaves {:.3} rms, and no part deforms so much",
                 labels.join(", "),
                 foreign.rms
             ),
@@ -29,7 +29,7 @@ pub(crate) fn foreign_parts(loaded: &LoadedStudy) -> Vec<Diagnostic> {
         if let Some(read) = place {
             diagnostic = diagnostic.label(marks.measured.source.name(), read.place, "");
         }
-        diagnostic.help("put the readings right, or leave these cases out; then diagnose again")
+        diagnostic.help("correct the readings, or leave these cases out; then diagnose again")
     };
     foreign_marks(measurement).into_iter().map(of).collect()
 }

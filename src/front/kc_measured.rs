@@ -25,7 +25,7 @@ pub(crate) fn measured(
     let wanted = table.columns(["test", "value"], &mut found);
     refuse_errors(&mut found)?;
     let Some([test, value]) = wanted else {
-        // The missing column has been refused already.
+        // The missing column has already been reported.
         return Ok(Checked::clean(Vec::new()));
     };
     let value_unit = table.column("value_unit");
@@ -67,7 +67,11 @@ pub(crate) fn measured(
             None => 1.0,
             Some(cell) => variable_unit(&cell.text, *kind, units).ok_or_else(|| {
                 let words = [driven_unit(kind.driven(), units)];
-                let message = format!("`{}` is no unit of the test `{}`", cell.text, kind.name());
+                let message = format!(
+                    "`{}` is not a unit of the test `{}`",
+                    cell.text,
+                    kind.name()
+                );
                 wrong(cell, message, did_you_mean(&cell.text, "the test", &words))
             })?,
         };
@@ -96,7 +100,7 @@ pub(crate) fn measured(
     })
 }
 
-/// Returns the first error as `Err`, and forgets notes about the form of the table.
+/// Returns the first error as `Err`, and discards notes about the format of the table.
 fn refuse_errors(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
     let is_error = |d: &Diagnostic| d.severity == Severity::Error;
     let first = found.iter().position(is_error);
@@ -105,7 +109,7 @@ fn refuse_errors(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
     error.map_or(Ok(()), Err)
 }
 
-/// Returns the first complaint about a cell as an error: a curve without one of its points would be another curve.
+/// Returns the first diagnostic about a cell as an error, because a curve without one of its points would be a different curve.
 fn refuse_warnings(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
     match found.pop() {
         None => Ok(()),
@@ -117,7 +121,7 @@ fn refuse_warnings(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
     }
 }
 
-/// Returns the size of a column's unit in units of the deck and radians; `None` for an unknown word.
+/// Returns the size of a column's unit, in units of the deck and radians; `None` for an unknown word.
 fn column_unit(word: &str, units: &Units) -> Option<f64> {
     unit_in_deck(word, units).or_else(|| {
         let (quantity, factor) = Quantity::of_unit(word)?;
@@ -125,8 +129,8 @@ fn column_unit(word: &str, units: &Units) -> Option<f64> {
     })
 }
 
-/// Returns the size of the unit of a test's variable in units of the deck; `None` for a unit of another quantity. The steering input is as
-/// driven.
+/// Returns the size of the unit of a test's variable, in units of the deck; `None` for the unit of another quantity. The steering input is in the
+/// unit of the driven parameter.
 fn variable_unit(word: &str, kind: TestKind, units: &Units) -> Option<f64> {
     let driven = kind.driven();
     if driven == Driven::Steering || word == driven_unit(driven, units) {
@@ -140,7 +144,7 @@ fn variable_unit(word: &str, kind: TestKind, units: &Units) -> Option<f64> {
     Some(wanted.factor(word)? * wanted.si() / in_deck(wanted, units))
 }
 
-/// Returns the size of the deck's unit of a quantity in SI units.
+/// Returns the size in SI units of the deck's unit for a quantity.
 fn in_deck(quantity: Quantity, units: &Units) -> f64 {
     match quantity {
         Quantity::Angle => 1.0,

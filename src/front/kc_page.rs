@@ -36,7 +36,7 @@ fn scene(deck: &KcDeck<'_>, config: &Config) -> Option<Scene> {
     Some(scene)
 }
 
-/// Creates the report of K&C tests, with the tests of other decks and measured curves for comparison.
+/// Creates the report of K&C tests, including other decks and measured curves for comparison.
 pub(crate) fn kc_page(
     deck: &KcDeck<'_>,
     config: &Config,

@@ -1,4 +1,4 @@
-//! The page that shows a mechanism in three dimensions, and the comparison of two results files.
+//! Page that shows a mechanism in three dimensions, and the comparison of two results files.
 
 use std::path::Path;
 
@@ -44,7 +44,7 @@ impl Deck {
         }
         for address in highlight {
             if !scene.highlight(address, address) {
-                let message = format!("{address} is no part, joint or force that is drawn");
+                let message = format!("{address} is not a drawn part, joint or force");
                 let none = Diagnostic::error(Code::UndefinedId, message);
                 return Err(Error::plain(ErrorKind::Usage, &none));
             }
@@ -61,8 +61,8 @@ impl Deck {
     }
 }
 
-/// Compares two results files. Returns the comparison as the JSON that `admire compare` prints, and whether the files agree. Differences
-/// up to `share` of the largest value in their unit are round-off.
+/// Compares two results files. Returns the comparison as the JSON that `admire compare` prints, and whether the files agree. Differences up to
+/// `share` of the largest value in their unit count as round-off.
 ///
 /// # Errors
 /// When one of the files cannot be read.

@@ -1,4 +1,4 @@
-//! Page of a plan: what to measure next, and what it gains.
+//! Page of a plan: the recommended measurements and their gains.
 
 use admire_design::{Combination, Plan, Ranked, Undecided};
 use admire_identify::LoadedStudy;
@@ -10,7 +10,7 @@ const MAX_BARS: usize = 10;
 /// Smallest increase of a probability that counts as a gain.
 pub(crate) const MIN_PROBABILITY_GAIN: f64 = 0.005;
 
-/// Says that no available load separates two explanations, and what would.
+/// States that no available load separates two explanations, and names the instruments that would.
 pub(crate) fn without_loads(undecided: &Undecided) -> String {
     let all = undecided.would_separate.iter().map(ToString::to_string);
     let all: Vec<String> = all.collect();
@@ -72,7 +72,7 @@ fn main_address(combination: &Combination) -> &str {
     largest.map_or("", |(address, _)| address)
 }
 
-/// Returns what a candidate gains, in words.
+/// Describes the gains of a candidate in words.
 fn gains(found: &Plan, best: &Ranked) -> Vec<String> {
     let mut out = Vec::new();
     let combinations = found.combinations.iter().zip(&best.sd_log);
@@ -100,12 +100,12 @@ fn gains(found: &Plan, best: &Ranked) -> Vec<String> {
         && causes.probability_shift >= MIN_PROBABILITY_GAIN
     {
         let [a, b] = &undecided.between;
-        out.push(format!("it helps to tell {a} from {b}"));
+        out.push(format!("it helps to distinguish {a} from {b}"));
     }
     out
 }
 
-/// Draws what the candidates gain for one quantity, in percent or as a probability. `None` if no candidate gains anything.
+/// Draws the gains of the candidates for one quantity, in percent or as a probability. `None` if no candidate has a gain.
 fn chart(
     found: &Plan,
     title: &str,
@@ -203,14 +203,14 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
     }
     if found.left_out > 0 {
         page.note(&format!(
-            "{} further combinations of loads were not looked at.",
+            "{} further combinations of loads were not considered.",
             found.left_out
         ));
     }
     page.finish(&format!("admire {VERSION}"))
 }
 
-/// Adds what is known least, and what to do next.
+/// Adds the least known combinations and the next step.
 fn lines(page: &mut Page, found: &Plan) {
     let combinations = found.combinations.iter().enumerate();
     let least = combinations.map(|(k, combination)| {
@@ -249,7 +249,7 @@ fn lines(page: &mut Page, found: &Plan) {
     ]);
 }
 
-/// Tabulates the best candidates with what each of them gains.
+/// Tabulates the best candidates, with the gains of each.
 fn ranking(found: &Plan, count: usize) -> Table {
     let combinations = 1..=found.combinations.len();
     let names: Vec<String> = combinations.map(|k| format!("K{k}")).collect();

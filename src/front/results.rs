@@ -54,7 +54,7 @@ pub struct Rows {
     pub columns: Vec<SelectedColumn>,
     /// Kind of each step.
     pub kinds: Vec<StepKind>,
-    /// All values, row by row: one row for each step.
+    /// All values, row by row.
     pub values: Vec<f64>,
 }
 
@@ -176,7 +176,7 @@ pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selec
     let capitals: Vec<String> = known.iter().map(|path| path.to_uppercase()).collect();
     let near = nearest(pattern, capitals.iter().map(String::as_str))
         .and_then(|near| capitals.iter().position(|path| path == near));
-    let message = format!("no column is called `{pattern}`");
+    let message = format!("there is no column `{pattern}`");
     let mut refused = Diagnostic::error(Code::UndefinedId, message);
     if let Some(at) = near {
         refused = refused.help(format!("did you mean `{}`?", known[at]));

@@ -71,7 +71,7 @@ impl Run {
         }
     }
 
-    /// Returns how the run ended.
+    /// Returns the way in which the run ended.
     pub fn ending(&self) -> &Ending {
         &self.ending
     }
@@ -93,8 +93,8 @@ impl Run {
         told.sort_by_key(|complaint| std::cmp::Reverse(complaint.severity));
         if told.first().is_none_or(|c| c.severity != Severity::Error) {
             // The run was stopped without a diagnostic that is an error.
-            let last = Diagnostic::error(Code::NoEquilibrium, "the run did not come to its end");
-            let help = last.help("the messages of the run say why");
+            let last = Diagnostic::error(Code::NoEquilibrium, "the run did not finish");
+            let help = last.help("the messages of the run state the reason");
             return Err(Error::plain(kind, &help));
         }
         Err(Error {
@@ -131,7 +131,7 @@ impl Run {
         self.table.as_ref()
     }
 
-    /// Puts back the values of the table, which serialisation leaves out.
+    /// Restores the values of the table, which serialisation leaves out.
     #[cfg(feature = "python")]
     pub(crate) fn set_values(&mut self, values: Vec<f64>) {
         if let Some(table) = &mut self.table {

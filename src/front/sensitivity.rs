@@ -140,7 +140,7 @@ fn quantities(
             quantity: Quantity::Request(index, component - 1),
         }]);
     }
-    let message = format!("`{text}` is no part, force, joint or REQUEST/id.F2");
+    let message = format!("`{text}` is not a part, force, joint or REQUEST/id.F2");
     Err(Diagnostic::error(Code::WrongType, message))
 }
 
@@ -187,7 +187,7 @@ fn slots(
             }
         }
         if out.len() == before {
-            let message = format!("`{word}` has no number that the equilibrium depends on");
+            let message = format!("no parameter of `{word}` affects the equilibrium");
             return Err(Diagnostic::error(Code::UndefinedId, message));
         }
     }

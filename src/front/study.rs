@@ -37,7 +37,7 @@ pub struct Study {
 /// Result of an identification: the identified stiffnesses of a study and their uncertainty.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// Contents of `identification.json`: the identified parameters, and how well the fit explains the readings.
+    /// Contents of `identification.json`: the identified parameters, and the quality of the fit.
     pub fit: Fit,
     /// Summary of the result in a few sentences.
     pub lead: String,
@@ -47,7 +47,7 @@ pub struct Identification {
     pub html: String,
     /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
-    /// Files in the words of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
+    /// Files in the terms of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
     pub car_files: Vec<(PathBuf, Vec<u8>)>,
 }
 
@@ -66,7 +66,7 @@ pub struct DiagnosisAnswer {
     pub html: String,
     /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
-    /// Files in the words of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
+    /// Files in the terms of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
     pub car_files: Vec<(PathBuf, Vec<u8>)>,
 }
 
@@ -193,7 +193,7 @@ impl Study {
         let (mut fit, marginal) = found.map_err(|error| self.no_fit(&error.to_string()))?;
         if let Some(again) = again {
             let Some(marginal) = marginal.filter(|_| fit.converged && !fit.interrupted) else {
-                return Err(self.no_fit("the fit did not converge: there is nothing to repeat"));
+                return Err(self.no_fit("the fit did not converge, so it cannot be repeated"));
             };
             again(&loaded, &marginal, &mut fit)?;
         }
@@ -347,7 +347,7 @@ impl Study {
         match Plausibility::of(&self.loaded).refusal() {
             Some(message) if !force => {
                 let refused = Diagnostic::error(Code::ImplausibleStudy, message);
-                let refused = refused.help("`force` fits all the same");
+                let refused = refused.help("`force` fits it anyway");
                 Err(self.failed(ErrorKind::Input, refused))
             }
             _ => Ok(()),

@@ -10,7 +10,7 @@ fn corpus(file: &str) -> PathBuf {
         .join(file)
 }
 
-/// Returns the lines of a file that contain neither the time nor the place of writing.
+/// Returns the lines of a file that contain neither the time nor the folder of writing.
 fn lasting(text: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(text);
     let own = ["<File ", "<Analysis ", " A.R3", " A.G8"];

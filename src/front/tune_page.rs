@@ -6,7 +6,7 @@ use admire_study::digest;
 use admire_syntax::text::Source;
 use admire_tune::{Outcome, Tuning};
 
-/// Creates the report of a search for a target. `changes` lists the changed lines of the deck.
+/// Creates the report of a tuning run. `changes` lists the changed lines of the deck.
 pub(crate) fn tune_page(
     folder: &Path,
     tuning: &Tuning,

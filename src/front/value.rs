@@ -103,7 +103,7 @@ fn beyond(address: &Address, count: Option<usize>) -> Diagnostic {
     let values = if count == 1 { "value" } else { "values" };
     Diagnostic::error(
         Code::OutOfRange,
-        format!("{address} is not there: {what} has {count} {values}"),
+        format!("{address} does not exist: {what} has {count} {values}"),
     )
 }
 

@@ -215,7 +215,7 @@ impl Deck<'_> {
                 let message = if settings.together {
                     format!("{} factors for {} numbers", factors.len(), found.len())
                 } else {
-                    "`factors` are of an unknown that sets several numbers: together = true"
+                    "`factors` need an unknown that sets several numbers: together = true"
                         .to_string()
                 };
                 return Err(self.complain(settings.span, Code::BadSetting, message));
@@ -305,7 +305,7 @@ impl Deck<'_> {
         let marker = marker.filter(|_| axis < 3).ok_or_else(missing)?;
         if settings.form != UnknownForm::Change {
             let message = format!(
-                "{address} is a hardpoint, which only moves: form = \"change\", or alone = true"
+                "{address} is a hardpoint, which can only be displaced: form = \"change\", or alone = true"
             );
             return Err(self.complain(span, Code::BadSetting, message));
         }
@@ -401,7 +401,7 @@ impl Deck<'_> {
             for (address, own) in &one.numbers {
                 let deck = self.dataset.value_at(address).unwrap_or_default();
                 if form == UnknownForm::Factor && deck == 0.0 {
-                    let message = format!("{address} is 0: it has no factor");
+                    let message = format!("{address} is 0, so a factor cannot change it");
                     return Err(self.complain(settings.span, Code::BadSetting, message));
                 }
                 numbers.push(SetNumber {
@@ -426,7 +426,7 @@ impl Deck<'_> {
             let value = plain(quantity)?;
             if form == UnknownForm::Factor {
                 if value <= 0.0 {
-                    let message = "a factor is more than 0".to_string();
+                    let message = "a factor must be more than 0".to_string();
                     return Err(self.complain(quantity.spelled.span, Code::BadSetting, message));
                 }
                 return Ok(libm::log(value));

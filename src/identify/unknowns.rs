@@ -298,13 +298,13 @@ pub fn unknowns(
         let help = if what == "BUSHING" {
             did_you_mean(text, "the deck", &bushings)
         } else {
-            "a number has an address: SPRINGDAMPER/1.K, BEAM/2.E; `admire get` lists them"
+            "write the address of a number, such as SPRINGDAMPER/1.K or BEAM/2.E; `admire get` lists them"
                 .to_string()
         };
         out.push(
             Diagnostic::error(
                 Code::UnknownTarget,
-                format!("`{text}` is no {what} of the deck"),
+                format!("`{text}` is not a {what} of the deck"),
             )
             .label(study.source.name(), span, "")
             .help(help),

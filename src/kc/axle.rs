@@ -33,7 +33,7 @@ pub struct Given {
     pub corner_mass: f64,
     /// Vertical load case used for swing arms and roll centre.
     pub vertical_load: VerticalLoad,
-    /// Turn radius of the last state of the test that has one. It is reported where a state has none.
+    /// Turn radius of the last evaluated state of the test. It is reported for states without a turn radius of their own.
     pub last_turn_radius: Option<f64>,
 }
 
@@ -71,7 +71,7 @@ impl WheelState {
     }
 }
 
-/// Returns the lateral distance between the wheel centres at design, which is that of the tables of the rig.
+/// Returns the lateral distance between the wheel centres at design, as listed in the tables of the rig.
 fn design_track(left: &WheelState, right: &WheelState) -> f64 {
     right.design.centre.y - left.design.centre.y
 }

@@ -81,11 +81,11 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Has every later state differentiated along changes of the deck's numbers. Each change lists addresses with the change of the number
-    /// per unit, angles in radians. [`Sample::changes`](super::Sample::changes) holds the derivatives.
+    /// Sets the changes of the deck along which every later state is differentiated. Each change lists addresses, each with the change of its number
+    /// per unit; angles are in radians. [`Sample::changes`](super::Sample::changes) holds the derivatives.
     ///
-    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver keeps constant, counts as
-    /// without effect. A change that moves the marker of a wheel centre or of a spin axis is not seen, because the rig has its own markers.
+    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver keeps constant, has no effect. Moving
+    /// the marker of a wheel centre or of a spin axis has no effect either, because the rig has its own markers.
     pub fn differentiate(&mut self, directions: Vec<Vec<(Address, f64)>>) {
         for compiled in self.variants.values_mut() {
             compiled.direct(&directions);

@@ -53,8 +53,8 @@ pub enum AxisMethod {
     Geometric,
     /// Screw axis of the carrier's motion under the steering input.
     Instant,
-    /// Screw axis of the carrier's motion under a unit moment about the vertical at the wheel centre, with the travel locked: what Adams/Car
-    /// takes for an axle without steering.
+    /// Screw axis of the carrier's motion under a unit moment about the vertical at the wheel centre, with the travel locked. Adams/Car reports this
+    /// axis for an axle without steering.
     InstantMoment,
     /// Geometric axis if its markers are named; otherwise the instant axis if there is a steering input; otherwise no axis.
     #[default]
@@ -374,7 +374,8 @@ impl Config {
         if file.ride.load.is_some() && file.ride.height.is_some() {
             wrong(
                 0..0,
-                "`ride.load` and `ride.height` both say where the wheels are: give one".to_string(),
+                "`ride.load` and `ride.height` both define ride height: give only one of them"
+                    .to_string(),
             );
         }
         let axle = count == 2 || file.wheels.mirror;
@@ -409,20 +410,26 @@ impl Config {
                 {
                     wrong(
                         range.span(),
-                        "a range goes from a number below 0 to one above it".to_string(),
+                        "a range must go from a number below 0 to a number above 0".to_string(),
                     );
                 }
             }
             if let Some(points) = table.points {
                 settings.points = *points.get_ref();
                 if !(3..=2001).contains(&settings.points) {
-                    wrong(points.span(), "a test has 3 to 2001 points".to_string());
+                    wrong(
+                        points.span(),
+                        "a test must have 3 to 2001 points".to_string(),
+                    );
                 }
             }
             if let Some(window) = table.window {
                 settings.window = *window.get_ref();
                 if !(settings.window > 0.0 && settings.window.is_finite()) {
-                    wrong(window.span(), "a window is a number above 0".to_string());
+                    wrong(
+                        window.span(),
+                        "a window must be a number above 0".to_string(),
+                    );
                 }
             }
             settings.point = table.point.unwrap_or(settings.point);
@@ -431,7 +438,7 @@ impl Config {
             if kind == TestKind::Bounce && settings.hold == Hold::Load {
                 wrong(
                     0..0,
-                    "test `bounce` drives the heights that hold = \"load\" would let go"
+                    "test `bounce` drives the heights, so hold = \"load\" is not possible"
                         .to_string(),
                 );
             }
@@ -448,7 +455,7 @@ impl Config {
                 wrong(
                     0..0,
                     format!(
-                        "test `{}` frees the steering: say what locks it in `steering.lock`",
+                        "test `{}` frees the steering: name the statement that locks it in `steering.lock`",
                         kind.name()
                     ),
                 );
@@ -499,7 +506,7 @@ impl Config {
         }
     }
 
-    /// Returns this configuration with these of its tests alone. `one_way` leaves out the way back from the highest value.
+    /// Returns this configuration with only the given tests. If `one_way` is true, the return sweep from the highest value is left out.
     #[must_use]
     pub fn with_tests(&self, tests: &[TestKind], one_way: bool) -> Self {
         let mut new = self.clone();

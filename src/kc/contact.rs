@@ -43,7 +43,8 @@ pub fn roll_angle(left: f64, right: f64, distance: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A leaning wheel on a tilted road: the radius that a force gives puts the contact point on the road whose distance gave the force.
+    /// For a cambered wheel on a tilted road, the loaded radius places the contact point on the road. The distance to the road determines the force,
+    /// and the force determines the radius.
     #[test]
     fn the_law_of_the_tyre_gives_the_distance_to_the_road() {
         let tyre = Tyre {

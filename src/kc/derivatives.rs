@@ -281,7 +281,7 @@ impl Derivatives {
     }
 }
 
-/// Returns the derivatives of the unknowns along each change of the parameters, one after another. A parameter that several changes share is
+/// Returns the derivatives of the unknowns along each change of the parameters, concatenated in order. A parameter that occurs in several changes is
 /// differentiated once.
 fn responses(
     (system, parameters, state): (&System, &Parameters, &State),

@@ -97,8 +97,8 @@ fn rates_and_steer() {
     near(steer, -0.020424842, 1e-6);
 }
 
-/// The turn about Z alone, which is not the derivative of the steer angle, misses the real ride steer by 0.1 % even at design: the wheel
-/// leans by 8e-4 degrees and pitches by 0.1 degrees per millimetre.
+/// The rotation about Z alone is not the derivative of the steer angle. Even at design, it differs from the real ride steer by 0.1 %, because the
+/// wheel leans by 8e-4 degrees and pitches by 0.1 degrees per millimetre.
 #[test]
 fn the_turn_about_z_is_not_ride_steer() {
     let c = golden();
@@ -187,8 +187,8 @@ fn anti_effects() {
     }
 }
 
-/// Both lines start from one height, wherever the patches are: with slopes 0.2 and 0.1 over a track of 1500 they meet a third of the track
-/// from the left patch.
+/// Both lines start from the same height, regardless of the heights of the patches. With slopes 0.2 and 0.1 over a track of 1500, they meet a third
+/// of the track from the left patch.
 #[test]
 fn roll_centre_of_patches_at_different_heights() {
     let mut matrix = Mat12::identity();
@@ -210,8 +210,8 @@ fn roll_centre_of_patches_at_different_heights() {
     }
 }
 
-/// On a live axle, the drive shaft's torque adds to the load of one wheel what it takes from the load of the other wheel. Thus the harmonic
-/// mean of both anti percentages equals the percentage without that torque, for forces at the patch such as braking forces.
+/// On a live axle, the torque of the drive shaft moves load from one wheel to the other. Thus the harmonic mean of both anti percentages equals the
+/// percentage without that torque, for forces at the patch such as braking forces.
 #[test]
 fn a_live_axle() {
     let c = golden().mirrored(Side::Left);

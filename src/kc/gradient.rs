@@ -100,9 +100,9 @@ pub fn has_reading_change(path: &str) -> bool {
 
 /// Returns the derivative of a characteristic in a sample along change `direction` of [`Bench::differentiate`](super::Bench::differentiate).
 ///
-/// It is exact: the chain rule over the motion of the wheel and its vertical load. `path` is that of the characteristic, such as
-/// `toe_angle.left`; the unit is that of the characteristic, with angles in radians. `None` for characteristics that are not functions of
-/// the wheel's place and load alone, and for a missing wheel or direction.
+/// The derivative is exact: the chain rule over the motion of the wheel and its vertical load. `path` is the path of the characteristic, such as
+/// `toe_angle.left`. The result is in the unit of the characteristic, with angles in radians. `None` for a characteristic that depends on more than
+/// the wheel's position and load, and for a missing wheel or direction.
 pub fn reading_change(sample: &Sample, direction: usize, path: &str) -> Option<f64> {
     let (channel, side) = channel(path)?;
     let state = sample.seen.axle.wheels[side.index()]?;
@@ -313,7 +313,7 @@ fn linear_range(points: &[(f64, f64)], tangent: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// A loop driven up one line and down a parallel line has the slope of the lines, and half their distance as its half height.
+    /// A loop driven up one line and down a parallel line has the slope of these lines. Its half height is half the distance between them.
     #[test]
     fn a_loop_of_two_lines() {
         let up = (-4..=4).map(|k| (f64::from(k), 0.3 * f64::from(k) + 0.1));

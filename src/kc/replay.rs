@@ -50,7 +50,7 @@ pub struct BodyPoint {
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The file has no body of this name.
-    #[error("no body of the file is called `{name}`")]
+    #[error("the file has no body `{name}`")]
     NoBody {
         /// Requested name.
         name: String,
@@ -64,7 +64,7 @@ pub enum ReplayError {
         name: String,
     },
     /// Two wheels are on the same side.
-    #[error("`{name}` is on the {side} side, and so is the wheel before it")]
+    #[error("`{name}` is on the {side} side, like the previous wheel")]
     SameSide {
         /// Name of the second body.
         name: String,

@@ -17,10 +17,10 @@ pub fn ride_rate(wheel_rate: f64, tyre: f64) -> f64 {
     wheel_rate * tyre / (wheel_rate + tyre)
 }
 
-/// Returns steer per travel, positive to the right in jounce: the derivative of the steer angle atan(o.x / o.y) by the travel.
+/// Returns steer per travel, positive to the right in jounce: the derivative of the steer angle atan(o.x / o.y) with respect to the travel.
 ///
-/// With the spin axis o and the turn `th = C(4..6, 3) + C(4..6, 9)` of the wheel per vertical load, `do = th x o` and the steer angle changes
-/// by `(o.y do.x - o.x do.y) / (o.x^2 + o.y^2)`. The travel is `C33 + C39`.
+/// Let o be the spin axis and `th = C(4..6, 3) + C(4..6, 9)` the rotation of the wheel per vertical load. Then `do = th x o`, and the steer angle
+/// changes by `(o.y do.x - o.x do.y) / (o.x^2 + o.y^2)`. The travel is `C33 + C39`.
 pub fn ride_steer(c: &Compliance, side: Side, o: &Vec3) -> f64 {
     let turn = Vec3::from([4, 5, 6].map(|i| c.in_phase(side, i, 3)));
     angle_rates(side, o, &turn).steer / c.in_phase(side, 3, 3)

@@ -162,7 +162,7 @@ fn find(
     let centre = marker_of(config, &wheel.centre, deck)?;
     let part = model.markers[centre.0].part;
     if model.parts[part.0].kind != PartKind::Rigid {
-        let message = format!("`{}` is not on a rigid part that moves", wheel.centre.text);
+        let message = format!("`{}` is not on a moving rigid part", wheel.centre.text);
         return Err(config.complain(&wheel.centre, Code::WrongType, message));
     }
     let pose = at_design(model, centre);
@@ -182,7 +182,7 @@ fn find(
         }
         let between = at_design(model, other).p - pose.p;
         between.try_normalize(1e-9).ok_or_else(|| {
-            let message = "a spin axis needs two places".to_string();
+            let message = "a spin axis needs two different points".to_string();
             config.complain(&wheel.spin, Code::WrongType, message)
         })?
     };
@@ -196,7 +196,7 @@ fn find(
         );
         return Err(config
             .complain(&wheel.centre, Code::BadSetting, message)
-            .help("say where X, Y and Z of the deck point to by `deck.axes`"));
+            .help("state the directions of X, Y and Z of the deck in `deck.axes`"));
     }
     if o.y.abs() < LEAST {
         let message = format!(
@@ -330,7 +330,8 @@ pub(crate) fn rigged(
         let complain = |why: Diagnostic| config.complain(at, why.code, why.message);
         let address = Address::parse(&at.text, &dataset).map_err(complain)?;
         if matches!(address.kind.as_str(), "PART" | "MARKER" | "POINT_MASS") {
-            let message = format!("{address} is no load, motion or joint that could be left out");
+            let message =
+                format!("{address} is not a load, motion or joint, so it cannot be left out");
             return Err(config.complain(at, Code::WrongType, message));
         }
         let edits = dataset.remove(&address).map_err(complain)?;

@@ -46,9 +46,9 @@ pub(crate) fn tramp_rate(c: &Compliance, track: f64, tyre: f64) -> f64 {
 /// Returns steer per roll angle, positive to the left with the left wheel up: the derivative of the steer angle atan(o.x / o.y) under
 /// opposite vertical loads at the contact points, +1 on the left and -1 on the right.
 ///
-/// `at_patch` is the compliance at the contact points. With the spin axis o and the turn `th = C(4..6, 3) - C(4..6, 9)` of the left wheel per
-/// load, the steer angle changes as in [`ride_steer`](super::ride::ride_steer). The roll angle is `Dt / T`; Dt is of the contact points, not
-/// of the wheel centres.
+/// `at_patch` is the compliance at the contact points. Let o be the spin axis and `th = C(4..6, 3) - C(4..6, 9)` the rotation of the left wheel per
+/// load. The steer angle then changes as in [`ride_steer`](super::ride::ride_steer). The roll angle is `Dt / T`; Dt refers to the contact points, not
+/// to the wheel centres.
 pub fn roll_steer(
     at_patch: &Compliance,
     side: Side,

@@ -36,8 +36,8 @@ pub struct Sample {
     pub seen: Observation,
     /// All characteristics, preceded by the loads of the rig.
     pub readings: Vec<Reading>,
-    /// Motion and load of the wheels per unit of each change of [`Bench::differentiate`](super::Bench::differentiate); empty without changes.
-    /// The loads and heights of the rig follow ride height.
+    /// Motion and load of the wheels per unit of each change of [`Bench::differentiate`](super::Bench::differentiate); empty without changes. The
+    /// derivatives include the change of ride height, on which the loads and heights of the rig depend.
     pub changes: Vec<WheelChanges>,
 }
 

@@ -117,7 +117,7 @@ mod tests {
         }
     }
 
-    /// Toe-in on both sides is no turn, however large; toe-in beside a turn of both wheels does not hide the turn.
+    /// Toe-in on both sides is not a turn, however large it is. Toe-in added to a turn of both wheels does not hide the turn.
     #[test]
     fn toe_in_on_both_sides_is_not_evaluated() {
         let of = |left: f64, right: f64| Steering {

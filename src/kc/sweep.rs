@@ -279,7 +279,7 @@ struct Course<'a> {
     rise: f64,
 }
 
-/// Drive that raises both wheels alike.
+/// Drive that raises both wheels equally.
 const HEAVE: Drive = Drive {
     height: [1.0; 2],
     loads: [[0.0; 4]; 2],
@@ -365,8 +365,7 @@ impl Course<'_> {
         Err(BenchError::NoAxleLoad { at })
     }
 
-    /// Returns the change of the inputs per unit of the variable at these inputs, including the common rise that keeps the axle's load
-    /// constant.
+    /// Returns the change of the inputs per unit of the variable at `inputs`, including the common rise that keeps the axle's load constant.
     fn direction(
         &self,
         bench: &mut Bench<'_>,
@@ -387,7 +386,7 @@ impl Course<'_> {
         Ok(drive)
     }
 
-    /// Returns the change of the inputs per unit of each change along which states are differentiated.
+    /// Returns the change of the inputs per unit of each change of the deck along which states are differentiated.
     fn changing_inputs(
         &self,
         bench: &mut Bench<'_>,
@@ -404,7 +403,7 @@ impl Course<'_> {
             }
         }
         if self.keeps_axle_load() && !drives.is_empty() {
-            // The common rise keeps the load of the axle at that of ride height.
+            // The common rise keeps the load of the axle equal to its load at ride height.
             let sum = |of: &WheelChanges| of.iter().flatten().map(|rate| rate.load).sum::<f64>();
             let mut chain = chain.clone();
             let (seen, changes) = bench.observe_along(

@@ -26,7 +26,7 @@ pub struct Block {
     pub rows: Vec<Vec<Cell>>,
     /// Test of the rows, if the user states it for the file.
     pub test: Option<TestKind>,
-    /// Side of the columns without a side, if the user states it for the file.
+    /// Side of all columns without a stated side, if the user states one for the file.
     pub side: Option<Side>,
 }
 
@@ -44,7 +44,7 @@ enum Kind {
     Title,
 }
 
-/// Finds the blocks of a sheet. Lines without numbers between two rows begin another block: a title keeps the headings, and a line of several
+/// Finds the blocks of a sheet. Lines without numbers between two rows begin a new block. A title keeps the previous headings; a line of several
 /// texts replaces them.
 pub fn blocks(
     sheet: &Sheet,
@@ -73,7 +73,7 @@ pub fn blocks(
         let is_row = kind == Kind::Numbers
             || (is_open && line.iter().any(|cell| sheet.number(cell).is_some()));
         if !is_row {
-            // Lines of missing values alone belong to the rows.
+            // A line that contains only missing values belongs to the rows.
             if line.iter().any(|cell| !is_missing(&cell.text)) {
                 above.push(line);
                 is_open = false;
@@ -86,12 +86,12 @@ pub fn blocks(
                 None => Block::below(sheet, index, &above, found.last()),
             };
             let Some(block) = block else {
-                let message = "no line of headings stands above these numbers";
+                let message = "there is no line of headings above these numbers";
                 let span = span_of(line);
                 out.push(
                     sheet
                         .error(Code::MissingColumn, message.to_string(), span)
-                        .help("say which line it is in the mapping, below `[file]`: header = 3"),
+                        .help("state the line of the headings in the mapping, below `[file]`: header = 3"),
                 );
                 return found;
             };
@@ -157,7 +157,7 @@ struct HeaderLines<'a> {
 }
 
 impl Block {
-    /// Creates the block below these lines. Without a line of headings among them, it has the headings of the block before.
+    /// Creates the block below these lines. If they contain no line of headings, the block has the headings of the previous block.
     fn below(
         sheet: &Sheet,
         index: usize,
@@ -174,7 +174,7 @@ impl Block {
             .rposition(|line| kind_of(line, sheet) == Kind::Texts);
         let last = last.filter(|at| at + 1 == names.len());
         let Some(last) = last.or_else(|| {
-            // A single column, or headings that contain numbers.
+            // The headings belong to a single column, or they contain numbers.
             (before.is_none() && !names.is_empty()).then(|| names.len() - 1)
         }) else {
             let before = before?;
@@ -193,7 +193,7 @@ impl Block {
             units: units.map(|at| above[at]),
         };
         let mut first = last;
-        // Names that occur twice are told apart by the line above, which names groups of columns.
+        // Equal names are distinguished by the line above, which names groups of columns.
         if is_repeating(names[last]) && last > 0 && kind_of(names[last - 1], sheet) == Kind::Texts {
             header.names.insert(0, names[last - 1]);
             first -= 1;
@@ -225,7 +225,7 @@ impl Block {
             let units = header.units.and_then(|line| line.get(column));
             let units = units.map(|cell| cell.text.as_str());
             let mut heading = Heading::new(&words.join(" "), units, span);
-            // The same text may stand above several columns; the same name with other units may, too.
+            // Several columns may have the same heading, or the same name with different units.
             let count = names.entry(heading.name_key().to_string()).or_default();
             *count += 1;
             if !texts_so_far.insert(heading.written_key().to_string()) && !heading.name.is_empty() {
@@ -249,7 +249,7 @@ impl Block {
     }
 }
 
-/// Returns the index of the first row of numbers: the first of two lines of numbers in succession that are as wide as most lines of numbers.
+/// Returns the index of the first row of numbers: the first of two consecutive lines of numbers that are as wide as most lines of numbers.
 fn first_row(sheet: &Sheet) -> Option<usize> {
     let lines = sheet.lines();
     let count = |line: &Vec<Cell>| {
@@ -283,7 +283,7 @@ fn kind_of(line: &[Cell], sheet: &Sheet) -> Kind {
     }
 }
 
-/// Returns true if most texts of the line are units. A channel may have a unit that no K&C curve has.
+/// Returns true if most texts of the line are units. The unit of a channel need not be a unit of a K&C curve.
 fn is_units(line: &[Cell]) -> bool {
     let words = line.iter().map(|cell| unbracketed(&cell.text));
     let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();

@@ -3,7 +3,7 @@
 use super::quantity::Quantity;
 use admire_kc::Side;
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Target {
     /// A characteristic of a wheel or of the axle.
@@ -12,7 +12,7 @@ pub enum Target {
     Test,
     /// Side of the wheel.
     Side,
-    /// Time, by which the rows of a test are put in order.
+    /// Time, which determines the order of the rows of a test.
     Time,
 }
 
@@ -53,13 +53,13 @@ pub enum Characteristic {
     AligningTorque,
     /// Roll angle of the line through the wheel centres, positive with the left wheel up.
     RollAngle,
-    /// Distance of the contact points.
+    /// Distance between the contact points.
     TotalTrack,
-    /// Input of the steering, in the unit of what the deck drives.
+    /// Input of the steering, in the unit of the driven parameter of the deck.
     SteeringInput,
 }
 
-/// Word for a sign: the word, and the factors from values counted so to the table's sign, of the left and the right wheel.
+/// Word for a sign convention, with the factors for the left and the right wheel that convert values of this convention to the sign of the table.
 pub(crate) type Sense = (&'static str, [f64; 2]);
 
 const IN: Sense = ("in", [1.0, 1.0]);
@@ -73,7 +73,7 @@ const FORWARD: Sense = ("forward", [-1.0, -1.0]);
 const UP: Sense = ("up", [1.0, 1.0]);
 const DOWN: Sense = ("down", [-1.0, -1.0]);
 
-/// Places and displacements along +Y, positive to the right.
+/// Positions and displacements along +Y, positive to the right.
 const LATERAL: &[Sense] = &[
     RIGHT,
     LEFT,
@@ -135,7 +135,7 @@ impl Characteristic {
         Self::ALL.into_iter().find(|own| own.word() == word)
     }
 
-    /// Returns the quantity; `None` for the steering input, whose unit is that of the deck's drive.
+    /// Returns the quantity; `None` for the steering input, whose unit is the unit of the driven parameter of the deck.
     pub const fn quantity(self) -> Option<Quantity> {
         Some(match self {
             Self::ToeAngle
@@ -167,7 +167,7 @@ impl Characteristic {
         )
     }
 
-    /// Returns the words for the direction in which values count positive, with the factors to the sign of the table.
+    /// Returns the words for the positive direction of values, with the factors to the sign of the table.
     pub(crate) const fn senses(self) -> &'static [Sense] {
         match self {
             Self::ToeAngle => &[IN, OUT, ("right", [1.0, -1.0]), ("left", [-1.0, 1.0])],
@@ -205,13 +205,13 @@ impl Characteristic {
         }
     }
 
-    /// Returns the factor from values that count positive in this direction to the sign of the table. Returns `None` for an unknown word.
+    /// Returns the factor from values with this positive direction to the sign of the table. Returns `None` for an unknown word.
     pub(crate) fn sign(self, positive: &str, side: Option<Side>) -> Option<f64> {
         let found = self.senses().iter().find(|(word, _)| *word == positive);
         found.map(|(_, factors)| factors[side.map_or(0, Side::index)])
     }
 
-    /// Returns what positive values mean in the table, in words.
+    /// Describes the meaning of positive values in the table.
     pub const fn positive(self) -> &'static str {
         match self {
             Self::ToeAngle => "toe-in",
@@ -231,7 +231,7 @@ impl Characteristic {
         }
     }
 
-    /// Returns the path of the column in the table, which is a request of Adams/Car: `toe_angle.left`.
+    /// Returns the path of the column in the table, which is a request of Adams/Car, such as `toe_angle.left`.
     pub fn path(self, side: Option<Side>) -> String {
         let side = side.map_or("left", Side::word);
         match self {
@@ -252,7 +252,7 @@ impl Characteristic {
         }
     }
 
-    /// Returns the name of the curve in section `[kc]` of a study that is the same characteristic with the same sign.
+    /// Returns the name of the equivalent curve in section `[kc]` of a study, with the same sign; `None` if there is none.
     pub const fn study_curve(self) -> Option<&'static str> {
         match self {
             Self::ToeAngle => Some("toe"),
@@ -299,7 +299,8 @@ impl Target {
 mod tests {
     use super::*;
 
-    /// A wheel that is turned to the right shows toe-in on the left and toe-out on the right. A force to the left points outboard on the left.
+    /// If the vehicle steers to the right, the left wheel shows toe-in and the right wheel toe-out. A force to the left is outboard on the left
+    /// wheel.
     #[test]
     fn signs_depend_on_the_side_where_directions_of_the_vehicle_count() {
         let sign = |of: Characteristic, word| Side::BOTH.map(|side| of.sign(word, Some(side)));

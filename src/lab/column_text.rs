@@ -1,11 +1,11 @@
-//! Text of an entry of a mapping: its line of TOML, with marks where something is to be filled in.
+//! Text of an entry of a mapping: its line of TOML, with placeholders for missing words.
 
 use super::characteristic::Target;
 use super::column::Column;
 use super::missing::Missing;
 use admire_kc::Side;
 
-/// Mark in place of a word that is to be filled in.
+/// Placeholder for a missing word.
 pub(crate) const FILL_IN: &str = "?";
 
 /// Returns a text as a TOML string.
@@ -14,7 +14,7 @@ pub(crate) fn quoted(text: &str) -> String {
 }
 
 impl Column {
-    /// Returns the line of the mapping for this column. What is missing is written as `?`, with the possible words in a comment above.
+    /// Returns the line of the mapping for this column. Missing words are written as `?`, with the possible words in a comment above.
     pub(crate) fn line(&self, missing: &[Missing]) -> String {
         let mut pairs = Vec::new();
         let mut pair = |key: &str, value: Option<&str>| {
@@ -53,7 +53,7 @@ impl Column {
     }
 }
 
-/// Returns a line of comment about what is to be filled in. It stands above its line, so that a narrow terminal does not break that.
+/// Returns a comment line that states what must be filled in. The comment is above its line, so that a narrow terminal does not wrap the line.
 pub(crate) fn filled(wanted: &str) -> String {
     format!("# FILL IN {wanted}\n")
 }

@@ -43,11 +43,11 @@ pub(crate) struct Series {
 pub(crate) struct Converted {
     /// Rows by test, in the order of the files.
     pub series: Vec<Series>,
-    /// Every imported column once: the block, and how it was read.
+    /// All imported columns, each listed once: index of the block, and resolved entry.
     pub columns: Vec<(usize, Resolved)>,
 }
 
-/// Converts the rows of all blocks. Cells that hold no number are reported, and so are entries of the mapping that no block has.
+/// Converts the rows of all blocks. Cells without a number are reported. Entries of the mapping that match no block are reported, too.
 pub(crate) fn converted(
     mapping: &Mapping,
     blocks: &[Block],
@@ -94,7 +94,7 @@ pub(crate) fn converted(
     result
 }
 
-/// Reports a heading whose unit is another than that of the mapping.
+/// Reports a heading whose unit differs from the unit of the mapping.
 fn contradiction(
     mapping: &Mapping,
     block: &Block,
@@ -110,7 +110,7 @@ fn contradiction(
     if own_size.is_some() && stated_size.is_some() && own_size != stated_size {
         let message = format!("the heading states `{own}`, the mapping `{stated}`");
         let wrong = sheets[block.sheet].error(Code::WrongUnits, message, heading.span);
-        out.push(wrong.help("take `unit` out of the mapping if the heading is right"));
+        out.push(wrong.help("remove `unit` from the mapping if the heading is right"));
     }
 }
 
@@ -119,7 +119,7 @@ struct RowReader<'a> {
     mapping: &'a Mapping,
     sheet: &'a Sheet,
     columns: Vec<Resolved>,
-    /// Test of the rows, if no column tells it.
+    /// Test of the rows, if no column contains it.
     test: Option<TestKind>,
 }
 
@@ -160,7 +160,7 @@ impl RowReader<'_> {
                         "`{}` may be thousands or a decimal point: other numbers of this file have decimal commas",
                         cell.text
                     ),
-                    "say which mark counts in the mapping, below `[file]`: decimal = \",\" or decimal = \".\"",
+                    "state the decimal mark in the mapping, below `[file]`: decimal = \",\" or decimal = \".\"",
                 )
             } else {
                 (
@@ -206,7 +206,7 @@ impl RowReader<'_> {
         self.mapping.side(&cell.text)
     }
 
-    /// Converts a row. Cells without a number are collected in `bad`, one for each column with their count.
+    /// Converts a row. Cells without a number are collected in `bad`, one cell per column with the number of such cells.
     fn row(&self, line: &[Cell], side: Option<Side>, bad: &mut Vec<(usize, usize, Cell)>) -> Row {
         let mut row = Row {
             span: match (line.first(), line.last()) {
@@ -254,9 +254,9 @@ impl RowReader<'_> {
         row
     }
 
-    /// Puts rows in the order of their time if an export has sorted them otherwise, and says so. Long runs that each begin anew keep their order.
+    /// Sorts rows by time if they are in another order, and reports it. Several long runs that each restart the time keep their order.
     fn put_in_order(&self, series: &mut Series, out: &mut Vec<Diagnostic>) {
-        /// Least mean number of rows between two steps back in time for which rows count as several runs.
+        /// Smallest mean number of rows between two backward steps in time at which the rows count as several runs.
         const MIN_RUN_ROWS: usize = 4;
         let times: Vec<f64> = series.rows.iter().filter_map(|row| row.time).collect();
         let back = times.windows(2).filter(|two| two[1] < two[0]).count();
@@ -276,7 +276,7 @@ impl RowReader<'_> {
             let message = format!(
                 "the rows of the test `{name}` are not in the order of time, and a time occurs twice"
             );
-            let help = "give each run a file of its own, or take the column of time out of the mapping if the rows stand in the order driven";
+            let help = "give each run a file of its own, or remove the column of time from the mapping if the rows are in the order driven";
             let wrong = self
                 .sheet
                 .error(Code::DuplicateReading, message, second.span);
@@ -289,7 +289,7 @@ impl RowReader<'_> {
     }
 }
 
-/// Returns the factor from the unit of a column's quantity to the unit of decks in newtons and millimetres.
+/// Returns the factor from the unit of a column's quantity to the unit in a deck with newtons and millimetres.
 fn in_deck(column: &Resolved) -> f64 {
     if column.quantity == Some(Quantity::Torque) {
         1000.0
@@ -298,9 +298,9 @@ fn in_deck(column: &Resolved) -> f64 {
     }
 }
 
-/// Characteristic that a test drives, and the factors of the left and the right wheel to the variable of the test.
+/// Returns the characteristic that a test drives, and the factors of the left and the right wheel for the variable of the test.
 pub(crate) fn driven(test: TestKind) -> (Characteristic, [f64; 2]) {
-    // Lateral forces count to the left in the table, and to the right in the variable of a test.
+    // Lateral forces are positive to the left in the table, and positive to the right in the variable of a test.
     match test.driven() {
         Driven::Height(ways) => (Characteristic::WheelTravel, ways),
         Driven::Steering => (Characteristic::SteeringInput, [1.0, 1.0]),
@@ -314,7 +314,7 @@ pub(crate) fn driven(test: TestKind) -> (Characteristic, [f64; 2]) {
 }
 
 impl Row {
-    /// Returns the variable of a test: the mean of what both wheels show of it, or what the only wheel shows.
+    /// Returns the variable of a test: the mean over both wheels, or the value of the only wheel.
     pub(crate) fn variable(&self, test: TestKind) -> Option<f64> {
         let (of, ways) = driven(test);
         if !of.is_sided() {

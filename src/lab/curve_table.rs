@@ -18,16 +18,16 @@ use admire_syntax::text::{Source, Span};
 /// Largest difference of the variables of two rows that are joined, as a fraction of the range of the test.
 const MAX_JOINED_DIFFERENCE: f64 = 0.02;
 
-/// How a column was read.
+/// Interpretation of a column.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Assumed {
     /// Heading of the column, as written.
     pub column: String,
-    /// What it holds: a name of a characteristic, `test`, `side`, `time`, or `load NAME`.
+    /// Content of the column: a name of a characteristic, `test`, `side`, `time`, or `load NAME`.
     pub holds: String,
     /// Unit of the laboratory.
     pub unit: String,
-    /// Direction in which the laboratory counts positive, and whether the sign is changed.
+    /// Positive direction in the laboratory's convention, and whether the sign is changed.
     pub sign: String,
     /// Side of the wheel.
     pub side: String,
@@ -38,7 +38,7 @@ pub struct Assumed {
 pub struct CurveTable {
     /// Text of the table as CSV.
     pub text: String,
-    /// How each column was read.
+    /// Interpretation of each column.
     pub assumed: Vec<Assumed>,
     /// Headings of columns that were left out.
     pub left_out: Vec<String>,
@@ -55,8 +55,8 @@ pub struct CurveTable {
 impl CurveTable {
     /// Converts the rows of all blocks.
     ///
-    /// `map` is the file of the mapping, if there is one: complaints about its entries show their places. Errors are added to `out`; the result
-    /// is then `None`.
+    /// `map` is the file of the mapping, if there is one, so that diagnostics can point to its entries. Errors are added to `out`; the result is then
+    /// `None`.
     pub fn new(
         mapping: &Mapping,
         map: Option<&Source>,
@@ -81,7 +81,8 @@ impl CurveTable {
                 && let Some(first) = series.rows.first()
             {
                 let (name, of) = (series.test.name(), driven(series.test).0.word());
-                let message = format!("the test `{name}` is driven by {of}, which no column holds");
+                let message =
+                    format!("the test `{name}` is driven by {of}, which no column contains");
                 let help = format!("import it too: is = \"{of}\" in the mapping");
                 let sheet = &sheets[series.sheet];
                 out.push(
@@ -196,7 +197,7 @@ fn errors(out: &[Diagnostic]) -> usize {
     out.iter().filter(is_error).count()
 }
 
-/// Reports entries of the mapping whose column is in no block.
+/// Reports entries of the mapping whose column is missing from all blocks.
 fn complain_of_absent(
     mapping: &Mapping,
     map: Option<&Source>,
@@ -240,8 +241,8 @@ fn left_out(mapping: &Mapping, blocks: &[Block]) -> Vec<String> {
     names
 }
 
-/// Joins rows of the left and of the right wheel that come from separate tables. They belong together if the test has the same number of
-/// rows in both, and the same variable in each pair of rows.
+/// Joins rows of the left and of the right wheel from separate tables. Two tables are joined if the test has the same number of rows in both, and the
+/// same variable in each pair of rows.
 fn joined(all: Vec<Series>) -> Vec<Series> {
     let mut found: Vec<Series> = Vec::new();
     for series in all {
@@ -258,7 +259,7 @@ fn joined(all: Vec<Series>) -> Vec<Series> {
             None => found.push(series),
         }
     }
-    // Rows of one test stand together; the order within a test is that of the files.
+    // Rows of one test are grouped. Within a test, they keep the order of the files.
     let mut order: Vec<TestKind> = Vec::new();
     for series in &found {
         if !order.contains(&series.test) {
@@ -386,13 +387,13 @@ impl Body<'_> {
     }
 }
 
-/// Spells a number with 12 significant digits, more than any rig reads.
+/// Formats a number with 12 significant digits, more than the resolution of any rig.
 fn shortened(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     rounded.to_string()
 }
 
-/// Returns the lines of a `study.toml` that reads the table. Curves of a second wheel have names of their own and name its marker.
+/// Returns the lines of a `study.toml` that reads the table. Curves of a second wheel have separate names and state its marker.
 fn study_lines(
     curves: &[(Characteristic, Option<Side>)],
     heads: &[String],

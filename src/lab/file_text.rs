@@ -1,4 +1,4 @@
-//! Files of laboratories: workbooks, and texts in any encoding with any separator.
+//! Files from laboratories: workbooks, and texts in any encoding with any separator.
 
 use super::file_options::FileOptions;
 use super::sheet::Sheet;
@@ -24,7 +24,7 @@ pub fn sheets(
     let delimiter = options.delimiter.or_else(|| delimiter(text.bytes()));
     let Some(delimiter) = delimiter else {
         let message = "the file has neither semicolons, tabs nor commas between its cells";
-        let help = "say what separates them in the mapping, below `[file]`: delimiter = \"|\"; a workbook other than .xlsx is to be saved as CSV";
+        let help = "state the separator in the mapping, below `[file]`: delimiter = \"|\"; save a workbook other than .xlsx as CSV";
         return Err(Diagnostic::error(Code::BadReading, message)
             .label(text.name(), Span::new(0, text.bytes().len().min(1)), "")
             .help(help));
@@ -88,7 +88,7 @@ mod tests {
         assert_eq!(read(&wide).lines()[0][1].text, "Spur (\u{b0})");
     }
 
-    /// `1.500` beside `0,5` may be 1500 or 1.5: it is no number until the mapping says which mark counts.
+    /// If `1.500` and `0,5` are in one file, `1.500` may be 1500 or 1.5. It is not a number until the mapping states the decimal mark.
     #[test]
     fn a_point_beside_decimal_commas_is_unclear() {
         let sheet = read(b"a;b\n0,5;1.500\n");

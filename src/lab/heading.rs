@@ -32,7 +32,7 @@ impl Heading {
         }
     }
 
-    /// Gives the heading a number that tells it from an earlier one with the same text.
+    /// Appends a number to the heading, which distinguishes it from an earlier heading with the same text.
     pub(crate) fn number(&mut self, count: usize) {
         self.name = format!("{} #{count}", self.name);
         self.written.clone_from(&self.name);

@@ -1,9 +1,9 @@
 //! Tables of K&C laboratories, mapped column by column into measured curves and load cases.
 //!
-//! 1. [`sheets`] reads a file: CSV with any separator and encoding, or the sheets of a workbook. A [`Sheet`] has its cells with their places.
+//! 1. [`sheets`] reads a file: CSV with any separator and encoding, or the sheets of a workbook. A [`Sheet`] holds its cells with their positions.
 //! 2. [`blocks`] finds title lines, headings, units and rows. A [`Block`] is a table with one line of headings.
-//! 3. [`Mapping`] says what each column holds: characteristic, unit, sign and side. It is a small TOML file. [`Mapping::proposed`] reads what the
-//!    headings themselves state, and [`Mapping::open`] lists what they leave open.
+//! 3. [`Mapping`] describes each column: characteristic, unit, sign and side. It is a small TOML file. [`Mapping::proposed`] uses only what the
+//!    headings themselves state, and [`Mapping::open`] lists the missing information.
 //! 4. [`CurveTable`] holds the converted rows. Its text is the table that `admire kc --measured` and the section `[kc]` of a study read.
 //!
 //! Signs are those of the guide page `kc`. Angles are in degrees, lengths in millimetres, forces in newtons, torques in newton-metres.

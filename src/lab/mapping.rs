@@ -1,4 +1,4 @@
-//! Mappings: what the columns of a laboratory's tables hold, read from TOML.
+//! Mappings, which describe the columns of a laboratory's tables. They are read from TOML.
 
 use std::collections::BTreeMap;
 
@@ -20,16 +20,16 @@ use admire_study::did_you_mean;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// Mapping of a laboratory's tables: how files are read, what columns hold, and which tests and sides their words name.
+/// Mapping of a laboratory's tables: file options, content of the columns, and the laboratory's words for tests and sides.
 #[derive(Clone, Default, PartialEq, Debug)]
 pub struct Mapping {
-    /// How files are read.
+    /// Options for reading the files.
     pub file: FileOptions,
     /// Columns to import. All others are left out.
     pub columns: Vec<Column>,
-    /// Words of the laboratory for tests. They stand in a column, in a title or as the name of a sheet.
+    /// The laboratory's words for tests. They occur in a column, in a title or as the name of a sheet.
     pub tests: Vec<(String, NamedTest)>,
-    /// Words of the laboratory for the sides of the vehicle, in a column.
+    /// The laboratory's words for the sides of the vehicle, in a column.
     pub sides: Vec<(String, Side)>,
 }
 
@@ -59,7 +59,7 @@ struct FileTable {
     every: Option<usize>,
 }
 
-/// Number of the line of headings, or of two lines that are joined.
+/// Number of the heading line, or numbers of two lines that are joined.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum HeaderLines {
@@ -79,7 +79,7 @@ struct ColumnTable {
     over_mm: Option<Spanned<f64>>,
 }
 
-/// Collector of complaints about one file.
+/// Collector of diagnostics about one file.
 struct Complaints<'a> {
     source: &'a Source,
     all: Vec<Diagnostic>,
@@ -202,7 +202,7 @@ impl Mapping {
         }
     }
 
-    /// Returns the test with this word of the laboratory, or with a name that is clear by itself.
+    /// Returns the test for a word of the laboratory, or for an unambiguous name.
     pub(crate) fn test(&self, word: &str) -> Option<NamedTest> {
         let asked = folded(word);
         let own = self.tests.iter().find(|(own, _)| folded(own) == asked);
@@ -210,15 +210,15 @@ impl Mapping {
             .or_else(|| words::test(word).map(NamedTest::Test))
     }
 
-    /// Returns the side with this word of the laboratory, or with a name that is clear by itself.
+    /// Returns the side for a word of the laboratory, or for an unambiguous name.
     pub(crate) fn side(&self, word: &str) -> Option<Side> {
         let asked = folded(word);
         let own = self.sides.iter().find(|(own, _)| folded(own) == asked);
         own.map(|(_, side)| *side).or_else(|| words::side(word))
     }
 
-    /// Returns the test of a block: the test that was stated for it, that of the last of its titles that names one, of its sheet, or of the whole
-    /// file.
+    /// Returns the test of a block. In this order, it is the test stated for the block, the test in the last title that names one, the test in the
+    /// name of the sheet, or the test stated for the whole file.
     pub(crate) fn test_of_block(&self, block: &Block, sheets: &[Sheet]) -> Option<NamedTest> {
         let sheet = sheets[block.sheet].name.as_deref();
         let of_title = |text: &str| {
@@ -281,7 +281,7 @@ fn column(
         if good && quantity == Some(Quantity::Angle) {
             return Some(*over.get_ref());
         }
-        let message = "`over_mm` must be a length above 0, and is of angles only".to_string();
+        let message = "`over_mm` must be a length above 0, and applies only to angles".to_string();
         let help = "the length over which the laboratory measured, such as the diameter of the rim";
         out.wrong(over.span(), message, help.to_string());
         None
@@ -294,7 +294,7 @@ fn column(
     if let (Some(unit), Some(quantity)) = (&own.unit, measured)
         && quantity.factor(unit.get_ref()).is_none()
     {
-        let message = format!("`{}` is no unit of `{}`", unit.get_ref(), name.get_ref());
+        let message = format!("`{}` is not a unit of `{}`", unit.get_ref(), name.get_ref());
         out.wrong(unit.span(), message, quantity.described().to_string());
     }
     Column {

@@ -1,26 +1,26 @@
-//! What may be missing for a column of a mapping.
+//! Information that may be missing for a column of a mapping.
 
 use super::characteristic::Target;
 use super::column::Column;
 use super::quantity::Quantity;
 
-/// What is missing for a column.
+/// Missing information about a column.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Missing {
-    /// Its unit, or a unit that fits what it holds.
+    /// Unit of the column, or a unit that is consistent with its content.
     Unit,
-    /// Length over which an angle was measured as a length.
+    /// Length over which an angle was measured as a displacement.
     OverMm,
     /// Side of the wheel.
     Side,
-    /// Direction in which values count positive.
+    /// Positive direction of the values.
     Positive,
     /// Sign of the load in the deck.
     LoadSign,
 }
 
 impl Missing {
-    /// Returns the words that fill in what is missing for this column.
+    /// Returns the words that may be filled in for this column.
     pub(crate) fn wanted(self, column: &Column) -> String {
         match self {
             Self::Unit => {
@@ -53,10 +53,10 @@ impl Missing {
         match self {
             Self::Unit => "the unit of these columns is not clear",
             Self::OverMm => {
-                "these angles are given as lengths: over which length they were measured is not stated"
+                "these angles are given as lengths, but the length over which they were measured is not stated"
             }
             Self::Side => "the side of these columns is not clear",
-            Self::Positive => "in which direction these columns count positive is not stated",
+            Self::Positive => "the positive direction of these columns is not stated",
             Self::LoadSign => "the sign of these loads in the deck is not stated",
         }
     }

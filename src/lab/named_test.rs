@@ -1,4 +1,4 @@
-//! Tests that words of a laboratory name.
+//! Tests named by words of a laboratory.
 
 use admire_kc::TestKind;
 
@@ -7,7 +7,7 @@ use admire_kc::TestKind;
 pub enum NamedTest {
     /// A test of the guide page `kc`.
     Test(TestKind),
-    /// Rows that are left out, such as those of a run to warm up.
+    /// Rows that are left out, such as the rows of a warm-up run.
     Skipped,
 }
 

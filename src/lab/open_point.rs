@@ -1,4 +1,4 @@
-//! What a table and its mapping leave open: questions on a terminal, complaints elsewhere.
+//! Open points of a table and its mapping. On a terminal they become questions, otherwise diagnostics.
 
 use super::block::Block;
 use super::characteristic::{Characteristic, Target};
@@ -15,10 +15,10 @@ use admire_kc::{Side, TestKind};
 use admire_study::Cell;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Point that neither the table nor its mapping tells.
+/// Information that neither the table nor its mapping contains.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OpenPoint {
-    /// Something is missing for the column of this entry of the mapping. The block and its column are an example.
+    /// Information is missing for the column of this mapping entry. The block and its column serve as an example.
     Column {
         /// Index of the entry in the mapping.
         entry: usize,
@@ -26,10 +26,10 @@ pub enum OpenPoint {
         block: usize,
         /// Index of the column in the block.
         at: usize,
-        /// What is missing.
+        /// Kind of the missing information.
         missing: Missing,
     },
-    /// Two entries of the mapping hold the same characteristic of the same side in one block.
+    /// Two entries of the mapping state the same characteristic of the same side in one block.
     Twice {
         /// Indices of the entries.
         entries: [usize; 2],
@@ -54,11 +54,11 @@ pub enum OpenPoint {
         /// Cell with the word.
         cell: Cell,
     },
-    /// Nothing names the test of the rows.
+    /// The test of the rows is not named anywhere.
     NoTest,
 }
 
-/// Returns what is missing for an entry of the mapping.
+/// Returns the information that is missing for an entry of the mapping.
 pub(crate) fn missing_of(open: &[OpenPoint], of: usize) -> Vec<Missing> {
     let mut found = Vec::new();
     for point in open {
@@ -73,7 +73,7 @@ pub(crate) fn missing_of(open: &[OpenPoint], of: usize) -> Vec<Missing> {
 }
 
 impl Mapping {
-    /// Returns what the blocks and this mapping leave open, in the order in which it is to be answered.
+    /// Returns the open points of the blocks and this mapping, in the order of the questions.
     pub fn open(&self, blocks: &[Block], sheets: &[Sheet]) -> Vec<OpenPoint> {
         let mut found = Vec::new();
         for (number, block) in blocks.iter().enumerate() {
@@ -129,7 +129,7 @@ impl Mapping {
         entries.any(|entry| entry.is == Some(Target::Test) && find(entry, block).is_ok())
     }
 
-    /// Returns the words for tests and sides in columns of the block that are unknown.
+    /// Returns open points for the unknown words for tests and sides in columns of the block.
     fn open_words(&self, block: &Block, number: usize) -> Vec<OpenPoint> {
         let mut found: Vec<OpenPoint> = Vec::new();
         for entry in &self.columns {
@@ -166,7 +166,7 @@ impl Mapping {
     }
 }
 
-/// Returns the open point about the test of a block. The name of its sheet may tell it, or the last title above it.
+/// Returns the open point about the test of a block. The name of its sheet or the last title above the block may name the test.
 fn open_test(block: &Block, number: usize, blocks: &[Block], sheets: &[Sheet]) -> OpenPoint {
     let sheet = sheets[block.sheet].name.as_ref();
     let same_file = |other: &&Block| other.sheet == block.sheet;
@@ -233,7 +233,7 @@ impl OpenPoint {
         ))
     }
 
-    /// Returns the question that a terminal asks.
+    /// Returns the question for the user at the terminal.
     pub fn question(&self, mapping: &Mapping, blocks: &[Block]) -> String {
         match self {
             Self::Column {
@@ -272,7 +272,7 @@ impl OpenPoint {
         }
     }
 
-    /// Takes the reply to [`Self::question`] into the mapping. Returns false if the reply does not answer it.
+    /// Stores the reply to [`Self::question`] in the mapping. Returns false if the reply is not a valid answer.
     #[must_use]
     pub fn answer(&self, reply: &str, mapping: &mut Mapping) -> bool {
         let reply = reply.trim();
@@ -313,7 +313,7 @@ impl OpenPoint {
 }
 
 impl Column {
-    /// Takes a reply for what is missing. Returns false if the reply does not fit.
+    /// Stores a reply about missing information. Returns false if the reply is not valid.
     fn take(&mut self, missing: Missing, reply: &str) -> bool {
         let of = match self.is {
             Some(Target::Characteristic(of)) => Some(of),
@@ -359,14 +359,14 @@ impl Column {
     }
 }
 
-/// Returns the complaints about open points. Each shows its places and the lines of the mapping that answer it.
+/// Returns the diagnostics about open points. Each shows the places, and the lines of the mapping that would answer it.
 pub fn complaints(
     open: &[OpenPoint],
     mapping: &Mapping,
     blocks: &[Block],
     sheets: &[Sheet],
 ) -> Vec<Diagnostic> {
-    /// Largest number of places that one complaint labels.
+    /// Largest number of places that one diagnostic labels.
     const MAX_LABELS: usize = 12;
     let mut found = Vec::new();
     let name = |block: usize| sheets[blocks[block].sheet].source.name();

@@ -1,4 +1,4 @@
-//! Proposal of a mapping: what the headings themselves state.
+//! Proposal of a mapping from the headings alone.
 
 use super::block::Block;
 use super::characteristic::Target;
@@ -10,12 +10,12 @@ use super::open_point::OpenPoint;
 use super::sheet::Sheet;
 use super::words;
 
-/// Questions about one point before the interview gives up.
+/// Number of times that a question is asked before the interview ends.
 const ATTEMPTS: usize = 3;
 
 impl Mapping {
-    /// Returns a mapping of all columns whose headings name a known characteristic, in the order of the file. It contains nothing that the
-    /// headings do not state.
+    /// Returns a mapping of all columns whose headings name a known characteristic, in the order of the file. It contains only what the headings
+    /// state.
     pub fn proposed(blocks: &[Block], file: FileOptions) -> Self {
         let mut columns: Vec<Column> = Vec::new();
         for block in blocks {
@@ -34,8 +34,8 @@ impl Mapping {
         }
     }
 
-    /// Asks what the blocks and this mapping leave open, and which other columns are to be imported. `ask` shows a question and returns the
-    /// reply, or `None` at the end of input. Returns false if a question stayed without an answer.
+    /// Asks the user about all open points of the blocks and this mapping, and which further columns to import. `ask` shows a question and returns
+    /// the reply, or `None` at the end of input. Returns false if a question was not answered.
     #[must_use]
     pub fn complete(
         &mut self,
@@ -61,13 +61,13 @@ impl Mapping {
             let Some(reply) = ask(&point.question(self, blocks)) else {
                 return false;
             };
-            // A reply that does not answer leaves the point open; it is asked again.
+            // After an invalid reply, the point remains open and the question is repeated.
             let _ = point.answer(&reply, self);
             left = Some((point, attempts));
         }
     }
 
-    /// Asks which columns are imported besides the proposed ones. Returns false at the end of input.
+    /// Asks which columns to import in addition to the proposed ones. Returns false at the end of input.
     fn add_columns(
         &mut self,
         blocks: &[Block],
@@ -137,7 +137,7 @@ impl Mapping {
     }
 }
 
-/// Returns the name by which a mapping calls a column: without its unit, unless another column of the block has the same name.
+/// Returns the name of a column in a mapping. The name omits the unit, unless another column of the block has the same name.
 fn name_of<'a>(heading: &'a Heading, block: &Block) -> &'a str {
     let same = |other: &&Heading| other.name_key() == heading.name_key();
     if block.headings.iter().filter(same).count() > 1 {
@@ -177,7 +177,7 @@ mod tests {
         (sheets, blocks)
     }
 
-    /// Everything that headings cannot tell is asked, each once; a wrong reply is asked again. The mapping then has no open point.
+    /// Everything that headings cannot state is asked once, and again after an invalid reply. The mapping then has no open point.
     #[test]
     fn an_interview_completes_a_mapping() {
         let text = "Parallelhub;;;\nFederweg VL;Spur VL [mm];Kraft X;Temp\nmm;;kN;\n-10;1,5;0,1;20\n10;-1,5;0,2;21\n";

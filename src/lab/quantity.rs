@@ -1,4 +1,4 @@
-//! Physical quantities of columns, and the units in which laboratories write them.
+//! Physical quantities of columns, and the units that laboratories use for them.
 
 /// Physical quantity of a column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -16,7 +16,7 @@ pub enum Quantity {
 const POUND_FORCE: f64 = 4.448_221_615_260_5;
 const KILOGRAM_FORCE: f64 = 9.806_65;
 
-/// Units of each quantity: spellings without blanks and in lower case, and the size in the unit to which values are converted.
+/// Units of each quantity: spellings in lower case without blanks, and the size in the unit to which values are converted.
 const ANGLES: &[(&[&str], f64)] = &[
     (&["deg", "degree", "degrees", "\u{b0}"], 1.0),
     (&["min", "arcmin", "'", "\u{2032}"], 1.0 / 60.0),
@@ -79,7 +79,7 @@ impl Quantity {
         self.units().iter().find(found).map(|(_, factor)| *factor)
     }
 
-    /// Returns the quantity in SI units, with radians, that one of [`Self::unit`] is.
+    /// Returns the size of [`Self::unit`] in SI units, with angles in radians.
     pub const fn si(self) -> f64 {
         match self {
             Self::Angle => std::f64::consts::PI / 180.0,
@@ -95,7 +95,7 @@ impl Quantity {
             .find_map(|quantity| Some((quantity, quantity.factor(word)?)))
     }
 
-    /// Returns the most usual units of the quantity, for messages.
+    /// Returns the most common units of the quantity, for messages.
     pub(crate) const fn described(self) -> &'static str {
         match self {
             Self::Angle => "deg, min, rad, mrad",
@@ -106,7 +106,7 @@ impl Quantity {
     }
 }
 
-/// Returns a spelling of a unit without blanks and marks of multiplication, in lower case.
+/// Returns the spelling of a unit in lower case, without blanks and multiplication signs.
 fn plain(word: &str) -> String {
     let kept = word
         .trim()
@@ -122,7 +122,7 @@ fn plain(word: &str) -> String {
     }
 }
 
-/// Returns true if the word is a unit of any quantity or of time, or states that a column has none.
+/// Returns true if the word is a unit of any quantity or of time, or states that a column is dimensionless.
 pub(crate) fn is_unit(word: &str) -> bool {
     const OTHERS: [&str; 12] = [
         "s", "sec", "ms", "h", "hz", "%", "-", "1", "\u{b0}c", "kg", "lb", "bar",
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(Quantity::of_unit("in"), Some((Quantity::Length, 25.4)));
     }
 
-    /// A pound or a kilogram may be a mass, and `Grad` may be degrees or gon. None of them is taken for a force or an angle.
+    /// A pound or a kilogram may be a mass, and `Grad` may mean degrees or gon. They are not accepted as units of force or angle.
     #[test]
     fn unclear_units_are_unknown() {
         for word in ["lb", "kg", "grad", "gon", "", "mm/m", "to"] {

@@ -1,4 +1,4 @@
-//! Columns of a block with what a mapping says of them.
+//! Columns of a block, with their descriptions from a mapping.
 
 use super::block::Block;
 use super::characteristic::{Characteristic, Target};
@@ -16,11 +16,11 @@ pub(crate) struct Resolved {
     pub at: usize,
     /// Index of the entry in the mapping.
     pub entry: usize,
-    /// What the column holds; `None` if it is a load alone.
+    /// Content of the column; `None` if the column is only a load.
     pub is: Option<Target>,
-    /// Side of the wheel; `None` if a column of the block tells it, or if the characteristic has no side.
+    /// Side of the wheel; `None` if a column of the block contains the side, or if the characteristic has no side.
     pub side: Option<Side>,
-    /// Unit as the laboratory writes it.
+    /// Unit in the laboratory's spelling.
     pub unit: Option<String>,
     /// Factor of the unit; 1 for the steering input.
     pub factor: f64,
@@ -38,8 +38,8 @@ impl Resolved {
     }
 }
 
-/// Returns the column of a block that an entry names: the only one with this whole heading, or else the only one with this name. `Err` holds
-/// the number of columns that it could be.
+/// Returns the column of a block that an entry names: the only column with this complete heading, otherwise the only column with this name. `Err`
+/// holds the number of matching columns.
 pub(crate) fn find(entry: &Column, block: &Block) -> Result<usize, usize> {
     let asked = folded(&entry.name);
     let only = |is: &dyn Fn(&Heading) -> bool| {
@@ -55,7 +55,7 @@ pub(crate) fn find(entry: &Column, block: &Block) -> Result<usize, usize> {
         .or_else(|_| only(&|heading| heading.name_key() == asked))
 }
 
-/// Returns true if a column of the block tells the side of each row.
+/// Returns true if a column of the block contains the side of each row.
 pub(crate) fn tells_sides(mapping: &Mapping, block: &Block) -> bool {
     let mut entries = mapping.columns.iter();
     entries.any(|entry| entry.is == Some(Target::Side) && find(entry, block).is_ok())
@@ -64,7 +64,7 @@ pub(crate) fn tells_sides(mapping: &Mapping, block: &Block) -> bool {
 /// Resolves an entry of the mapping for a column of a block.
 ///
 /// # Errors
-/// Returns what is missing: the unit, the sign, the side, the length of an angle, the sign of a load.
+/// Returns the missing information: the unit, the sign, the side, the length of an angle, the sign of a load.
 pub(crate) fn resolve(
     mapping: &Mapping,
     entry: usize,
@@ -113,7 +113,7 @@ pub(crate) fn resolve(
                 Some(factor) if column.over_mm.is_none() => {
                     (resolved.factor, resolved.quantity) = (factor, Some(wanted));
                 }
-                // An angle measured as a length, whose unit is an angle.
+                // The unit is an angle, although the angle is measured as a displacement.
                 _ => missing.push(Missing::Unit),
             }
         }

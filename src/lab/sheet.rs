@@ -8,8 +8,8 @@ use admire_syntax::text::{Source, Span};
 /// Words that stand for a missing value.
 const MISSING: [&str; 9] = ["", "-", "--", "nan", "n/a", "na", "#n/a", "#nv", "null"];
 
-/// One table sheet: a CSV file, or a sheet of a workbook. A sheet of a workbook is kept as text with one line per row, so that complaints name
-/// the row by its number.
+/// One table sheet: a CSV file, or a sheet of a workbook. A sheet of a workbook is stored as text with one line per row, so that diagnostics can
+/// state the number of the row.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// Name of the sheet in its workbook; `None` for a CSV file.
@@ -59,7 +59,7 @@ impl Sheet {
         self.source.line_column(start).line
     }
 
-    /// Returns the finite number of a cell; `None` if it holds none, or one whose decimal mark is unclear.
+    /// Returns the finite number in a cell; `None` if the cell holds no number, or a number with an ambiguous decimal mark.
     pub(crate) fn number(&self, cell: &Cell) -> Option<f64> {
         if self.is_unclear(cell) {
             return None;
@@ -67,12 +67,12 @@ impl Sheet {
         parsed(&cell.text, self.decimal_commas)
     }
 
-    /// Returns true if the cell holds a number with a point although other numbers have decimal commas. `1.500` may then be 1500 or 1.5.
+    /// Returns true if the cell holds a number with a point although other numbers have decimal commas. For example, `1.500` may then be 1500 or 1.5.
     pub(crate) fn is_unclear(&self, cell: &Cell) -> bool {
         self.decimal_commas && cell.text.contains('.') && parsed(&cell.text, false).is_some()
     }
 
-    /// Returns an error about a place of this sheet.
+    /// Returns an error at a position in this sheet.
     pub(crate) fn error(&self, code: Code, message: String, span: Span) -> Diagnostic {
         Diagnostic::error(code, message).label(self.source.name(), span, "")
     }

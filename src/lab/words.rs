@@ -3,7 +3,7 @@
 use super::characteristic::{Characteristic, Target};
 use admire_kc::{Side, TestKind};
 
-/// Words of a heading that name what the column holds. The first entry with all words of one group counts.
+/// Words of a heading that name the content of a column. The first entry with a group whose words all occur in the heading applies.
 const TARGETS: &[(Target, &[&[&str]])] = &[
     (Target::Time, &[&["time"], &["zeit"], &["temps"]]),
     (
@@ -132,7 +132,7 @@ const TARGETS: &[(Target, &[&[&str]])] = &[
     ),
 ];
 
-/// Words that state the direction in which a characteristic counts positive.
+/// Words that state the positive direction of a characteristic.
 const SIGNS: &[(Characteristic, &[&str], &str)] = &[
     (Characteristic::ToeAngle, &["toe", "in"], "in"),
     (Characteristic::ToeAngle, &["toe", "out"], "out"),
@@ -157,7 +157,7 @@ const SIGNS: &[(Characteristic, &[&str], &str)] = &[
     (Characteristic::WheelTravelBase, &["recession"], "rearward"),
 ];
 
-/// Words for the sides. Single letters are not among them: `L` may be a length, and `R` the rear.
+/// Words for the sides. Single letters are excluded: `L` may mean a length, and `R` may mean the rear.
 const SIDES: [&[&str]; 2] = [
     &[
         "left", "lh", "lhs", "links", "li", "gauche", "vl", "hl", "fl",
@@ -167,7 +167,7 @@ const SIDES: [&[&str]; 2] = [
     ],
 ];
 
-/// Titles that name a test without doubt.
+/// Titles that name a test unambiguously.
 const TESTS: &[(TestKind, &[&str])] = &[
     (
         TestKind::Bounce,
@@ -192,7 +192,7 @@ const TESTS: &[(TestKind, &[&str])] = &[
     (TestKind::Steering, &["steering", "lenken"]),
 ];
 
-/// Returns the words of a heading in lower case. `ToeLeft` has two words.
+/// Returns the words of a heading in lower case. For example, `ToeLeft` has two words.
 fn words(text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let (mut is_open, mut was_lower) = (false, false);
@@ -218,14 +218,14 @@ fn has_all(words: &[String], wanted: &[&str]) -> bool {
         .all(|one| words.iter().any(|word| word == one))
 }
 
-/// Returns what a column holds by the words of its heading; `None` if no word or words of several characteristics are known.
+/// Returns the content of a column according to the words of its heading. `None` if no word is known, or if the words name several characteristics.
 pub(crate) fn target(heading: &str) -> Option<Target> {
     let words = words(heading);
     let known =
         |(_, groups): &&(Target, &[&[&str]])| groups.iter().any(|group| has_all(&words, group));
     let mut found = TARGETS.iter().filter(known);
     let first = found.next().map(|(target, _)| *target)?;
-    // `side` and `time` also occur in names of characteristics: the more specific entry counts alone.
+    // `side` and `time` also occur in names of characteristics. In that case, only the more specific entry applies.
     let others: Vec<Target> = found.map(|(target, _)| *target).collect();
     let is_meta = |target: &Target| !matches!(target, Target::Characteristic(_));
     let all = || std::iter::once(&first).chain(&others);
@@ -237,7 +237,7 @@ pub(crate) fn target(heading: &str) -> Option<Target> {
     }
 }
 
-/// Returns the direction in which a characteristic counts positive, if the words of the heading state it.
+/// Returns the positive direction of a characteristic, if the words of the heading state it.
 pub(crate) fn sign(heading: &str, of: Characteristic) -> Option<&'static str> {
     let words = words(heading);
     let mut found = SIGNS
@@ -261,7 +261,7 @@ pub(crate) fn side(text: &str) -> Option<Side> {
     }
 }
 
-/// Returns the test with this name of the guide page `kc`, or with a title that names it without doubt.
+/// Returns the test with this name in the guide page `kc`, or with a title that names it unambiguously.
 pub(crate) fn test(title: &str) -> Option<TestKind> {
     let title = super::heading::folded(title);
     let own = TestKind::ALL.into_iter().find(|kind| kind.name() == title);
@@ -288,7 +288,7 @@ mod tests {
         let lateral = Target::Characteristic(Characteristic::LateralForce);
         assert_eq!(target("Side Force"), Some(lateral));
         assert_eq!(target("Time"), Some(Target::Time));
-        // Both words name a characteristic: the heading does not say which one it is.
+        // Both words name a characteristic, so the content of the column is ambiguous.
         assert_eq!(target("Toe over travel"), None);
         assert_eq!(target("Temperature"), None);
     }
@@ -297,7 +297,7 @@ mod tests {
     fn titles_name_tests_without_doubt_or_not_at_all() {
         assert_eq!(test("Parallelhub"), Some(TestKind::Bounce));
         assert_eq!(test("lateral_opposed"), Some(TestKind::LateralOpposed));
-        // Both wheels may be loaded alike or against each other.
+        // The title does not state whether both wheels have the same load or opposite loads.
         assert_eq!(test("Seitenkraft"), None);
     }
 }

@@ -20,7 +20,7 @@ pub(crate) fn is_workbook(bytes: &[u8]) -> bool {
     bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0])
 }
 
-/// Reads all sheets of a workbook that contain cells. Cells are read one after another, so that a far cell does not make a huge table.
+/// Reads all sheets of a workbook that contain cells. Cells are read one by one, so that a single distant cell does not create a huge table.
 pub(crate) fn sheets_of(
     source: &Source,
     options: &FileOptions,
@@ -28,7 +28,7 @@ pub(crate) fn sheets_of(
 ) -> Result<Vec<Sheet>, Diagnostic> {
     let refused = |why: String| {
         let message = format!(
-            "`{}` is no workbook in the format .xlsx: {why}",
+            "`{}` is not a workbook in the format .xlsx: {why}",
             source.name()
         );
         Diagnostic::error(Code::CannotRead, message)
@@ -48,7 +48,7 @@ pub(crate) fn sheets_of(
     let mut found = Vec::new();
     for name in names {
         let mut text = SheetText::default();
-        // Sheets with charts alone have no cells.
+        // Sheets that contain only charts have no cells.
         let Ok(mut cells) = book.worksheet_cells_reader(&name) else {
             continue;
         };
@@ -92,7 +92,7 @@ struct SheetText {
 }
 
 impl SheetText {
-    /// Adds a cell. Returns false if the cell is before the last one.
+    /// Adds a cell. Returns false if the cell precedes the last added cell.
     fn push(&mut self, row: u32, column: u32, value: &str) -> bool {
         let is_later = (row, column) > (self.row, self.column) || self.count == 0;
         if !is_later {
@@ -107,7 +107,7 @@ impl SheetText {
             self.text.push('\t');
             self.column += 1;
         }
-        // A cell keeps its row: line breaks and tabs inside become blanks. A quote is doubled.
+        // Each row is one line of text, so line breaks and tabs in a cell become blanks. Quotes are doubled.
         let inner = value.replace(['\n', '\r', '\t'], " ");
         if inner.starts_with('"') {
             self.text += &format!("\"{}\"", inner.replace('"', "\"\""));

@@ -22,7 +22,7 @@ pub(super) struct Anchor {
     pub span: Span,
 }
 
-/// A diagnostic that may be published, with the data that decide whether it is.
+/// A diagnostic that may be published, with the data for this decision.
 pub(super) struct Candidate<'a> {
     pub told: DiagnosticSource,
     pub diagnostic: &'a Diagnostic,

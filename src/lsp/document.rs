@@ -23,9 +23,8 @@ use admire_syntax::{ObjectId, Statement};
 /// Largest number of affected pieces that the neighbourhood rules check after an edit. The check of the whole file covers the remaining
 /// pieces.
 const MOST_PIECES: usize = 64;
-/// Largest number of affected pieces checked after an edit, in a file with more than [`MOST_PIECES`] pieces. It is exceeded only if the
-/// edit itself touches more pieces. This limit is smaller because in such a file the check of the whole file takes longer, and typing must
-/// stay responsive.
+/// Largest number of affected pieces checked after an edit, in a file with more than [`MOST_PIECES`] pieces. It is exceeded only if the edit itself
+/// touches more pieces. The limit is smaller for such a file because the check of the whole file takes longer, and typing must remain responsive.
 const MOST_OF_MANY: usize = 12;
 
 /// An open dataset or command file.

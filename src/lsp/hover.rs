@@ -163,7 +163,7 @@ fn facts(document: &Document, place: (usize, usize), object: ObjectId) -> Vec<St
                     angles.join(", ")
                 ));
             }
-            None => facts.push("It has no place of its own".to_string()),
+            None => facts.push("It has no position of its own".to_string()),
         }
         facts.push(format!("On part {} {}", part.header.id, part.header.name));
     }

@@ -17,7 +17,7 @@ pub(super) enum Role {
     Definition,
     /// View name of the object in its definition.
     Name,
-    /// Id of the object elsewhere.
+    /// Id of the object outside of its definition.
     Reference,
 }
 

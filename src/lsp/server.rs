@@ -106,10 +106,10 @@ impl Server {
         }
     }
 
-    /// Runs an action in such a way that a panic in it does not end the server.
+    /// Runs an action. A panic in the action does not end the server.
     fn guarded(&mut self, what: &str, action: impl FnOnce(&mut Self)) {
         if catch_unwind(AssertUnwindSafe(|| action(self))).is_err() {
-            self.log(&format!("{what} failed; the server goes on"));
+            self.log(&format!("{what} failed; the server continues"));
         }
     }
 
@@ -136,7 +136,7 @@ impl Server {
                 Ok(Err(Refused::Parameters(why))) => error(ErrorCode::InvalidParams, &why),
                 Ok(Err(Refused::Request(why))) => error(ErrorCode::RequestFailed, &why),
                 Err(_) => {
-                    let text = format!("{} failed; the server goes on", request.method);
+                    let text = format!("{} failed; the server continues", request.method);
                     self.log(&text);
                     error(ErrorCode::InternalError, &text)
                 }

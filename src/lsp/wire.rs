@@ -182,7 +182,7 @@ fn length(digits: &[u8]) -> Result<u64, String> {
         Ok(size) => Err(format!(
             "a message of {size} bytes; at most {LARGEST} are read"
         )),
-        Err(_) => Err(format!("`{shown}` is no Content-Length")),
+        Err(_) => Err(format!("`{shown}` is not a Content-Length")),
     }
 }
 

@@ -24,7 +24,7 @@ fn as_program(py: Python<'_>, words: Vec<OsString>, run: fn(Vec<OsString>) -> u8
     }
     py.detach(|| {
         let code = run(words);
-        // Only a program of Rust does this at its end. Errors are ignored, because the reader may have closed the stream.
+        // Only the end of a Rust program flushes this stream by itself. Errors are ignored, because the reader may have closed the stream.
         let _ = std::io::stdout().flush();
         code
     })

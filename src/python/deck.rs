@@ -31,7 +31,7 @@ impl Deck {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns a copy of the current deck, to work on without holding the lock.
+    /// Returns a copy of the current deck, so that work on the copy does not hold the lock.
     pub(super) fn now(&self, py: Python<'_>) -> front::Deck {
         py.detach(|| self.lock().clone())
     }

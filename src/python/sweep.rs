@@ -120,7 +120,7 @@ fn run(
         if !done.is_complete() {
             return Err(failed(
                 Code::CannotWrite,
-                &"the sweep was stopped; the same call goes on where it stopped",
+                &"the sweep was stopped; the same call continues where it stopped",
             ));
         }
     }

@@ -107,7 +107,7 @@ pub(super) fn study_files(
     work(py, &SharedProgress::default(), None, job)
 }
 
-/// Record that the user began this study, so that programs that it names may be started. Return false if that cannot be recorded.
+/// Record that the user created this study, so that its programs may be started. Return false if the record cannot be stored.
 #[pyfunction]
 pub(super) fn trust(folder: PathBuf) -> bool {
     trust_study(&folder).is_ok()

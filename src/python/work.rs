@@ -1,5 +1,5 @@
-//! Long computations beside the Python interpreter. They run without the interpreter's lock on threads of this package, while the calling
-//! thread handles Ctrl-C.
+//! Long computations in a Python process. They run without the interpreter's lock on threads of this package, while the calling thread handles
+//! Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -42,7 +42,7 @@ fn pool() -> PyResult<Arc<ThreadPool>> {
     Ok(pool)
 }
 
-/// Leaves the current threads to a job that does not end. The next job gets new threads.
+/// Abandons the current threads, which run a job that does not end. The next job gets new threads.
 fn abandon() {
     *POOL.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }

@@ -12,25 +12,25 @@ use super::settings::{
     MOST_ASSIGNMENTS, MOST_CANDIDATES, MOST_PARTNERS, NOWHERE_PENALTY, SEARCH_STATES,
 };
 
-/// Forces that may be all those on one cluster of bodies.
+/// Set of forces that may be all the forces on one cluster of bodies.
 #[derive(Clone, Debug)]
 struct Candidate {
     terms: Vec<Term>,
     /// For each force on a J part, the cluster of its I part; `None` for forces on I parts and forces along a line.
     partners: Vec<Option<usize>>,
-    /// What the moments leave, as a lever.
+    /// Residual moment divided by the largest force, which is a lever.
     lever: f64,
-    /// The smaller, the better: what the moments leave, what the names say.
+    /// Score from the residual moment and from the agreement of names. Smaller is better.
     score: f64,
 }
 
-/// What is known of a mechanism before its connections.
+/// Properties of a mechanism that are known before its connections.
 pub(crate) struct Known<'a> {
-    /// The states.
+    /// Record with the states.
     pub(crate) record: &'a Record,
     /// Bodies that never move against each other.
     pub(crate) clusters: &'a Clusters,
-    /// How clusters move against each other.
+    /// Relative motion of each pair of clusters.
     pub(crate) relations: &'a Relations,
     /// The elements, sorted by their forces.
     pub(crate) forces: &'a Forces,
@@ -40,10 +40,10 @@ pub(crate) struct Known<'a> {
     pub(crate) down: Vec3,
 }
 
-/// Forces on every cluster, one list each; that of ground is empty.
+/// Forces on every cluster, one list each; the list of ground is empty.
 pub(crate) type Assignment = Vec<Vec<Term>>;
 
-/// Returns the direction of weights: that of the constant by which forces of one class differ. `None` without such a constant.
+/// Returns the direction of weights, which is the direction of the constant by which forces of one class differ. `None` without such a constant.
 pub(crate) fn down(record: &Record, forces: &Forces) -> Option<Vec3> {
     let mut best = Vec3::zeros();
     let mut consider = |v: Vec3| {
@@ -72,7 +72,7 @@ pub(crate) fn down(record: &Record, forces: &Forces) -> Option<Vec3> {
     if best.norm() <= BALANCE_RELATIVE * forces.largest {
         return None;
     }
-    // Heights count upwards in all decks: weights point to the negative side of their axis.
+    // Heights are positive upwards in all decks, so weights point in the negative direction of their axis.
     let axis = best.normalize();
     Some(if axis[axis.iamax()] > 0.0 {
         -axis
@@ -81,7 +81,7 @@ pub(crate) fn down(record: &Record, forces: &Forces) -> Option<Vec3> {
     })
 }
 
-/// Assigns forces to clusters: the best assignment found, or `None` if no cluster has a candidate.
+/// Assigns forces to clusters. Returns the best assignment found, or `None` if no cluster has a candidate.
 pub(crate) fn assign(known: &Known<'_>) -> Option<Assignment> {
     let states = spread(known.record.states(), SEARCH_STATES);
     let count = known.clusters.members.len();
@@ -99,7 +99,7 @@ pub(crate) fn assign(known: &Known<'_>) -> Option<Assignment> {
             .count()
     };
     candidates.sort_by_key(|(_, found)| good(found));
-    // The least score that the clusters from each one on can add.
+    // For each position, the smallest score that the clusters from there on can add.
     let mut least = vec![0.0; candidates.len() + 1];
     for (k, (_, found)) in candidates.iter().enumerate().rev() {
         let best = found
@@ -129,7 +129,7 @@ pub(crate) fn assign(known: &Known<'_>) -> Option<Assignment> {
     Some(assignment)
 }
 
-/// Returns all sets of forces whose sum is constant, one element of each class.
+/// Returns all sets of forces whose sum is constant. Each set contains one element of each class.
 fn term_sets(known: &Known<'_>) -> Vec<Vec<Term>> {
     let classes = &known.forces.classes;
     let mut sets = Vec::new();
@@ -168,7 +168,7 @@ fn with_both_signs(sets: Vec<Vec<Term>>) -> Vec<Vec<Term>> {
 }
 
 impl Known<'_> {
-    /// Returns true if two single forces are opposite in every state: action and reaction, which no part carries both.
+    /// Returns true if two single-component forces are opposite in every state. They are action and reaction, so they cannot both act on one part.
     fn are_halves(&self, a: usize, b: usize) -> bool {
         let elements = &self.record.elements;
         let single = |k: usize| elements[k].ent_type == "Single_Component_Force";
@@ -177,12 +177,12 @@ impl Known<'_> {
         single(a) && single(b) && pairs.all(|(a, b)| (a + b).norm() <= room)
     }
 
-    /// Returns true if an element is a joint, which ties the motions of its parts.
+    /// Returns true if an element is a joint, which constrains the relative motion of its parts.
     fn is_joint(&self, element: usize) -> bool {
         self.record.elements[element].ent_type == "Joint"
     }
 
-    /// Returns true if the motion of two clusters fits a joint, and the kind in the joint's name if it has one.
+    /// Returns true if the relative motion of two clusters is consistent with a joint, and with the kind of joint in its name if there is one.
     pub(crate) fn allows(&self, element: usize, a: usize, b: usize) -> bool {
         let relation = self.relations.of(a, b);
         match joint_code(&self.record.elements[element].name) {
@@ -205,8 +205,8 @@ impl Known<'_> {
 
     /// Returns the candidates of all clusters.
     ///
-    /// A force on a J part acts at a point of its I part. The search begins with forces on I parts and in joints alone. Each further pass knows
-    /// the I parts that the pass before has found.
+    /// A force on a J part acts at a point of its I part. The first pass uses only forces on I parts and forces in joints. Each later pass uses the I
+    /// parts that the previous pass has found.
     fn all_candidates(&self, sets: &[Vec<Term>], states: &[usize]) -> Vec<(usize, Vec<Candidate>)> {
         let count = self.clusters.members.len();
         let floor = 1e-13 * self.size;
@@ -246,7 +246,7 @@ impl Known<'_> {
             }
             owners = next;
         }
-        // What round-off leaves of true balances is the measure: the middle of the best levers of all clusters.
+        // The round-off of true balances is the reference. It is estimated by the median of the best levers of all clusters.
         let least = |list: &[Candidate]| {
             list.iter()
                 .map(|candidate| candidate.lever)
@@ -314,7 +314,7 @@ impl Known<'_> {
         found
     }
 
-    /// Returns how much the names of forces speak for the bodies of a cluster.
+    /// Returns the agreement between the names of forces and the names of the bodies in a cluster.
     fn names(&self, cluster: usize, terms: &[Term]) -> f64 {
         let own = &self.clusters.members[cluster];
         let names = terms.iter().map(|(e, _)| {
@@ -325,7 +325,8 @@ impl Known<'_> {
         names.sum()
     }
 
-    /// Returns all choices of the clusters whose I parts the forces on this cluster's J parts may have; none if a joint fits no cluster.
+    /// Returns all possible combinations of clusters that contain the I parts of the forces on this cluster's J parts. Empty if a joint fits no
+    /// cluster.
     fn partners(
         &self,
         cluster: usize,
@@ -353,7 +354,7 @@ impl Known<'_> {
             } else if self.is_joint(*element) || (last && owners[*element].is_empty()) {
                 fitting.into_iter().map(Some).collect()
             } else {
-                // The I part is one that was found, or ground, whose balance is not known.
+                // The I part is in a cluster that was found, or it is ground, whose balance is unknown.
                 let own = owners[*element].iter().filter(|other| **other != cluster);
                 let ground = owners[*element].is_empty().then_some(Some(0));
                 own.map(|other| Some(*other)).chain(ground).collect()
@@ -383,7 +384,7 @@ struct Search<'s, 'k> {
     chosen: Vec<Option<usize>>,
     /// Clusters on which each element acts as I and as J part.
     on: Vec<[Option<usize>; 2]>,
-    /// Cluster that the J part of each element expects on its I part.
+    /// Cluster that must contain the I part of each element, according to the forces on the J part.
     expected: Vec<Option<usize>>,
     best: Option<(f64, Vec<Option<usize>>)>,
     tries: usize,
@@ -428,8 +429,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Returns true if no other cluster has these forces, the joints among them fit their two clusters, and the I parts are those that the
-    /// J parts expect.
+    /// Returns true if three conditions hold. No other cluster has these forces, the joints among them fit their two clusters, and the I parts are in
+    /// the expected clusters.
     fn fits(&self, cluster: usize, candidate: &Candidate) -> bool {
         let mut all = candidate.terms.iter().zip(&candidate.partners);
         all.all(|((element, sign), partner)| {
@@ -447,7 +448,7 @@ impl Search<'_, '_> {
         })
     }
 
-    /// Scores the elements that end on ground or nowhere.
+    /// Scores the elements that act on ground, or on no part.
     fn loose_ends(&self) -> f64 {
         let forces = self.known.forces;
         let mut used_classes = HashSet::new();
@@ -467,7 +468,7 @@ impl Search<'_, '_> {
                         let joint = self.known.is_joint(*element);
                         let bad = joint && !self.known.allows(*element, cluster, 0);
                         score += if bad { NOWHERE_PENALTY } else { GROUND_PENALTY };
-                        // A force on one part is written with that part as its I part.
+                        // A force on a single part is written with that part as its I part.
                         score += if self.on[*element][0].is_none() && !joint {
                             GROUND_I_PENALTY
                         } else {
@@ -477,7 +478,7 @@ impl Search<'_, '_> {
                 }
             }
         }
-        // An element inside of a cluster belongs to the class of one that acts on the cluster from outside.
+        // An element inside a cluster belongs to the class of an element that acts on the cluster from outside.
         for (k, class) in forces.classes.iter().enumerate() {
             if !used_classes.contains(&k) {
                 score += NOWHERE_PENALTY * class.members.len() as f64;

@@ -3,16 +3,16 @@ use admire_solver::mechanics::Vec3;
 use super::record::Record;
 use super::settings::{BALANCE_RELATIVE, MOST_SUMS, NO_FORCE_RELATIVE};
 
-/// Elements whose forces differ by a constant and a sign only: those of a chain of parts, each with its weight.
+/// Elements whose forces differ only by a constant and a sign. They belong to a chain of parts, each of which adds its weight.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Class {
-    /// Elements, each with its sign against the first.
+    /// Elements, each with its sign relative to the first.
     pub(crate) members: Vec<(usize, f64)>,
-    /// Change of the first member's force against the mean, state by state.
+    /// Deviation of the first member's force from its mean, state by state.
     change: Vec<Vec3>,
 }
 
-/// Forces of a record, sorted by what they can tell about the connections.
+/// Forces of a record, sorted by their information about the connections.
 #[derive(Clone, Debug)]
 pub(crate) struct Forces {
     /// Largest force.
@@ -91,10 +91,10 @@ impl Forces {
         forces
     }
 
-    /// Returns all signed sums of up to twelve classes that stay constant and contain no smaller such sum.
+    /// Returns all signed sums of up to twelve classes that are constant over all states and contain no smaller such sum.
     ///
-    /// The forces on one part make such a sum: they balance its weight. Half sums are compared by their value in one mixed direction of all
-    /// forces of all states; pairs of half sums that agree there are compared in full.
+    /// The forces on one part form such a sum, because they balance its weight. Half sums are compared by one number each: a fixed linear combination
+    /// of all force components in all states. Pairs of half sums with equal numbers are compared in full.
     pub(crate) fn balances(&self) -> Vec<Balance> {
         let count = self.classes.len();
         let half = (1..=6).rev().find(|half| sums(count, *half) <= MOST_SUMS);
@@ -110,7 +110,7 @@ impl Forces {
         let room = BALANCE_RELATIVE * self.largest * 10.0;
         let mut found: Vec<Balance> = Vec::new();
         for (k, a) in all.iter().enumerate() {
-            // The sum of one half is the negative of the other's; the sign of the other half is turned instead.
+            // Half sums with equal values cancel if the signs of one of them are reversed.
             for b in all[k + 1..]
                 .iter()
                 .take_while(|b| b.value - a.value <= room)
@@ -149,13 +149,13 @@ impl Forces {
     }
 }
 
-/// A signed sum of a few classes, mixed to one number.
+/// A signed sum of a few classes, reduced to one number.
 struct Half {
     value: f64,
     terms: Vec<(u16, i8)>,
 }
 
-/// Returns the number of signed sums of up to `half` of `count` classes.
+/// Returns the number of signed sums of at most `half` out of `count` classes.
 fn sums(count: usize, half: usize) -> usize {
     let (mut total, mut of_size) = (0_usize, 1_usize);
     for k in 0..half.min(count) {
@@ -165,13 +165,13 @@ fn sums(count: usize, half: usize) -> usize {
     total
 }
 
-/// Mixes the forces of all states to one number, with fixed weights between -1 and 1 that follow no pattern of a load.
+/// Reduces the forces of all states to one number, with fixed weights between -1 and 1 that are unrelated to any load pattern.
 fn mix(change: &[Vec3]) -> f64 {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut sum = 0.0;
     for force in change {
         for value in force.iter() {
-            // Steele, Lea and Flood, Fast splittable pseudorandom number generators: the mixing of splitmix64.
+            // Source: Steele, Lea and Flood, Fast splittable pseudorandom number generators: mixing function of splitmix64.
             state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -206,7 +206,7 @@ fn collect(
     }
 }
 
-/// Joins half sums of equal value to a sum of zero; `None` if they share a class. The first sign is positive.
+/// Joins two half sums of equal value to a sum of zero; `None` if they share a class. The first sign is positive.
 fn joined(a: &Half, b: &Half) -> Option<Balance> {
     if a.terms
         .iter()

@@ -16,14 +16,14 @@ pub(crate) struct Axes {
     pub(crate) j: Mat3,
     /// Largest difference from the angles of the results, in radians.
     pub(crate) left_rad: f64,
-    /// True if the rotations leave a direction open.
+    /// True if the rotations do not determine a direction.
     pub(crate) open: bool,
 }
 
 /// Finds the axes of the markers from the angles AX, AY, AZ of the results.
 ///
-/// To first order the angles are the relative rotation vector in J axes plus a constant, which gives the J axes (Kabsch, 1976). Newton's
-/// method for the exact angles then finds both sets of axes.
+/// To first order, the angles are the relative rotation vector in J axes plus a constant, which determines the J axes (Kabsch, 1976). Newton's method
+/// for the exact angles then determines both sets of axes.
 pub(crate) fn axes(angles: &[Vec3], i: &[Pose], j: &[Pose]) -> Axes {
     let relative: Vec<Mat3> = i
         .iter()
@@ -50,7 +50,7 @@ pub(crate) fn axes(angles: &[Vec3], i: &[Pose], j: &[Pose]) -> Axes {
     mirror[(2, 2)] = (U * Vt).determinant().signum();
     let j_axes = U * mirror * Vt;
     let first = angles[angles.len() / 2];
-    // With J axes known, the I axes are those that give the angles of one state.
+    // With known J axes, the I axes follow from the angles of one state.
     let i_axes = middle.transpose() * j_axes * exp(&first);
     let mut found = Axes {
         i: i_axes,
@@ -71,7 +71,7 @@ pub(crate) fn axes(angles: &[Vec3], i: &[Pose], j: &[Pose]) -> Axes {
     found
 }
 
-/// Returns one step of Newton's method for the rotations of both axes, what is left, and whether a direction is open.
+/// Returns one step of Newton's method for the rotations of both axes, the residual, and whether a direction is undetermined.
 fn newton(at: &Axes, angles: &[Vec3], relative: &[Mat3]) -> (SVector<f64, 6>, f64, bool) {
     let h = 1e-6;
     let angle =
@@ -105,7 +105,7 @@ fn newton(at: &Axes, angles: &[Vec3], relative: &[Mat3]) -> (SVector<f64, 6>, f6
     )
 }
 
-/// Finds the axes of the J marker where the results hold no angles that tell them: the main axes of a linear stiffness.
+/// Finds the axes of the J marker if the results hold no angles that determine them. They are the principal axes of a linear stiffness.
 pub(crate) fn stiffness_axes(
     record: &Record,
     element: &Element,
@@ -116,7 +116,7 @@ pub(crate) fn stiffness_axes(
     let (a, b) = (&record.bodies[i].poses, &record.bodies[j].poses);
     let place = |k: usize| b[k].inverse().point(&a[k].point(point));
     let states = element.force.len();
-    // f = c - K p with K symmetric: three constants and six stiffnesses.
+    // The unknowns of f = c - K p with symmetric K are three constants and six stiffnesses.
     let mut A = DMatrix::zeros(3 * states, 9);
     let mut right = DVector::zeros(3 * states);
     let at = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
@@ -144,7 +144,7 @@ pub(crate) fn stiffness_axes(
 /// Deflection of a bushing in J axes, its force and torque in J axes, and its angles, state by state.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
-    /// Position of I against J in J axes.
+    /// Position of I relative to J in J axes.
     pub deflection: Vec<Vec3>,
     /// Angles AX, AY, AZ.
     pub angles: Vec<Vec3>,
@@ -155,7 +155,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Returns the motion of a bushing between its markers, each a frame on its body.
+    /// Returns the motion of a bushing between its markers, each given as a frame on its body.
     pub(crate) fn of(
         record: &Record,
         element: &Element,
@@ -176,7 +176,7 @@ impl Motion {
     }
 }
 
-/// Finds the law of a bushing: per axis linear or a curve, radial axes coupled where that fits best.
+/// Finds the law of a bushing. Each axis is linear or a curve; radial axes are coupled if this fits best.
 pub(crate) fn law(motion: &Motion, size: f64) -> Law {
     let column =
         |values: &[Vec3], axis: usize| -> Vec<f64> { values.iter().map(|v| v[axis]).collect() };
@@ -197,7 +197,7 @@ pub(crate) fn law(motion: &Motion, size: f64) -> Law {
             coupled: None,
         };
     }
-    // Each pair of axes that may be coupled, and none; the best is the one that leaves least of the curved axes.
+    // Each pair of axes that may be coupled is tried, and also no coupling. The best choice has the smallest residual of the nonlinear axes.
     let pairs = [None, Some([0, 1]), Some([1, 2]), Some([2, 0])];
     let tried = pairs.map(|pair| {
         let mut left = 0.0;
@@ -223,7 +223,7 @@ pub(crate) fn law(motion: &Motion, size: f64) -> Law {
         });
         (left, force, pair)
     });
-    // Radial axes of Adams/Car are x and y; another pair must fit far better.
+    // The radial axes of Adams/Car are x and y. Another pair is accepted only if it fits far better.
     let usual = |pair: &Option<[usize; 2]>| matches!(pair, None | Some([0, 1]));
     let score = |(left, _, pair): &(f64, [AxisLaw; 3], Option<[usize; 2]>)| {
         if usual(pair) {
@@ -238,7 +238,7 @@ pub(crate) fn law(motion: &Motion, size: f64) -> Law {
     let Some((_, force, coupled)) = best else {
         unreachable!("four are tried")
     };
-    // An axis that moves alone needs no preload apart: its curve runs through the forces as they are.
+    // An axis without coupling needs no separate preload, because its curve contains the preload.
     let force = [0, 1, 2].map(|axis| match (&force[axis], coupled) {
         (AxisLaw::Odd { .. }, Some(pair)) if pair.contains(&axis) => force[axis].clone(),
         (AxisLaw::Odd { .. }, _) => AxisLaw::curve(&d[axis], &f[axis]),

@@ -7,12 +7,12 @@ use super::names::{affinity, digits};
 use super::relation::Relation;
 use super::settings::{BALANCE_RELATIVE, LEVER_RELATIVE, SEARCH_STATES};
 
-/// An element with the bodies it connects.
+/// An element, with the bodies that it connects.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Connection {
     /// Index of the element in the record.
     pub element: usize,
-    /// Index of the body on which it acts.
+    /// Index of the body on which the element acts.
     pub i: usize,
     /// Index of the body on which its reaction acts.
     pub j: usize,
@@ -21,20 +21,20 @@ pub struct Connection {
 /// All connections of a mechanism.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Connections {
-    /// Elements that act, with their bodies.
+    /// Elements with a force or torque, with their bodies.
     pub(crate) placed: Vec<Connection>,
     /// Bodies without relative motion that no element connects.
     pub(crate) rigid: Vec<(usize, usize)>,
-    /// Elements that act, and whose bodies are not found.
+    /// Elements with a force or torque whose bodies were not found.
     pub(crate) lost: Vec<usize>,
-    /// Bodies that move and on which no force is found.
+    /// Moving bodies on which no force was found.
     pub(crate) bare: Vec<usize>,
 }
 
 /// Clusters of the I and J part of each element.
 type Ends = Vec<[Option<usize>; 2]>;
 
-/// A place inside of a cluster: the body there is one member of the cluster.
+/// A place inside a cluster. One member of the cluster is the body at this place.
 #[derive(Clone, Debug, Default)]
 struct Place {
     terms: Vec<Term>,
@@ -111,7 +111,7 @@ fn terms_on(cluster: usize, ends: &Ends) -> Vec<Term> {
     .collect()
 }
 
-/// Returns all orders of the numbers below `count`.
+/// Returns all permutations of the numbers below `count`.
 fn orders(count: usize) -> Vec<Vec<usize>> {
     if count == 0 {
         return vec![Vec::new()];
@@ -128,13 +128,13 @@ fn orders(count: usize) -> Vec<Vec<usize>> {
 }
 
 impl Known<'_> {
-    /// Returns true if an element is a constraint and not a force.
+    /// Returns true if an element is a constraint rather than a force.
     fn is_constraint(&self, element: usize) -> bool {
         let kind = self.record.elements[element].ent_type.as_str();
         matches!(kind, "Joint" | "Primitive_Joint" | "Motion")
     }
 
-    /// Returns true if a force that is placed nowhere repeats one that is placed: the other half of an action and reaction on ground.
+    /// Returns true if a force without a place is the reaction of a force with a place, so that it acts on ground.
     fn repeats(&self, element: usize, bodies: &[[Option<usize>; 2]]) -> bool {
         let force = &self.record.elements[element].force;
         let room = BALANCE_RELATIVE * self.forces.largest;
@@ -148,7 +148,7 @@ impl Known<'_> {
         })
     }
 
-    /// Finds the bodies of elements that have torques and no forces: those on whose bodies the moments balance with them only.
+    /// Finds the bodies of elements that have torques but no forces. The moments on such a body balance only with these torques.
     fn place_torques(&self, bodies: &mut [[Option<usize>; 2]]) {
         if self.forces.torques.is_empty() {
             return;
@@ -191,7 +191,7 @@ impl Known<'_> {
             if bare <= LEVER_RELATIVE * self.size {
                 continue;
             }
-            // A torque belongs here if it takes away nearly all that is left.
+            // A torque belongs to the body if it removes nearly all of the residual moment.
             let mut best = (1e-3 * bare, Vec::new());
             for extra in &signed {
                 let free = |(e, s): &Term| bodies[*e][usize::from(*s < 0.0)].is_none();
@@ -208,7 +208,7 @@ impl Known<'_> {
         }
     }
 
-    /// Sets the other end of forces that act on one cluster only: ground. Joints with forces that never change are placed by their motions.
+    /// Sets the other end of forces that act on only one cluster to ground. Joints with constant forces are placed by their motions.
     fn close(&self, ends: &mut Ends) {
         for pair in ends.iter_mut() {
             match pair {
@@ -221,7 +221,7 @@ impl Known<'_> {
         }
     }
 
-    /// Returns the upward force of terms on their body: the weight that they carry.
+    /// Returns the upward component of the sum of these forces, which is the weight that they carry.
     pub(crate) fn upward(&self, terms: &[Term]) -> f64 {
         let sum = terms.iter().fold(Vec3::zeros(), |sum, (e, s)| {
             sum + self.record.elements[*e].force[0] * *s
@@ -229,9 +229,9 @@ impl Known<'_> {
         -sum.dot(&self.down)
     }
 
-    /// Finds the elements inside of each cluster: pairs of (external term, inner element with the sign that balances it).
+    /// Finds the elements inside each cluster. Each pair consists of an external term and an inner element with the sign that balances it.
     ///
-    /// Forces of one class differ by weights. From the outside to the inside of a cluster the weight that is carried grows.
+    /// The forces of one class differ by weights. The carried weight increases from the outside of a cluster to its inside.
     fn inner(&self, assignment: &Assignment, ends: &Ends) -> Vec<Vec<(Term, Term)>> {
         let room = 10.0 * BALANCE_RELATIVE * self.forces.largest;
         let mut inner = vec![Vec::new(); self.clusters.members.len()];
@@ -266,8 +266,8 @@ impl Known<'_> {
         inner
     }
 
-    /// Lays out the places of a cluster: a chain for each external force with inner elements behind it, and the core as the last place.
-    /// Constant forces are returned beside them, because the balance does not tell their place.
+    /// Arranges the places of a cluster: for each external force a chain with the inner elements, and the core as the last place. Constant forces are
+    /// returned separately, because the balance does not determine their place.
     fn places(
         &self,
         terms: &[Term],
@@ -305,7 +305,7 @@ impl Known<'_> {
         (places, loose)
     }
 
-    /// Seats the members of a cluster at its places, by names, and constant forces where masses become rounder.
+    /// Assigns the members of a cluster to its places by their names. Constant forces are assigned so that the masses become round numbers.
     fn seat(
         &self,
         members: &[usize],
@@ -376,12 +376,12 @@ impl Known<'_> {
         (seats, extra)
     }
 
-    /// Returns the mass in units of the results for a weight.
+    /// Returns the mass, in units of the results, that has this weight.
     pub(crate) fn mass(&self, weight: f64) -> f64 {
         super::mass(weight, &self.record.units)
     }
 
-    /// Places the forces on the bodies that rest: all of them act on ground, because no force tells these bodies apart.
+    /// Places the forces on bodies at rest. All of them act on ground, because no force distinguishes these bodies.
     fn on_ground(
         &self,
         terms: &[Term],
@@ -393,7 +393,7 @@ impl Known<'_> {
         }
     }
 
-    /// Returns how the J body of a connection moves against its I body.
+    /// Returns the motion of the J body of a connection relative to its I body.
     pub(crate) fn motion(&self, i: usize, j: usize) -> Relation {
         let (a, b) = (self.clusters.of[i], self.clusters.of[j]);
         if a == b {

@@ -2,27 +2,27 @@ use super::assignment::Known;
 use super::names::{affinity, digits};
 use crate::settings::{MOST_PLACEMENTS, UNPLACED_PENALTY};
 
-/// Placement of joints whose forces never change: those of parts that only hang on others, such as half shafts.
+/// Placement of joints with constant forces, such as the joints of half shafts, which are only suspended from other parts.
 ///
-/// Forces that never change balance in any sum. Motions tell which clusters a joint may connect, masses must not be negative, and names and
-/// round masses decide the rest.
+/// Constant forces fit any balance. The relative motions restrict the clusters that a joint may connect, and masses must not be negative. The choice
+/// among the rest depends on names and round masses.
 pub(crate) struct Constants<'c, 'k> {
     known: &'c Known<'k>,
     /// Joints, each with the pairs of clusters (I, J) that it may connect.
     options: Vec<(usize, Vec<(usize, usize)>)>,
-    /// Upward force on each cluster by the elements that are placed already; `None` for clusters without any, and for ground.
+    /// Upward force on each cluster by elements with a place; `None` for ground, and for clusters without such elements.
     carried: Vec<Option<f64>>,
     /// Pairs of clusters that have a joint.
     joined: Vec<(usize, usize)>,
     chosen: Vec<Option<(usize, usize)>>,
     best: Option<(f64, Vec<Option<(usize, usize)>>)>,
-    /// The placement for which names speak most, before masses are looked at.
+    /// Placement with the best agreement of names, regardless of masses.
     first: Vec<Option<(usize, usize)>>,
     tries: usize,
 }
 
 impl<'c, 'k> Constants<'c, 'k> {
-    /// Finds the clusters of all joints with constant forces; the answer has an entry for each that is placed.
+    /// Finds the clusters of all joints with constant forces. The result has one entry for each joint that was placed.
     pub(crate) fn place(
         known: &'c Known<'k>,
         ends: &[[Option<usize>; 2]],
@@ -100,7 +100,7 @@ impl<'c, 'k> Constants<'c, 'k> {
     fn descend(&mut self, score: f64) {
         self.tries += 1;
         let depth = self.chosen.len();
-        // The most that the names of the joints that are left can add.
+        // Upper bound of the score that the names of the remaining joints can add.
         let left = self.options[depth..].iter();
         let most: f64 = left
             .map(|(element, pairs)| self.named(*element, pairs.first()))
@@ -139,7 +139,7 @@ impl<'c, 'k> Constants<'c, 'k> {
         self.chosen.pop();
     }
 
-    /// Improves a placement by other pairs for one joint, and by exchanged pairs of two, until none is better.
+    /// Improves a placement step by step: another pair for one joint, or exchanged pairs of two joints. It ends if no step improves the score.
     fn improved(&mut self, mut chosen: Vec<Option<(usize, usize)>>) -> Vec<Option<(usize, usize)>> {
         let same = |a: &(usize, usize), b: &(usize, usize)| a == b || (a.0 == b.1 && a.1 == b.0);
         let mut best = self.total(&chosen);
@@ -148,7 +148,7 @@ impl<'c, 'k> Constants<'c, 'k> {
             for k in 0..chosen.len() {
                 for option in self.options[k].1.clone() {
                     let mut other = chosen.clone();
-                    // A joint that has the pair already gets the pair that becomes free.
+                    // If another joint has this pair, that joint gets the previous pair of this joint.
                     let holder = (0..other.len())
                         .find(|l| *l != k && other[*l].is_some_and(|pair| same(&pair, &option)));
                     if let Some(holder) = holder {
@@ -180,14 +180,14 @@ impl<'c, 'k> Constants<'c, 'k> {
         names + self.masses()
     }
 
-    /// Returns how much a name speaks for a pair of clusters.
+    /// Returns the agreement between the name of an element and a pair of clusters.
     fn named(&self, element: usize, pair: Option<&(usize, usize)>) -> f64 {
         pair.map_or(-UNPLACED_PENALTY, |(a, b)| {
             speaks(self.known, element, *a) + speaks(self.known, element, *b)
         })
     }
 
-    /// Scores the masses: none may be negative, and the rounder they are the better.
+    /// Scores the masses. Negative masses are penalised, and round masses are preferred.
     fn masses(&self) -> f64 {
         let mut carried = self.carried.clone();
         for ((element, _), pair) in self.options.iter().zip(&self.chosen) {
@@ -209,7 +209,7 @@ impl<'c, 'k> Constants<'c, 'k> {
     }
 }
 
-/// Returns how much the name of an element speaks for a cluster; ground has no name, and no word against it.
+/// Returns the agreement between the name of an element and the names in a cluster. Ground has no name, so its value is fixed.
 fn speaks(known: &Known<'_>, element: usize, cluster: usize) -> f64 {
     if cluster == 0 {
         return 0.5;

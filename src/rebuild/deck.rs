@@ -11,7 +11,7 @@ use super::settings::{
     DEFAULT_INERTIA_KG_M2, DEFAULT_STIFFNESS_N_PER_MM, DEFAULT_TORSION_NM_PER_RAD, LEAST_MASS_KG,
 };
 
-/// A deck made of a mechanism, whose loads follow the time: the state with index k is at time k.
+/// A deck made from a mechanism. Its loads are functions of time: the state with index k is at time k.
 #[derive(Clone, Debug)]
 pub struct Deck {
     /// Text of the dataset.
@@ -26,10 +26,10 @@ pub struct Deck {
     pub addresses: Vec<(usize, String)>,
 }
 
-/// A function of the deck that has one value per state.
+/// A function of the deck with one value per state.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Drive {
-    /// Name of a column of loads, for example `til_wheel_fx`.
+    /// Name of the load column, for example `til_wheel_fx`.
     pub name: String,
     /// Address of the function, for example `GFORCE/1.FX`.
     pub address: String,
@@ -54,7 +54,7 @@ pub fn deck(record: &Record, mechanism: &Mechanism) -> Deck {
     writer.finish()
 }
 
-/// Ids that are taken so far.
+/// Last id used for each kind of statement.
 #[derive(Clone, Copy, Default, Debug)]
 struct Next {
     marker: u32,
@@ -120,7 +120,7 @@ impl Writer<'_> {
         id
     }
 
-    /// Returns a function that has these values at the times 0, 1, 2 ...
+    /// Returns a function with these values at the times 0, 1, 2 ...
     fn over_time(&mut self, values: &[f64]) -> String {
         let same = values.iter().all(|v| *v == values[0]);
         if same {
@@ -257,7 +257,7 @@ impl Writer<'_> {
         format!("BUSHING/{id}")
     }
 
-    /// Returns preload and stiffness of every linear axis; an axis that was not moved gets the stiffness of the others.
+    /// Returns preload and stiffness of every linear axis. An axis without motion gets the stiffness of the other axes.
     fn numbers(&self, law: &Law) -> ([(f64, f64); 3], [(f64, f64); 3]) {
         let units = &self.record.units;
         let plain = DEFAULT_STIFFNESS_N_PER_MM * 1e3 * units.length.si / units.force.si;
@@ -284,7 +284,7 @@ impl Writer<'_> {
         (fill(&law.force, plain), fill(&law.torque, plain_torsion))
     }
 
-    /// Writes a bushing with curves: a GFORCE in J axes, whose functions are those of the laws.
+    /// Writes a bushing with curves as a GFORCE in J axes, whose functions are the laws of the bushing.
     fn curved(&mut self, name: &str, i: (usize, &Pose), j: (usize, &Pose), law: &Law) -> String {
         let at_i = self.marker(i.0, &format!("{name}_i"), i.1);
         let at_j = self.marker(j.0, &format!("{name}_j"), j.1);
@@ -306,7 +306,7 @@ impl Writer<'_> {
                 (AxisLaw::Odd { preload, points }, Some(pair)) => {
                     let [p, q] = pair.map(|axis| measure('D', axis));
                     let id = self.spline(&both_sides(points));
-                    // The small number keeps the quotient defined at r = 0, and changes it by less than round-off elsewhere.
+                    // The small number avoids a division by zero at r = 0. Elsewhere its effect is below round-off.
                     let r = format!("SQRT({p}**2+{q}**2+1.0E-18)");
                     format!("{}-AKISPL({r},0,{id})*{d}/{r}", number(*preload))
                 }

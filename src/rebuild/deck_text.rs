@@ -1,12 +1,12 @@
-//! Numbers, names and functions as the text of a deck has them.
+//! Numbers, names and functions in the text form of a deck.
 
-/// Returns a number as a deck has it: all digits, and a point or an exponent.
+/// Formats a number for a deck, with all digits and with a point or an exponent.
 pub(crate) fn number(value: f64) -> String {
     let plain = format!("{value:?}");
     plain.replace('e', "E")
 }
 
-/// Returns the numbers of a list, separated by commas, in lines of at most 80 columns.
+/// Formats the numbers of a list, separated by commas, in lines of at most 80 columns.
 pub(crate) fn list(values: impl Iterator<Item = f64>) -> String {
     let mut text = String::new();
     let mut width = 0;
@@ -36,7 +36,7 @@ pub(crate) fn named(name: &str) -> String {
     )
 }
 
-/// Returns a function expression in lines of at most 80 columns; the comma that continues a line is no part of it.
+/// Breaks a function expression into lines of at most 80 columns. The comma that continues a line is not part of the expression.
 pub(crate) fn broken(expression: &str) -> String {
     let mut text = String::new();
     let mut width = 14;
@@ -63,7 +63,7 @@ pub(crate) fn identifier(name: &str) -> String {
     name.chars().map(word).collect()
 }
 
-/// Returns a factor as it stands behind a sign.
+/// Formats a factor so that it can follow a sign.
 pub(crate) fn signed(value: f64) -> String {
     if value < 0.0 {
         format!("({})", number(value))

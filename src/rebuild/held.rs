@@ -5,9 +5,9 @@ use super::record::Record;
 use super::relation::Clusters;
 
 impl Mechanism {
-    /// Gives a rod between two ball joints the universal joint that keeps it from spinning, where its motion fits one.
+    /// Adds the universal joint that prevents a rod between two ball joints from spinning, if the motion of the rod is consistent with one.
     ///
-    /// A universal joint without torque shows in the motion only: its pins stay at right angles.
+    /// A universal joint without torque appears only in the motion: its pins remain at right angles.
     pub(crate) fn hold_rods(&mut self, record: &Record) {
         for body in 1..record.bodies.len() {
             let touches =
@@ -34,7 +34,7 @@ impl Mechanism {
         }
     }
 
-    /// Holds bodies that no element connects: those at rest to ground.
+    /// Fastens bodies that no element connects. Bodies at rest are fastened to ground.
     pub(crate) fn fasten(&mut self, clusters: &Clusters, record: &Record) {
         for body in &clusters.members[0][1..] {
             let held = self
@@ -51,7 +51,7 @@ impl Mechanism {
         self.rigid.dedup();
     }
 
-    /// Prescribes the motion of sliding parts that only given loads hold: their place is an input of the test, not an answer.
+    /// Prescribes the motion of sliding parts that are held only by given loads. Their position is an input of the test, not a result.
     pub(crate) fn prescribe(&mut self, clusters: &Clusters, record: &Record) {
         let mut motions = Vec::new();
         for member in &self.members {

@@ -11,7 +11,7 @@ use super::relation::Relation;
 /// A joint of the deck.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Joint {
-    /// Keyword of its kind, for example `REVOLUTE`.
+    /// Keyword of the type of joint, for example `REVOLUTE`.
     pub kind: &'static str,
     /// Frame of the I marker on the I body.
     pub i: Pose,
@@ -31,7 +31,7 @@ pub(crate) fn frame_along(axis: &Vec3) -> Mat3 {
     Mat3::from_columns(&[x, z.cross(&x), z])
 }
 
-/// Finds the joint between two bodies from their relative motion and from the torque that it carries. `None` if neither fits a joint.
+/// Finds the joint between two bodies from their relative motion and from the torque that it carries. `None` if neither is consistent with a joint.
 pub(crate) fn joint(
     record: &Record,
     element: &Element,
@@ -41,7 +41,7 @@ pub(crate) fn joint(
 ) -> Option<Joint> {
     let code = joint_code(&element.name);
     let first = |body: usize| record.bodies[body].poses[0];
-    // A frame on the I body, and the same frame on the J body in the first state.
+    // The frame on the J body coincides with the frame on the I body in the first state.
     let both = |kind, p_i: Vec3, R_i: Mat3, p_j: Vec3| {
         let back = first(j).R.transpose() * first(i).R;
         Some(Joint {
@@ -124,8 +124,8 @@ pub(crate) fn joint(
     }
 }
 
-/// Finds the two pins of a universal joint. Each is a direction of its body across which the torque always lies, and the pins stay
-/// at right angles. `None` without a torque or without such pins.
+/// Finds the two pins of a universal joint. Each pin is a direction on its body that is always normal to the torque, and the pins remain at right
+/// angles. `None` without a torque or without such pins.
 fn cross(element: &Element, i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3)> {
     let most = |values: &[Vec3]| values.iter().map(Vec3::norm).fold(0.0, f64::max);
     let (force, torque) = (most(&element.force), most(&element.torque));
@@ -144,7 +144,7 @@ fn cross(element: &Element, i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3)> {
         order.map(|k| eigen.eigenvectors.column(k).into_owned())
     };
     let (a, b) = (across(i), across(j));
-    // Two directions may be free of torque, where it never leaves one line: then their combinations are searched.
+    // If the torque has a constant direction on a body, two directions are normal to it. Their combinations are then searched.
     let mut best: Option<(f64, Vec3, Vec3)> = None;
     let angle = |k: usize| std::f64::consts::PI * k as f64 / 720.0;
     let mix = |pair: &[Vec3; 3], k: usize| {
@@ -181,7 +181,7 @@ fn cross(element: &Element, i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3)> {
     let found = best
         .filter(|(worst, ..)| *worst < 1e-6)
         .map(|(_, i, j)| (i, j));
-    // A direction that is unique needs no search over angles.
+    // A unique direction needs no search over angles.
     found.or_else(|| {
         let (pin_i, pin_j) = (a[0], b[0]);
         let right = i
@@ -193,10 +193,10 @@ fn cross(element: &Element, i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3)> {
     })
 }
 
-/// Finds two pins that stay at right angles in all states, one on each body: those of a universal joint that carries no torque. The last
-/// number is the largest cosine of their angle. `None` if no such pins exist.
+/// Finds two pins, one on each body, that remain at right angles in all states. They are the pins of a universal joint that carries no torque. The
+/// last number is the largest cosine of the angle between them. `None` if no such pins exist.
 ///
-/// Newton's method begins with pins along and between the axes of the frames.
+/// Newton's method starts with pins along the axes of the frames, and with pins between these axes.
 pub(crate) fn pins(i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3, f64)> {
     let relative: Vec<Mat3> = i
         .iter()
@@ -218,7 +218,7 @@ pub(crate) fn pins(i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3, f64)> {
     let mut best: Option<(Vec3, Vec3, f64)> = None;
     for start in &starts {
         for other in &starts {
-            // The J pin begins across the I pin.
+            // The initial J pin is normal to the I pin.
             let carried = relative[0] * start.column(2);
             let across = carried.cross(&other.column(2));
             if across.norm() < 0.1 {
@@ -269,9 +269,9 @@ pub(crate) fn pins(i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3, f64)> {
     best.filter(|(.., worst)| *worst < 1e-9)
 }
 
-/// Finds the axes of a constant-velocity joint on both bodies: its shafts along z, so that xi.yj = yi.xj in every state.
+/// Finds the axes of a constant-velocity joint on both bodies. Its shafts are along z, so that xi.yj = yi.xj in every state.
 ///
-/// The search begins with shafts along axes of the bodies' own frames and goes on with Newton's method. `None` if no such axes exist.
+/// The search starts with shafts along the axes of the bodies' own frames, and continues with Newton's method. `None` if no such axes exist.
 fn convel(i: &[Pose], j: &[Pose]) -> Option<(Mat3, Mat3)> {
     let relative: Vec<Mat3> = i
         .iter()
@@ -294,9 +294,9 @@ fn convel(i: &[Pose], j: &[Pose]) -> Option<(Mat3, Mat3)> {
                 let start_i = frame_along(&Vec3::ith(a, 1.0));
                 let mut R_i = start_i;
                 let z_j = Vec3::ith(b, sign);
-                // The J frame is the I frame of the first state, bent over to its own shaft.
+                // The J frame is the I frame of the first state, tilted so that z is along its own shaft.
                 let carried = first * R_i;
-                // Shafts that point against each other make the equation hold for every twist.
+                // With shafts in opposite directions, the equation would hold for every twist.
                 if carried.column(2).dot(&z_j) < 0.5 {
                     continue;
                 }
@@ -340,7 +340,7 @@ fn convel(i: &[Pose], j: &[Pose]) -> Option<(Mat3, Mat3)> {
                 if worst(&R_i, &R_j) > 1e-9 {
                     continue;
                 }
-                // Several axes may fit the states; shafts lie along axes of their frames.
+                // Several axes may fit the states. Preferred are shafts along the axes of their frames.
                 let off = start_i.column(2).cross(&R_i.column(2)).norm()
                     + z_j.cross(&R_j.column(2)).norm();
                 if best.as_ref().is_none_or(|(least, ..)| off < *least) {

@@ -13,16 +13,16 @@ pub enum AxisLaw {
         /// Stiffness.
         stiffness: f64,
     },
-    /// F as a curve of d through these points, in increasing order of d.
+    /// F as a curve of d through these points, which are in increasing order of d.
     Curve(Vec<(f64, f64)>),
-    /// F = preload - X(r) d/r with r the radial deflection and X an odd curve through these points, from r = 0 on.
+    /// F = preload - X(r) d/r, where r is the radial deflection and X is an odd curve through these points, starting at r = 0.
     Odd {
         /// Force at d = 0.
         preload: f64,
         /// Points of the curve X, in increasing order of r, without the origin.
         points: Vec<(f64, f64)>,
     },
-    /// The axis did not move: the force is this constant, and the stiffness is not seen.
+    /// The axis did not move. The force is this constant, and the stiffness is unknown.
     Unseen(f64),
 }
 
@@ -31,14 +31,14 @@ pub enum AxisLaw {
 pub struct Law {
     /// Laws of FX, FY, FZ.
     pub force: [AxisLaw; 3],
-    /// Laws of TX, TY, TZ, of the angles AX, AY, AZ.
+    /// Laws of TX, TY, TZ as functions of the angles AX, AY, AZ.
     pub torque: [AxisLaw; 3],
     /// Axes whose curves share the radial deflection.
     pub coupled: Option<[usize; 2]>,
 }
 
 impl Law {
-    /// Returns true if every axis is linear or did not move: a BUSHING.
+    /// Returns true if every axis is linear or did not move. The element is then a BUSHING.
     pub fn is_linear(&self) -> bool {
         let mut all = self.force.iter().chain(&self.torque);
         all.all(|law| matches!(law, AxisLaw::Linear { .. } | AxisLaw::Unseen(_)))
@@ -46,8 +46,7 @@ impl Law {
 }
 
 impl AxisLaw {
-    /// Returns the linear law, or `None` where the force is not linear. `least` is the smallest range of deflections that counts as
-    /// motion.
+    /// Returns the linear law; `None` if the force is not linear. `least` is the smallest range of deflections that counts as motion.
     pub(crate) fn linear(d: &[f64], f: &[f64], least: f64) -> Option<Self> {
         let count = d.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
@@ -73,20 +72,20 @@ impl AxisLaw {
         (left <= room).then_some(Self::Linear { preload, stiffness })
     }
 
-    /// Returns the curve through the forces, one point for each deflection that was visited.
+    /// Returns the curve through the forces, with one point for each deflection in the states.
     pub(crate) fn curve(d: &[f64], f: &[f64]) -> Self {
         let points = d.iter().copied().zip(f.iter().copied()).collect();
         Self::Curve(thinned(points))
     }
 
-    /// Returns the odd law of an axis that moves alone, and what it leaves.
+    /// Returns the odd law of an axis without coupling, and its largest residual force.
     pub(crate) fn odd(d: &[f64], f: &[f64]) -> (Self, f64) {
         Self::radial(d, &vec![0.0; d.len()], f)
     }
 
-    /// Returns the law of an axis that shares its radial deflection with a partner, and the largest force it leaves.
+    /// Returns the law of an axis that shares its radial deflection with a partner, and its largest residual force.
     ///
-    /// A cubic spline with even knots and the preload are found together; the curve then gets one point per visited deflection.
+    /// A cubic spline with equally spaced knots is fitted together with the preload. The curve then gets one point per deflection in the states.
     pub(crate) fn radial(d: &[f64], partner: &[f64], f: &[f64]) -> (Self, f64) {
         let r: Vec<f64> = d
             .iter()
@@ -116,7 +115,7 @@ impl AxisLaw {
     }
 }
 
-/// Returns the values of the four uniform cubic B-splines that are not zero at `u` intervals from the start, with their numbers.
+/// Returns the values of the four uniform cubic B-splines that are nonzero at `u` intervals from the start, with their indices.
 fn splines(u: f64) -> [(usize, f64); 4] {
     let at = (u.floor().max(0.0) as usize).min(PRELOAD_SPLINE_INTERVALS - 1);
     let t = u - at as f64;
@@ -129,7 +128,7 @@ fn splines(u: f64) -> [(usize, f64); 4] {
     ]
 }
 
-/// Sorts points and joins those that lie closer than a thousandth of the range, which a curve could not separate.
+/// Sorts points, and merges points that are closer than a thousandth of the range, which a curve could not separate.
 pub(crate) fn thinned(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let range = match (points.first(), points.last()) {

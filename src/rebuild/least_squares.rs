@@ -1,19 +1,19 @@
 use nalgebra::{DMatrix, DVector};
 
-/// Answer of a linear least squares problem.
+/// Solution of a linear least-squares problem.
 #[derive(Clone, Debug)]
 pub(crate) struct Solution {
     /// Values of the unknowns.
     pub(crate) x: DVector<f64>,
-    /// For each unknown, how far the equations leave it open: 0 determined, 1 not at all.
+    /// Indeterminacy of each unknown: 0 if the equations determine it, 1 if they do not determine it at all.
     pub(crate) open: Vec<f64>,
-    /// Largest absolute value of what is left of an equation.
+    /// Largest absolute residual of the equations.
     pub(crate) left: f64,
 }
 
 /// Solves `A x = b` by least squares, for unknowns of different units.
 ///
-/// Columns are scaled to unit length first; the rest is as in [`solve`].
+/// Columns are first scaled to unit length. The solution then follows as in [`solve`].
 pub(crate) fn solve_scaled(
     A: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -40,8 +40,8 @@ pub(crate) fn solve_scaled(
     found
 }
 
-/// Solves `A x = b` by least squares, for unknowns of one unit. Combinations of unknowns that the equations leave open keep the value that
-/// `prior` gives them: those with a singular value below `smallest` of the largest.
+/// Solves `A x = b` by least squares, for unknowns of one unit. Combinations of unknowns that the equations do not determine keep their value in
+/// `prior`. These are combinations with a singular value below `smallest` times the largest singular value.
 pub(crate) fn solve(
     A: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -57,7 +57,7 @@ pub(crate) fn solve(
             left: right.amax(),
         };
     }
-    // The triangle of the QR decomposition has the same singular values and is small.
+    // The triangular factor of the QR decomposition has the same singular values, and is small.
     let mut wide = A.clone().insert_column(n, 0.0);
     wide.set_column(n, &right);
     if wide.nrows() < n + 1 {

@@ -1,16 +1,16 @@
-//! Decks out of results files: parts, joints, hardpoints, laws and masses from the poses and forces of static equilibria.
+//! Decks from results files: parts, joints, hardpoints, laws and masses from the poses and forces of static equilibria.
 //!
-//! [`Record::read`] reads the equilibria of one or several results files of one mechanism. [`mechanism`] finds what connects the parts:
+//! [`Record::read`] reads the equilibria of one or several results files of one mechanism. [`mechanism`] finds the connections of the parts:
 //!
-//! 1. Parts that never move against each other form one cluster. Two clusters whose relative motion has a fixed point, line or direction
+//! 1. Parts that never move relative to each other form one cluster. Two clusters whose relative motion has a fixed point, line or direction
 //!    may share a joint.
-//! 2. The forces on one part add up to its weight in every state. Signed sums of forces that stay constant are therefore the balances of
-//!    parts; their moments tell of which part.
-//! 3. The moments of all parts give the points at which forces act, and the mass centres. Joints, angles of bushings and the requests of
-//!    Adams/Car give the same points; what several of them tell is compared.
-//! 4. Forces against deflections give the laws of bushings and springs.
+//! 2. The forces on one part balance its weight in every state. Signed sums of forces that are constant are therefore the balances of parts.
+//!    The moments determine the part of each balance.
+//! 3. The moments of all parts determine the points at which forces act, and the mass centres. Joints, angles of bushings and the requests
+//!    of Adams/Car determine the same points; if there are several sources, they are compared.
+//! 4. Forces over deflections determine the laws of bushings and springs.
 //!
-//! What the results do not tell (inertias, damping, laws beyond the visited deflections) gets a plain default and is listed.
+//! The results do not determine inertias, damping, and laws beyond the deflections of the states. These get default values, which are listed.
 #![warn(unreachable_pub)]
 // The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

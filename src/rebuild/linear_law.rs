@@ -11,15 +11,15 @@ use super::settings::LINEAR_RELATIVE;
 pub(crate) struct ByLaw {
     /// The point, in the axes of the I body.
     pub(crate) point: Vec3,
-    /// How far the states leave it open: 0 determined, 1 open.
+    /// Indeterminacy of the point: 0 determined by the states, 1 undetermined.
     pub(crate) open: f64,
 }
 
-/// Finds the point of a linear bushing from its forces: only for the right point are they linear in its deflection.
+/// Finds the point of a linear bushing from its forces. Only for the correct point are the forces linear in the deflection.
 ///
-/// `axes` are the axes of the J marker on the J body, and `near` is a first guess. With y the place of the I body's origin in J axes, A the
-/// axes of the I body in J axes and u the point, axis k has the force c_k - K_k (y_k + a_k u), where a_k is row k of A. Newton's method
-/// finds c, K and u. `None` if no point makes the forces linear.
+/// `axes` are the axes of the J marker on the J body, and `near` is an initial guess. Let y be the position of the I body's origin in J axes, A the
+/// axes of the I body in J axes, and u the point. Then axis k has the force c_k - K_k (y_k + a_k u), where a_k is row k of A. Newton's method
+/// determines c, K and u. `None` if no point makes the forces linear.
 pub(crate) fn point_by_law(
     record: &Record,
     element: &Element,
@@ -48,13 +48,13 @@ pub(crate) fn point_by_law(
             .fold(0.0, f64::max)
     };
     let room = LINEAR_RELATIVE * range(&forces);
-    // Deflections are taken from the first state's, which keeps c small.
+    // Deflections are relative to the first state, so that c remains small.
     let mut u = *near;
     let mut stiffness = Vec3::zeros();
     let mut open = 1.0;
     let mut left = f64::INFINITY;
     for round in 0..25 {
-        // The stiffness that fits the present point best starts each round.
+        // Each iteration starts with the stiffness that best fits the current point.
         let deflection: Vec<Vec3> = (0..states)
             .map(|k| places[k] + turned[k] * u - places[0] - turned[0] * u)
             .collect();

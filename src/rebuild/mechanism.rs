@@ -14,37 +14,37 @@ use super::requests::markers;
 use super::settings::{CLOSURE_RELATIVE, LEVER_RELATIVE};
 use super::spring::{Spring, spring};
 
-/// A mechanism found in results: bodies with masses, and what connects them.
+/// A mechanism found in results: bodies with masses, and the elements that connect them.
 #[derive(Clone, Debug)]
 pub struct Mechanism {
     /// Bodies of the record with their masses, in the same order.
     pub bodies: Vec<Mass>,
     /// Elements with their bodies and laws.
     pub members: Vec<Member>,
-    /// Bodies held together although no element connects them: pairs of indices.
+    /// Bodies that are held together although no element connects them, as pairs of indices.
     pub rigid: Vec<(usize, usize)>,
-    /// Elements whose bodies are not found.
+    /// Elements whose bodies were not found.
     pub lost: Vec<usize>,
-    /// Elements that show no force in any state.
+    /// Elements without force in all states.
     pub idle: Vec<usize>,
-    /// Bodies that move without any force in the results.
+    /// Moving bodies without any force in the results.
     pub bare: Vec<usize>,
-    /// Direction of gravity; zero where no part shows a weight.
+    /// Direction of gravity; zero if no part has a weight.
     pub down: Vec3,
-    /// Size of the mechanism: largest distance of two parts.
+    /// Size of the mechanism: largest distance between two parts.
     pub size: f64,
-    /// Largest moment that is left on a body, over the largest force: a lever.
+    /// Largest residual moment on a body divided by the largest force, which is a lever.
     pub lever_left: f64,
 }
 
 /// Weight and mass centre of one body.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Mass {
-    /// Mass in the units of the results; zero where no weight is seen.
+    /// Mass in the units of the results; zero if the results show no weight.
     pub mass: f64,
     /// Mass centre in the axes of the body.
     pub centre: Vec3,
-    /// How far the moments leave the centre open: 0 determined, 1 open.
+    /// Indeterminacy of the centre: 0 determined by the moments, 1 undetermined.
     pub open: f64,
 }
 
@@ -53,13 +53,13 @@ pub struct Mass {
 pub struct Member {
     /// The element and its bodies.
     pub connection: Connection,
-    /// What it is.
+    /// Role of the element.
     pub role: Role,
-    /// How far the results leave its points open: 0 determined, 1 open.
+    /// Indeterminacy of the points of the element: 0 determined by the results, 1 undetermined.
     pub open: f64,
 }
 
-/// What an element does.
+/// Role of an element.
 #[derive(Clone, Debug)]
 #[allow(
     clippy::large_enum_variant,
@@ -68,7 +68,7 @@ pub struct Member {
 pub enum Role {
     /// A joint.
     Joint(Joint),
-    /// A motion: a distance along, or an angle about, the z axis of J, prescribed state by state.
+    /// A motion: a prescribed distance along the z axis of J, or a prescribed angle about it, with one value per state.
     Motion {
         /// Frame on the I body.
         i: Pose,
@@ -87,21 +87,21 @@ pub enum Role {
         j: Pose,
         /// Forces and torques in J axes.
         law: Law,
-        /// Deflections and angles that were visited.
+        /// Deflections and angles in the states.
         motion: Motion,
     },
     /// A force along a line.
     Spring(Spring),
-    /// A second constraint between parts that a FIXED joint holds together: the joint carries its action.
+    /// A second constraint between parts that a FIXED joint holds together. The joint carries its force.
     Carried,
-    /// A force that is given state by state, in ground axes, at a point of the I body.
+    /// A force with one given value per state, in ground axes, at a point of the I body.
     Load(Vec3),
 }
 
-/// Finds a mechanism. `Err` is a sentence that says what the results do not tell.
+/// Finds a mechanism. `Err` is a sentence that states what the results do not determine.
 ///
 /// # Errors
-/// When the forces of the results balance on no part.
+/// When no balance of the forces belongs to a part.
 pub fn mechanism(record: &Record) -> Result<Mechanism, String> {
     let size = size(record);
     let forces = Forces::sort(record);
@@ -117,11 +117,11 @@ pub fn mechanism(record: &Record) -> Result<Mechanism, String> {
         down: gravity.unwrap_or_else(|| -Vec3::z()),
     };
     if forces.largest == 0.0 {
-        let why = "no force acts in the results, and connections are found from forces";
+        let why = "the results contain no forces, and connections cannot be found without forces";
         return Err(why.to_string());
     }
     let assignment = assign(&known).ok_or(
-        "the forces of the results balance on no part: the file lacks the forces of some elements",
+        "the forces in the results do not balance on any part: the file lacks the forces of some elements",
     )?;
     let connections = connect(&known, &assignment);
     let mut builder = Builder {
@@ -170,7 +170,7 @@ pub fn mechanism(record: &Record) -> Result<Mechanism, String> {
     Ok(mechanism)
 }
 
-/// Work in progress on the numbers of a mechanism whose connections are known.
+/// Builder of the numerical values of a mechanism with known connections.
 struct Builder<'b> {
     record: &'b Record,
     known: &'b Known<'b>,
@@ -182,7 +182,7 @@ struct Builder<'b> {
 }
 
 impl Builder<'_> {
-    /// Sets the points that motions, requests and floating markers tell, and marks the others as open.
+    /// Sets the points that follow from motions, requests and floating markers, and marks the other points as undetermined.
     fn first_points(&mut self) {
         for connection in &self.connections.placed {
             let point = self.first_point(*connection);
@@ -231,7 +231,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Sets the points of linear bushings that the moments leave open, and that their laws tell. Returns true if there are any.
+    /// Sets the points of linear bushings that follow from their laws but not from the moments. Returns true if there are any.
     fn points_by_laws(&mut self, balanced: &Balanced) -> bool {
         let mut any = false;
         for (k, connection) in self.connections.placed.iter().enumerate() {
@@ -253,7 +253,7 @@ impl Builder<'_> {
         any
     }
 
-    /// Returns the origin of the J body on the I body if I is ground, so that the guess is not far from the mechanism.
+    /// Returns the origin of the J body in the frame of the I body if I is ground, so that the initial guess is near the mechanism.
     fn near(&self, i: usize, j: usize) -> Vec3 {
         if i == 0 {
             self.record.bodies[j].design.p
@@ -272,7 +272,7 @@ impl Builder<'_> {
         ))
     }
 
-    /// Returns the point of a body on which a floating marker rests: that of a vector force, which acts there.
+    /// Returns the point of a body at which a floating marker is fixed. It is the point where the vector force acts.
     fn floating(&self, element: usize, body: usize) -> Option<Vec3> {
         let name = &self.record.elements[element].name;
         let poses = &self.record.bodies[body].poses;
@@ -297,7 +297,7 @@ impl Builder<'_> {
         best.map(|(_, point)| point)
     }
 
-    /// Returns the forces on each body that has any: the body and its terms, by position among the points.
+    /// Returns the forces on each body with forces. Each entry holds the body and its terms, as indices of points.
     fn forces_on_bodies(&self) -> Vec<(usize, Vec<Term>)> {
         let mut bodies: Vec<(usize, Vec<Term>)> = Vec::new();
         let mut add = |body: usize, point: usize, sign: f64| {
@@ -316,7 +316,7 @@ impl Builder<'_> {
         bodies
     }
 
-    /// Returns the weight of a body: the mean of what balances its forces.
+    /// Returns the weight of a body: the mean over all states of the force that balances its other forces.
     fn weight(&self, body: usize) -> Vec3 {
         let states = self.record.states();
         let mut sum = Vec3::zeros();
@@ -383,7 +383,7 @@ impl Builder<'_> {
                     if found.kind == "CYLINDRICAL"
                         && !matches!(relation, Relation::Cylindrical { .. })
                     {
-                        // Without rotation the line of the joint is that through the point at which it acts.
+                        // Without rotation, the axis of the joint passes through the point at which the joint acts.
                         let at = self.record.bodies[i].poses[0].point(&point);
                         found.i.p = point;
                         found.j.p = self.record.bodies[j].poses[0].inverse().point(&at);
@@ -460,7 +460,7 @@ impl Builder<'_> {
         (role, open)
     }
 
-    /// Finds the frames and values of a motion from the direction of its force or torque, which keeps its direction on the J body.
+    /// Finds the frames and values of a motion from its force or torque, whose direction is constant on the J body.
     fn motion(&self, connection: Connection, point: &Vec3) -> Option<Role> {
         let Connection { element, i, j } = connection;
         let object = &self.record.elements[element];
@@ -498,7 +498,7 @@ impl Builder<'_> {
     }
 }
 
-/// Returns the place of I along the z axis of J, or the angle of I about it, in every state.
+/// Returns, for every state, the position of I along the z axis of J, or the angle of I about this axis.
 pub(crate) fn motion_values(
     record: &Record,
     i: (usize, &Pose),
@@ -520,7 +520,7 @@ pub(crate) fn motion_values(
 }
 
 impl Mechanism {
-    /// Takes prescribed motions from the poses of a record with other states of the same mechanism.
+    /// Sets the prescribed motions from the poses of another record of the same mechanism.
     pub(crate) fn take_motions(&mut self, record: &Record) {
         for member in &mut self.members {
             let Connection {
@@ -538,7 +538,7 @@ impl Mechanism {
         }
     }
 
-    /// Returns true if the moments of all bodies are balanced by the points that were found.
+    /// Returns true if the moments of all bodies balance with the points that were found.
     pub fn is_balanced(&self) -> bool {
         self.lever_left <= LEVER_RELATIVE * self.size
     }

@@ -9,14 +9,14 @@ use super::settings::DETERMINED_RELATIVE;
 /// A force on a body: the element and the sign of its action, 1 on its I part and -1 on its J part.
 pub(crate) type Term = (usize, f64);
 
-/// What is left of the moments on one body.
+/// Result of a fit to the moments on one body.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
-    /// Largest moment that is left, over the largest force: a lever.
+    /// Largest residual moment divided by the largest force, which is a lever.
     pub(crate) lever: f64,
 }
 
-/// Returns the states that the search uses: evenly spread, at most `most`.
+/// Returns the states that the search uses: at most `most`, evenly spaced.
 pub(crate) fn spread(states: usize, most: usize) -> Vec<usize> {
     let count = states.min(most);
     (0..count)
@@ -24,12 +24,13 @@ pub(crate) fn spread(states: usize, most: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Returns the moment about a point, per component of the point's coordinates in the body: `x * F` with x = p + R u is linear in u.
+/// Returns the derivative of the moment with respect to the coordinates u of the point in the body. The moment `x * F` with x = p + R u is linear in
+/// u.
 fn lever_columns(pose: &Pose, force: &Vec3) -> nalgebra::Matrix3<f64> {
     -skew(force) * pose.R
 }
 
-/// Balances the moments of forces on one body, each at an unknown point of a body: `on` names the body of each point, the I part.
+/// Balances the moments of forces on one body. Each force acts at an unknown point. `on` holds the body of each point, which is the I part.
 pub(crate) fn fit_body(
     record: &Record,
     body: usize,
@@ -78,24 +79,24 @@ pub(crate) fn fit_body(
     }
 }
 
-/// Point at which an element acts on its I part: known, or to be found.
+/// Point at which an element acts on its I part.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Point {
-    /// In the axes of the I body.
+    /// Known point, in the axes of the I body.
     Known(Vec3),
-    /// To be found near this place, in the axes of the I body.
+    /// Unknown point near this position, in the axes of the I body.
     Near(Vec3),
 }
 
-/// Forces on all bodies, for the moments of all of them at once.
+/// Forces on all bodies, for a joint balance of all moments.
 pub(crate) struct Whole<'a> {
     /// The states.
     pub(crate) record: &'a Record,
-    /// For each element that acts: its I body and its point on it.
+    /// I body of each element with a force or torque, and the point on this body.
     pub(crate) points: &'a [(usize, usize, Point)],
-    /// For each body (not ground): forces on it, by position in `points`.
+    /// Forces on each body other than ground, as indices into `points`.
     pub(crate) bodies: &'a [(usize, Vec<Term>)],
-    /// For each of these bodies, its weight and a first guess of its mass centre in its own axes.
+    /// Weight of each of these bodies, and an initial guess of its mass centre in its own axes.
     pub(crate) weights: &'a [(Vec3, Vec3)],
 }
 
@@ -104,13 +105,13 @@ pub(crate) struct Whole<'a> {
 pub(crate) struct Balanced {
     /// Points of the elements, in the axes of their I bodies.
     pub(crate) points: Vec<Vec3>,
-    /// For each point, how far the moments leave it open: 0 determined, 1 open.
+    /// Indeterminacy of each point: 0 determined by the moments, 1 undetermined.
     pub(crate) points_open: Vec<f64>,
     /// Mass centres, in the axes of the bodies.
     pub(crate) centres: Vec<Vec3>,
-    /// For each mass centre, how far the moments leave it open.
+    /// Indeterminacy of each mass centre, as for the points.
     pub(crate) centres_open: Vec<f64>,
-    /// Largest moment left.
+    /// Largest residual moment.
     pub(crate) left: f64,
 }
 

@@ -1,7 +1,7 @@
-//! What names and round numbers tell. They decide only between connections that the forces and motions allow alike.
+//! Information from names and round numbers. It decides only between connections that are equally consistent with the forces and motions.
 
-/// Kind of joint that a name of Adams/Car carries: `jolrev_wheel_bearing` is a revolute joint on the left side.
-/// Source: Adams/Car help, "Naming conventions of entities": two letters of the type, one of the side, then for joints three of the kind.
+/// Returns the kind of joint in a name of Adams/Car; for example, `jolrev_wheel_bearing` is a revolute joint on the left side. Source: Adams/Car
+/// help, "Naming conventions of entities": two letters of the type, one of the side, then for joints three of the kind.
 pub(crate) fn joint_code(name: &str) -> Option<&'static str> {
     let last = name.rsplit('.').next()?;
     let (code, _) = last.split_once('_')?;
@@ -14,7 +14,7 @@ pub(crate) fn joint_code(name: &str) -> Option<&'static str> {
     known.into_iter().find(|kind| code.ends_with(kind))
 }
 
-/// Side of the car that a name of Adams/Car carries in the third letter of its last piece: `l` or `r`; `None` for others.
+/// Returns the side of the car in a name of Adams/Car, which is the third letter of its last component: `l` or `r`; `None` for other names.
 fn side(name: &str) -> Option<char> {
     let letter = |piece: &str| {
         let (code, _) = piece.split_once('_')?;
@@ -24,7 +24,7 @@ fn side(name: &str) -> Option<char> {
     name.rsplit('.').find_map(letter)
 }
 
-/// Words of a name without its codes and short pieces.
+/// Returns the words of a name without its codes and short components.
 fn words(name: &str) -> impl Iterator<Item = String> + '_ {
     let pieces = name.split(['.', '_', ' ', '-']);
     pieces
@@ -32,7 +32,7 @@ fn words(name: &str) -> impl Iterator<Item = String> + '_ {
         .map(str::to_ascii_lowercase)
 }
 
-/// Returns how much the name of an element speaks for a part: words in common, the same submodel, the same side.
+/// Returns the agreement between the name of an element and the name of a part: common words, the same submodel, the same side.
 pub(crate) fn affinity(element: &str, part: &str) -> f64 {
     let common = words(element)
         .filter(|word| words(part).any(|other| other == *word))
@@ -44,13 +44,13 @@ pub(crate) fn affinity(element: &str, part: &str) -> f64 {
         (Some(_), Some(_)) => -2.0,
         _ => 0.0,
     };
-    // A submodel's name is among the words already; as a whole it counts for half a word.
+    // The name of the submodel is already one of the words. As a whole, it counts as half a word.
     let in_model = submodel(element).filter(|_| same_model);
     let repeated = in_model.map_or(0, |model| words(&model).count());
     (common - repeated.min(common)) as f64 + if same_model { 0.5 } else { 0.0 } + sides
 }
 
-/// Returns the number of digits after the point that a number needs, up to seven.
+/// Returns the number of decimals of a number, at most seven.
 pub(crate) fn digits(number: f64) -> u8 {
     let mut scaled = number;
     for count in 0..7 {

@@ -14,13 +14,13 @@ use super::study::study_files;
 /// A mechanism rebuilt from results, as files.
 #[derive(Clone, Debug)]
 pub struct Rebuilt {
-    /// The results.
+    /// Record of the results.
     pub record: Record,
-    /// What was found in them.
+    /// Mechanism found in the results.
     pub mechanism: Mechanism,
-    /// The deck.
+    /// Deck of the mechanism.
     pub deck: Deck,
-    /// How well the deck repeats the results.
+    /// Agreement of the deck with the results.
     pub repeat: Repeat,
     /// Files of the study folder: name and text.
     pub files: Vec<(String, String)>,
@@ -28,7 +28,8 @@ pub struct Rebuilt {
 
 /// Rebuilds a deck and a study from results files of one mechanism.
 ///
-/// The files `tests` do not enter the deck: their loads are applied to it, and their poses compared with its own. The value is `None` where the files do not tell a mechanism; the diagnostics then have an error with its place.
+/// The files `tests` do not contribute to the deck. Their loads are applied to it, and the resulting poses are compared with the poses in the files.
+/// The value is `None` if no mechanism can be found in the files; the diagnostics then contain an error with its place.
 pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     let all: Vec<&Path> = paths.iter().chain(tests).copied().collect();
     let read = Record::read(&all);
@@ -68,7 +69,7 @@ pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     if !found.lost.is_empty() {
         let lost = names(&found.lost, &|k| record.elements[k].name.clone());
         let message =
-            format!("the parts of {lost} are not found, and the deck lacks these elements");
+            format!("the parts of {lost} were not found, so the deck omits these elements");
         let help = "add results of other tests, in which their forces differ";
         diagnostics.push(located(
             Diagnostic::warning(Code::MissingColumn, message).help(help),
@@ -84,7 +85,7 @@ pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     }
     if !found.is_balanced() {
         let message = format!(
-            "the moments of the parts balance to a lever of {:.1e} {} only: a force is missing or acts elsewhere",
+            "the moments of the parts balance only to a lever of {:.1e} {}: a force is missing or acts elsewhere",
             found.lever_left, record.units.length.word
         );
         diagnostics.push(located(Diagnostic::warning(Code::MissingColumn, message)));

@@ -11,7 +11,7 @@ use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Un
 /// Equilibria of one mechanism, from one or several results files.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// Files, each with the states that came from it.
+    /// Files, each with its states.
     pub runs: Vec<Run>,
     /// Bodies; the first is ground.
     pub bodies: Vec<Body>,
@@ -19,7 +19,7 @@ pub struct Record {
     pub elements: Vec<Element>,
     /// Components of requests, by the name of the request and of the component; one value per state.
     pub requests: BTreeMap<String, BTreeMap<String, Vec<f64>>>,
-    /// Floating markers: the place where a vector force acts on its J part.
+    /// Floating markers: the points at which vector forces act on their J parts.
     pub floating: Vec<FloatingMarker>,
     /// Units of the results.
     pub units: Units,
@@ -29,14 +29,14 @@ pub struct Record {
     pub has_design: bool,
 }
 
-/// States that came from one file.
+/// States from one file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Run {
     /// Name of the file, without folder and extension.
     pub name: String,
     /// Indices of its states.
     pub states: Range<usize>,
-    /// Time of each state, as the file has it.
+    /// Time of each state, as in the file.
     pub times: Vec<f64>,
 }
 
@@ -68,7 +68,7 @@ pub struct Element {
     pub angles: Option<Vec<Vec3>>,
 }
 
-/// The floating marker of a vector force.
+/// Floating marker of a vector force.
 #[derive(Clone, Debug)]
 pub struct FloatingMarker {
     /// Full name: `part.marker`.
@@ -83,7 +83,7 @@ impl Record {
         self.bodies.first().map_or(0, |ground| ground.poses.len())
     }
 
-    /// Returns the record of the first `count` files only.
+    /// Returns the record of only the first `count` files.
     pub(crate) fn first_runs(&self, count: usize) -> Self {
         let runs = self.runs[..count.min(self.runs.len())].to_vec();
         let states = runs.last().map_or(0, |run| run.states.end);
@@ -110,9 +110,9 @@ impl Record {
         record
     }
 
-    /// Reads the equilibria of all files. Objects that a later file lacks are left out and named.
+    /// Reads the equilibria of all files. Objects that are missing in a later file are left out and reported.
     ///
-    /// An answer without bodies has errors among its diagnostics.
+    /// If the value has no bodies, the diagnostics contain errors.
     pub fn read(paths: &[&Path]) -> Checked<Self> {
         let mut diagnostics = Vec::new();
         let mut tables = Vec::new();
@@ -276,7 +276,7 @@ fn full_name(entity: &Entity) -> &str {
     entity.entity.as_deref().unwrap_or(&entity.name)
 }
 
-/// The equilibria of one file.
+/// Equilibria of one file.
 struct Table {
     file: String,
     name: String,
@@ -336,14 +336,14 @@ impl Table {
         }
         diagnostics.extend(reader.diagnostics().iter().cloned());
         if other > 0 {
-            let message = format!("{other} steps that are no equilibria are left out");
+            let message = format!("{other} steps that are not equilibria are left out");
             diagnostics.push(*located(Diagnostic::note(Code::MissingColumn, message)));
         }
         table.complete().map_err(located)?;
         Ok(table)
     }
 
-    /// Checks that the file holds what a rebuild cannot do without.
+    /// Checks that the file contains everything that a rebuild requires.
     fn complete(&self) -> Result<(), Diagnostic> {
         let kinds = |wanted: &str| {
             let mut entities = self.catalogue.entities.iter();
@@ -378,7 +378,7 @@ impl Table {
         Ok(())
     }
 
-    /// Returns the entity of this file that belongs to an entity of another file.
+    /// Returns the entity of this file that corresponds to an entity of another file.
     fn same(&self, entity: &Entity) -> Option<&Entity> {
         let mut entities = self.catalogue.entities.iter();
         entities.find(|other| {
@@ -388,7 +388,7 @@ impl Table {
         })
     }
 
-    /// Returns the units of the file. The unit of force is that of its force columns.
+    /// Returns the units of the file. The force unit is the unit of its force columns.
     fn units(&self) -> Units {
         let find = |units: &[Unit], word: &str| {
             let mut all = units.iter();

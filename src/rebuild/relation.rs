@@ -6,14 +6,14 @@ use super::least_squares::solve;
 use super::record::Record;
 use super::settings::{CLOSURE_OF_MOTION, CLOSURE_RELATIVE, DETERMINED_RELATIVE, NO_ROTATION_RAD};
 
-/// How a body B moves against a body A over all states. Points and axes are in the axes of the body that the field names.
+/// Motion of a body B relative to a body A over all states. Points and axes are in the axes of the body that the field names.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Relation {
     /// No relative motion.
     Fixed,
     /// Rotation about one line.
     Revolute {
-        /// Point of the line on A; the point is the one nearest to the origin of A's frame along the line.
+        /// Point of the line on A: the point of the line nearest to the origin of A's frame.
         point_a: Vec3,
         /// The same point on B.
         point_b: Vec3,
@@ -51,7 +51,7 @@ pub enum Relation {
     Free,
 }
 
-/// Returns the size of the mechanism: the largest distance of the origins of the parts at design.
+/// Returns the size of the mechanism, which is the largest distance between the origins of two parts at design.
 pub(crate) fn size(record: &Record) -> f64 {
     let origins: Vec<Vec3> = record.bodies[1..]
         .iter()
@@ -66,7 +66,7 @@ pub(crate) fn size(record: &Record) -> f64 {
     if size > 0.0 { size } else { 1.0 }
 }
 
-/// Finds how B moves against A. `size` is the size of the mechanism.
+/// Finds the motion of B relative to A. `size` is the size of the mechanism.
 pub(crate) fn relation(a: &[Pose], b: &[Pose], size: f64) -> Relation {
     let relative: Vec<Pose> = a
         .iter()
@@ -83,7 +83,7 @@ pub(crate) fn relation(a: &[Pose], b: &[Pose], size: f64) -> Relation {
     let moves: Vec<Vec3> = relative.iter().map(|pose| pose.p - first.p).collect();
     let turn = turns.iter().map(Vec3::norm).fold(0.0, f64::max);
     let way = moves.iter().map(Vec3::norm).fold(0.0, f64::max);
-    // The distance by which a motion of this size may miss that of a joint.
+    // Size of the motion as a distance. The tolerance of a joint is a fraction of it.
     let reach = way + turn * size;
     let closure = (CLOSURE_RELATIVE * size).min(CLOSURE_OF_MOTION * reach);
     if turn <= NO_ROTATION_RAD {
@@ -129,7 +129,7 @@ pub(crate) fn relation(a: &[Pose], b: &[Pose], size: f64) -> Relation {
     Relation::Free
 }
 
-/// Returns the direction in which vectors differ most.
+/// Returns the direction in which the vectors differ most.
 fn principal(vectors: &[Vec3]) -> Vec3 {
     let mut spread = Mat3::zeros();
     for v in vectors {
@@ -140,14 +140,14 @@ fn principal(vectors: &[Vec3]) -> Vec3 {
         .eigenvectors
         .column(eigen.eigenvalues.imax())
         .into_owned();
-    // The sign is that of the largest component, so that equal mechanisms get equal axes.
+    // The largest component determines the sign, so that equal mechanisms get equal axes.
     if axis[axis.iamax()] < 0.0 {
         axis = -axis;
     }
     axis
 }
 
-/// Finds the point of B that rests on A. With an axis, only its motion across the axis counts. Returns the point on A and on B.
+/// Finds the point of B that is at rest relative to A. With an axis, only its motion normal to the axis counts. Returns the point on A and on B.
 fn fixed_point(relative: &[Pose], across: Option<Vec3>, closure: f64) -> Option<(Vec3, Vec3)> {
     let project = across.map_or_else(Mat3::identity, |n| Mat3::identity() - n * n.transpose());
     let count = relative.len() as f64;
@@ -177,17 +177,17 @@ fn fixed_point(relative: &[Pose], across: Option<Vec3>, closure: f64) -> Option<
     Some((mean_p + mean_R * point_b, point_b))
 }
 
-/// Bodies that never move against each other.
+/// Clusters of bodies that never move relative to each other.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Clusters {
-    /// For each body, its cluster.
+    /// Cluster of each body.
     pub(crate) of: Vec<usize>,
     /// Bodies of each cluster; the first cluster contains ground.
     pub(crate) members: Vec<Vec<usize>>,
 }
 
 impl Clusters {
-    /// Collects the bodies that never move against each other.
+    /// Finds the clusters of bodies that never move relative to each other.
     pub(crate) fn find(record: &Record, size: f64) -> Self {
         let mut members: Vec<Vec<usize>> = Vec::new();
         let mut of = Vec::new();
@@ -208,7 +208,7 @@ impl Clusters {
     }
 }
 
-/// Relations between all pairs of clusters, by the poses of their first bodies.
+/// Relations between all pairs of clusters, computed from the poses of their first bodies.
 #[derive(Clone, Debug)]
 pub(crate) struct Relations {
     count: usize,
@@ -231,7 +231,7 @@ impl Relations {
         Self { count, all }
     }
 
-    /// Returns how the second cluster moves against the first.
+    /// Returns the motion of the second cluster relative to the first.
     pub(crate) fn of(&self, a: usize, b: usize) -> Relation {
         self.all[a * self.count + b]
     }

@@ -6,12 +6,12 @@ use admire_syntax::text::Source;
 use super::deck::Deck;
 use super::record::Record;
 
-/// How well a deck repeats the states of a record.
+/// Agreement of a deck with the states of a record.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Repeat {
-    /// For each state, the largest distance of a part from its place in the results, in units of length; `None` without an equilibrium.
+    /// For each state, the largest distance of a part from its position in the results, in length units; `None` without an equilibrium.
     pub places: Vec<Option<f64>>,
-    /// For each state, the largest rotation of a part against the results, in radians.
+    /// For each state, the largest rotation of a part relative to its orientation in the results, in radians.
     pub turns_rad: Vec<Option<f64>>,
     /// Index of the body with the largest distance of all.
     pub worst: usize,
@@ -42,7 +42,7 @@ pub fn repeat(record: &Record, deck: &Deck) -> Repeat {
             ignored: &[],
         })
     };
-    // Parts come first in the results, six columns each behind the time.
+    // In the results, the parts come first, with six columns each after the time.
     let parts = record.bodies.len() - 1;
     let columns: Vec<usize> = (2..2 + 6 * parts).collect();
     let answer = run(&columns);

@@ -9,7 +9,7 @@ use super::mechanism::{Mechanism, Role};
 use super::record::Record;
 use super::repeat_states::Repeat;
 
-/// Writes the report of a rebuild, as Markdown: what was found, how well it repeats the results, and what the results do not tell.
+/// Writes the report of a rebuild as Markdown: the findings, the agreement with the results, and what the results do not determine.
 pub(crate) fn report(
     record: &Record,
     mechanism: &Mechanism,
@@ -198,17 +198,17 @@ fn laws(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String) 
 }
 
 fn unknown(record: &Record, mechanism: &Mechanism, text: &mut String) {
-    *text += "\n## What the results do not tell\n\n\
-        - Moments of inertia: all parts have the same plain number.\n\
+    *text += "\n## What the results do not determine\n\n\
+        - Moments of inertia: all parts have the same default value.\n\
         - Damping: none.\n\
-        - Laws beyond the deflections that were visited (the bands above): curves go on straight.\n";
+        - Laws beyond the deflections that were visited (the bands above): curves continue linearly.\n";
     if mechanism.down == Vec3::zeros() {
         *text += "- Gravity: no part shows a weight, so the deck has none.\n";
     } else {
         *text += "- Gravity: masses are weights over standard gravity, 9.80665 m/s^2.\n";
     }
     if !record.has_design {
-        *text += "- The design position: the file does not hold it, and the first state stands for it.\n";
+        *text += "- The design position: the file does not contain it, and the first state is used instead.\n";
     }
     let element = |k: &usize| record.elements[*k].name.as_str();
     let body = |k: &usize| record.bodies[*k].name.as_str();
@@ -231,7 +231,7 @@ fn unknown(record: &Record, mechanism: &Mechanism, text: &mut String) {
     );
     let held: Vec<&str> = mechanism.rigid.iter().map(|(a, _)| body(a)).collect();
     list(
-        "Parts that never move against another and are fixed to it",
+        "Parts that never move relative to another part and are fixed to it",
         held,
     );
     let open = mechanism
@@ -239,7 +239,7 @@ fn unknown(record: &Record, mechanism: &Mechanism, text: &mut String) {
         .iter()
         .filter(|member| member.open >= 1e-3);
     list(
-        "Points that the states determine in part only",
+        "Points that the states determine only in part",
         open.map(|m| element(&m.connection.element)).collect(),
     );
 }

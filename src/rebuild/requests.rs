@@ -6,7 +6,7 @@ use super::least_squares::solve;
 use super::record::{Element, Record};
 use super::settings::CLOSURE_RELATIVE;
 
-/// Markers of a bushing that requests of Adams/Car give: the deflection and the force in J axes, state by state.
+/// Markers of a bushing from requests of Adams/Car, which contain the deflection and the force in J axes, state by state.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct FromRequests {
     /// Point of I on its body.
@@ -17,7 +17,7 @@ pub(crate) struct FromRequests {
     pub(crate) axes_j: Mat3,
 }
 
-/// Returns a vector of a request whose components have the names `prefix` + x, y, z, before any suffix (`dx_rear`, `dy_rear` ...).
+/// Returns a vector of a request with the components `prefix` + x, y, z, before any suffix (`dx_rear`, `dy_rear` ...).
 fn vector(record: &Record, request: &str, prefix: char) -> Option<Vec<Vec3>> {
     let components = record.requests.get(request)?;
     let column = |axis: char| {
@@ -34,8 +34,8 @@ fn vector(record: &Record, request: &str, prefix: char) -> Option<Vec<Vec3>> {
     Some(rows.map(|((x, y), z)| Vec3::new(*x, *y, *z)).collect())
 }
 
-/// Finds the markers of a bushing from its requests `NAME_disp` and `NAME_force`, which Adams/Car writes for each. `None` if they are not
-/// there or do not belong to these two bodies.
+/// Finds the markers of a bushing from its requests `NAME_disp` and `NAME_force`, which Adams/Car writes for each bushing. `None` if the requests are
+/// missing, or if they do not belong to these two bodies.
 pub(crate) fn markers(
     record: &Record,
     element: &Element,
@@ -48,7 +48,7 @@ pub(crate) fn markers(
     let deflection = vector(record, &format!("{base}_disp"), 'd')?;
     let force = vector(record, &format!("{base}_force"), 'f')?;
     let (a, b) = (&record.bodies[i].poses, &record.bodies[j].poses);
-    // J axes: the rotation between the force in the axes of the J body and in J axes (Kabsch, 1976).
+    // The J axes follow from the rotation between the force in the axes of the J body and the force in J axes (Kabsch, 1976).
     let in_body: Vec<Vec3> = b
         .iter()
         .zip(&element.force)

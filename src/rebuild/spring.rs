@@ -7,22 +7,22 @@ use super::least_squares::solve;
 use super::record::{Element, Record};
 use super::settings::{CLOSURE_RELATIVE, NO_FORCE_RELATIVE};
 
-/// A force along the line of two points.
+/// A force along the line through two points.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Spring {
     /// Point on the I body, in its axes.
     pub i: Vec3,
     /// Point on the J body, in its axes.
     pub j: Vec3,
-    /// Force as a function of the length; positive pushes the points apart.
+    /// Force as a function of the length. A positive force pushes the points apart.
     pub law: AxisLaw,
-    /// Smallest and largest length that was visited.
+    /// Smallest and largest length in the states.
     pub visited: (f64, f64),
-    /// True if the results leave the place of a point along the line open.
+    /// True if the results do not determine the position of a point along the line.
     pub open: bool,
 }
 
-/// Returns true if a force keeps its direction in ground axes.
+/// Returns true if the direction of a force is constant in ground axes.
 pub(crate) fn keeps_direction(element: &Element) -> bool {
     let most = element.force.iter().map(Vec3::norm).fold(0.0, f64::max);
     let acting = || element.force.iter().filter(|f| f.norm() > 1e-6 * most);
@@ -33,9 +33,9 @@ pub(crate) fn keeps_direction(element: &Element) -> bool {
     acting().all(|f| (f - axis * axis.dot(f)).norm() <= 1e-9 * f.norm())
 }
 
-/// Finds the spring between two bodies: points whose line the force follows, and a force that is a function of their distance.
+/// Finds the spring between two bodies. The force must be along the line through two points, and must be a function of the distance between them.
 ///
-/// `near` is the point on the I body that the moments give, and how far they leave it open. `None` if no such points exist.
+/// `near` is the point on the I body from the moments, and its indeterminacy. `None` if no such points exist.
 pub(crate) fn spring(
     record: &Record,
     element: &Element,

@@ -71,7 +71,7 @@ pub(crate) fn study_files(
     }
     let mut study = format!(
         "# Made from results by `admire rebuild`. Every state of the results is a load case; the marks are the poses of the results.\n\
-         # They carry no noise: sigma is what a coordinate measuring machine would leave.\n\
+         # They have no noise: sigma is that of a coordinate measuring machine.\n\
          [model]\ndeck = \"{name}\"\n\n[loads]\nfile = \"load_cases.csv\"\n\n[loads.columns]\n"
     );
     for drive in &deck.drives {
@@ -86,7 +86,7 @@ pub(crate) fn study_files(
     ]
 }
 
-/// Returns a label for each state: its number, behind the name of its file if there are several.
+/// Returns a label for each state: its number, preceded by the name of its file if there are several files.
 fn cases(record: &Record) -> Vec<String> {
     let several = record.runs.len() > 1;
     let mut cases = Vec::new();

@@ -22,7 +22,7 @@ fn main() {
     println!("cargo:rustc-env=ADMIRE_COMMIT={commit}");
 }
 
-/// Returns the abbreviated commit of this folder, marked if files have changed since the commit. Returns `None` outside a clone.
+/// Returns the abbreviated commit of this folder, with a mark if files have changed since this commit. Returns `None` outside a clone.
 fn commit() -> Option<String> {
     let text = git(&[
         "describe",

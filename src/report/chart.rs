@@ -21,7 +21,7 @@ pub struct Chart {
     pub log_y: bool,
     /// Position of a horizontal reference line on the y axis.
     pub level: Option<f64>,
-    /// Values that the y axis covers besides those of the series, as for a scale shared with other charts.
+    /// Values that the y axis covers in addition to those of the series, for a scale shared with other charts.
     pub reach: Option<[f64; 2]>,
 }
 
@@ -31,11 +31,11 @@ const SIZE: (f64, f64) = (560.0, 330.0);
 const ROOM: [f64; 4] = [66.0, 14.0, 10.0, 46.0];
 /// Number of colours in the style sheet; further series repeat the colours with dashes.
 const COLOURS: usize = 8;
-/// Largest ratio of the ranges of two charts that still share a scale. Beyond it the flatter chart would show nothing.
+/// Largest ratio of the ranges of two charts that still share a scale. At a larger ratio, the curves of one chart would look flat.
 const MAX_RATIO: f64 = 8.0;
 
 impl Chart {
-    /// Gives charts with equal y labels one scale, unless one of them would then be flat.
+    /// Sets a common scale for charts with equal y labels, unless the curves of one of them would then look flat.
     pub(crate) fn equalise(charts: &mut [Self]) {
         let ranges: Vec<Option<[f64; 2]>> = charts.iter().map(Self::range).collect();
         let scales: Vec<Option<[f64; 2]>> = charts
@@ -57,7 +57,7 @@ impl Chart {
         }
     }
 
-    /// Returns the least and the largest y value. `None` without values.
+    /// Returns the smallest and the largest y value; `None` without values.
     fn range(&self) -> Option<[f64; 2]> {
         let all = self.series.iter().flat_map(|series| &series.points);
         let all = all.map(|point| point.1).filter(|y| y.is_finite());
@@ -306,7 +306,7 @@ mod tests {
         assert_eq!(drawn(vec![was, read]), 1);
     }
 
-    /// Toe over two loads is drawn to one scale, as long as both can be seen.
+    /// Charts of toe over two loads have the same scale, as long as the curves of both are visible.
     #[test]
     fn charts_of_one_quantity_share_their_scale() {
         let of = |most: f64| Chart {

@@ -130,19 +130,19 @@ impl DiagnosisReport<'_> {
         page.detail("Noise and tolerances");
         page.table(&self.tolerances());
         page.note(
-            "Standard deviations that the readings ask for, as far as they see them, beside what is usual. A cause is a member of a group \
-             that stands out of its group.",
+            "Standard deviations estimated from the readings, beside the usual ones. A cause is a member of a group that stands out from \
+             its group.",
         );
         if !diagnosis.detection_limits.is_empty() {
             page.detail("What cannot be seen");
             page.table(&limits::of_points(diagnosis, &scene));
             page.note(
-                "How far off, in mm, a point of the car has to be along each axis of ground to be named with even odds among tolerances of \
-                 the size above; empty where the readings do not see it.",
+                "Smallest error of a point of the car, in mm along each axis of ground, that would be named with even odds among \
+                 tolerances of the sizes above; empty if the readings cannot detect it.",
             );
             page.table(&limits::of_causes(diagnosis, self.loaded, &scene));
             page.note(
-                "How large each other cause has to be, to first order, at the places where it is seen best and worst; and at how many places it is not seen. diagnosis.json lists all places, couplings and higher terms.",
+                "Size of each other cause that would be detected, to first order, at the places where it is detected best and worst; and the number of places where it is not detected. diagnosis.json lists all places, couplings and higher terms.",
             );
         }
         page.detail("Tests of structure");
@@ -212,8 +212,8 @@ impl DiagnosisReport<'_> {
         if let Some(found) = &self.outcome.diagnosis.unexplained.remainder {
             figures.push(Figure::chart(
                 &remainder(found),
-                "An extra force at one place, a smooth function of one coordinate, that takes up most of what no cause explains; with twice its \
-                 standard error. It shows where to look and is no law.",
+                "An extra force at one place, a smooth function of one coordinate, that describes most of what no cause explains; with twice its \
+                 standard error. It shows where to look; it is not a law.",
             )?);
         }
         page.figures(&figures);

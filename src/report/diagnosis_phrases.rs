@@ -1,4 +1,4 @@
-//! Phrases that the sentences of a diagnosis are made of.
+//! Phrases for the sentences of a diagnosis.
 
 use admire_diagnosis::{CandidateEffect, ChannelMiss, NextMeasurement, SolverDifference};
 use admire_syntax::text::Decimals;
@@ -49,7 +49,7 @@ pub(super) fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> Str
     }
 }
 
-/// Returns what to measure next and why: a load case, or an instrument if no load separates the causes.
+/// Describes the next measurement and its reason: a load case, or an instrument if no load separates the causes.
 pub(super) fn next_text(next: &NextMeasurement) -> String {
     if let Some(instrument) = &next.instead {
         return format!("{instrument}; {}", next.why);
@@ -72,7 +72,7 @@ pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
     let decimals = Decimals::of_error(miss.noise);
     let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.format(x));
     format!(
-        "Channel {} is missed by {before}{unit} rms as the model was and by {after}{unit} as it is extended, where its noise is {noise}{unit}.",
+        "Channel {} is missed by {before}{unit} rms by the original model and by {after}{unit} by the extended one; its noise is {noise}{unit}.",
         miss.name,
         unit = miss.behind
     )

@@ -58,7 +58,7 @@ fn verdict(outcome: &Outcome<'_>) -> String {
     text
 }
 
-/// Returns a finding with its probability, its rivals and its sizes.
+/// Describes a finding with its probability, its rivals and its parameters.
 fn item(finding: &Finding, loaded: &LoadedStudy) -> String {
     let minor = if finding.minor { " (minor)" } else { "" };
     let mut text = format!(
@@ -75,11 +75,11 @@ fn item(finding: &Finding, loaded: &LoadedStudy) -> String {
 }
 
 impl Text<'_> {
-    /// Returns the gain in the readings that were held out of the fits, in their units and in standard deviations of their noise.
+    /// Describes the gain in the readings that were held out of the fits, in their units and in standard deviations of their noise.
     fn held_out_gain(&self) -> String {
         let diagnosis = &self.outcome.diagnosis;
         if diagnosis.findings.is_empty() {
-            return "no cause was found that could gain something".to_string();
+            return "no cause was found, so there is no gain".to_string();
         }
         let (Some(unseen), Some(found)) = (&self.outcome.unseen, &diagnosis.hold_out) else {
             return "nothing was held out, so the gain is not known".to_string();
@@ -130,12 +130,12 @@ impl Text<'_> {
         format!("rms in {count} {what}{end}: {}", parts.join(", "))
     }
 
-    /// Returns what to do next.
+    /// Returns the recommended next step.
     fn next_step(&self, study: &str) -> String {
         self.next_steps(study).join("; ")
     }
 
-    /// Returns what to do next, step by step.
+    /// Returns the recommended next steps, in order.
     pub(super) fn next_steps(&self, study: &str) -> Vec<String> {
         let diagnosis = &self.outcome.diagnosis;
         if self.outcome.is_stopped() {
@@ -147,10 +147,10 @@ impl Text<'_> {
                 steps.push("nothing in the model needs to be changed".to_string());
             }
             (Verdict::Discrepancy, _) => {
-                steps.push("go on with extended.adm, which has these causes".to_string());
+                steps.push("continue with extended.adm, which contains these causes".to_string());
             }
             (Verdict::Unexplained, Some(remainder)) => steps.push(format!(
-                "look at {}, where an extra force takes up most of what remains",
+                "look at {}, where an extra force explains most of what remains",
                 remainder.address
             )),
             (Verdict::Unexplained, None) => {}
@@ -167,7 +167,7 @@ impl Text<'_> {
         steps
     }
 
-    /// Returns what the causes gain in the readings that no fit saw, one line for each kind of reading.
+    /// Returns the gains by the causes in the readings that no fit saw, one line for each kind of reading.
     pub(super) fn gains(&self) -> Vec<String> {
         let diagnosis = &self.outcome.diagnosis;
         if diagnosis.findings.is_empty() {

@@ -15,8 +15,8 @@ const RIVAL_PLACE_NATS: f64 = 5.0;
 /// Maximum number of failed tests of structure that are listed.
 const LISTED_TESTS: usize = 6;
 
-/// Returns the sentences of a diagnosis. They state what the model misses and where, which causes explain it, and what is gained on held-out
-/// cases. They also state how the wrong model biased the stiffnesses, and what remains unexplained.
+/// Returns the sentences of a diagnosis. They state the misfit of the model and its place, the causes that explain it, and the gain on held-out
+/// cases. They also state the bias of the stiffnesses in the wrong model, and the structure that remains unexplained.
 pub fn diagnosis_sentences(outcome: &Outcome<'_>) -> Vec<String> {
     Text { outcome }.sentences()
 }
@@ -29,7 +29,7 @@ pub(super) struct ChannelGain {
     pub(super) behind: String,
     /// Standard deviation of the noise of one reading.
     pub(super) sigma: f64,
-    /// Rms errors without causes and with those chosen, in the unit of the channel.
+    /// Rms errors without causes and with the chosen causes, in the unit of the channel.
     pub(super) rms: [f64; 2],
 }
 
@@ -115,7 +115,7 @@ impl Text<'_> {
         let left = findings.filter_map(|finding| {
             let force = finding.parameters.get(LAW_MISFIT)?;
             Some(format!(
-                "The law of {} {} is another one in detail: its force differs by {force:.3} rms from the one that was fitted.",
+                "The law of {} {} differs in detail: its force deviates by {force:.3} rms from the fitted one.",
                 finding.cause, finding.address
             ))
         });
@@ -298,7 +298,7 @@ impl Text<'_> {
         }
         if let Some(dof) = noise.dof {
             out.push(format!(
-                "The noise has heavy tails, like Student's t with {dof} degrees of freedom; far readings count less."
+                "The noise has heavy tails, like Student's t with {dof} degrees of freedom; distant readings have less weight."
             ));
         }
         out.extend(self.misplaced_in_words());
@@ -408,7 +408,7 @@ impl Text<'_> {
             )
         });
         Some(format!(
-            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it takes up {:.0} % of it{rival}.{predicts}",
+            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it explains {:.0} % of it{rival}.{predicts}",
             found.address,
             at(least),
             at(most),

@@ -56,7 +56,7 @@ fn positions(role: Role, model: &Model, fitted: &FittedModel) -> Positions {
     }
 }
 
-/// Returns wheel and sensor readings of a rig over each load, along the whole loop: by measurement, identified model and extended model.
+/// Returns wheel and sensor readings of a rig over each load, along the whole loop: as measured, and by the identified and the extended model.
 pub(super) fn runs(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Vec<LoadRun> {
     let of = |run: admire_diagnosis::WheelRun| LoadRun {
         what: run.what,
@@ -72,7 +72,7 @@ pub(super) fn runs(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Vec<LoadRun> 
     outcome.wheel_runs().into_iter().map(of).collect()
 }
 
-/// Describes in words how well the model fits, without and with causes.
+/// Describes how well the model fits the readings, without and with causes.
 pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let [before, after] =
         [&outcome.baseline, &outcome.extended].map(|fitted| fitted.posterior.chi_square_per_dof());
@@ -90,7 +90,7 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     )
 }
 
-/// Returns the answer of a diagnosis in a few sentences: the cause and its place, its rivals, and what it gains.
+/// Returns the answer of a diagnosis in a few sentences: the cause and its place, its rivals, and its gain.
 pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
     let diagnosis = &outcome.diagnosis;
     let stopped = if outcome.is_stopped() {
@@ -105,7 +105,7 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
         [] => {
             let answer = match diagnosis.verdict {
                 Verdict::Unexplained => {
-                    "The measurement holds something that the model does not have and that no known cause explains."
+                    "The measurement contains an effect that the model lacks and that no known cause explains."
                 }
                 Verdict::Consistent | Verdict::Discrepancy => {
                     "The model explains what was measured; nothing in it needs to be changed."
@@ -133,11 +133,11 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
         let rivals = finding.indistinguishable_from.iter();
         let rivals = rivals.map(|rival| at_place(rival.cause, &rival.address, scene));
         text += &format!(
-            " These readings do not tell {what} from {}.",
+            " These readings do not distinguish {what} from {}.",
             rivals.collect::<Vec<_>>().join(", or from ")
         );
     }
-    // The sentence is about all causes together. The gain of a finding is that of one cause beside the others.
+    // The sentence states the gain of all causes together. The gain of a finding is the gain of one cause, given the others.
     let after = main
         .first()
         .and_then(|finding| finding.gain.held_out_rms_after);
@@ -156,7 +156,7 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
             (true, _) => "curves that no fit saw",
         };
         text += &format!(
-            " With what was found the error on {what} {} times the noise of the readings.",
+            " With these findings, the error on {what} {} times the noise of the readings.",
             change(found.rms_before, found.rms_after)
         );
     }
@@ -166,7 +166,7 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
     text
 }
 
-/// Leaves out what a step says of chi-squares; the details have them.
+/// Removes the chi-squares from the text of a step. The details of the page contain them.
 fn without_statistics(text: &str) -> String {
     let mut out = text.to_string();
     for (start, end) in [(" (chi-square ", ")"), (": the chi-square is ", " at most")] {
@@ -185,7 +185,7 @@ pub(super) fn at_place(cause: Cause, address: &str, scene: &Scene) -> String {
     format!("{} at {}", words(cause), scene.named(address))
 }
 
-/// Returns the lines of what was found: causes, how sure they are, what they gain and what to do next.
+/// Returns the lines of the findings: the causes, their probabilities, their gain and the next step.
 pub(super) fn found_lines(
     loaded: &LoadedStudy,
     outcome: &Outcome<'_>,

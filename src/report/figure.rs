@@ -48,8 +48,8 @@ impl Figure {
         }
     }
 
-    /// Returns the `<figure>` element. A link contains the data, so that the page remains a single file. Legend and caption can be left out
-    /// where they stand beside the figure.
+    /// Returns the `<figure>` element. A link contains the data, so that the page remains a single file. Legend and caption can be left out if the
+    /// page shows them elsewhere.
     pub(super) fn html(&self, with_legend: bool, with_caption: bool) -> String {
         let legend = if with_legend {
             self.legend.html()

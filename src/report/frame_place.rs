@@ -1,4 +1,4 @@
-//! Check of whether the marks (measured points on parts) are given in the deck's frame.
+//! Check of the frame of the marks (measured points on parts): it must be the frame of the deck.
 
 use super::check::Verdict;
 use admire_identify::LoadedStudy;
@@ -32,7 +32,7 @@ pub(super) fn odd_frame(loaded: &LoadedStudy, predicted: &[Case]) -> Option<(Ver
     };
     let mm = place.shift * (1e3 * length.si);
     let why = format!(
-        "all marks sit alike ({:.1}, {:.1}, {:.1}) mm and {:.1} degrees from where the model has them: are they told in the deck's frame?",
+        "all marks are displaced alike, by ({:.1}, {:.1}, {:.1}) mm and {:.1} degrees from their positions in the model: are they given in the deck's frame?",
         mm.x, mm.y, mm.z, place.degrees
     );
     Some((verdict, why))

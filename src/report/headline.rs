@@ -5,7 +5,7 @@ use admire_identify::{Fit, FitTest, FitVerdict, LoadedStudy, ParameterFit, Statu
 /// Largest number of undetermined numbers that are named.
 const MAX_NAMED_NUMBERS: usize = 4;
 
-/// Returns the result of an identification for decision makers, in one or two sentences.
+/// Returns the result of an identification in one or two sentences, for readers without knowledge of the method.
 pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     let length = loaded.model.units.length.word;
     let all = fit.parameters.len();
@@ -113,7 +113,7 @@ pub(super) fn strained(fit: &Fit) -> Option<String> {
     })
 }
 
-/// Returns the lines of what was found beside the table of numbers: how sure they are, what they gain and what to do next.
+/// Returns the lines of findings next to the table of numbers: uncertainty, gain and next step.
 pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str, Vec<String>)> {
     let length = loaded.model.units.length.word;
     let is_identified = |parameter: &&ParameterFit| parameter.status == Status::Identified;
@@ -192,7 +192,7 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
     ]
 }
 
-/// Returns what to do next.
+/// Returns the recommended next step.
 pub(super) fn next_step(fit: &Fit, study: &str) -> String {
     if fit.interrupted {
         return "the same command without an interruption".to_string();
@@ -207,7 +207,7 @@ pub(super) fn next_step(fit: &Fit, study: &str) -> String {
     }
     let is_identified = |parameter: &ParameterFit| parameter.status == Status::Identified;
     if fit.parameters.iter().all(is_identified) {
-        return "go on with identified.adm, which has these numbers".to_string();
+        return "continue with identified.adm, which contains these values".to_string();
     }
     let lacking = fit.parameters.iter().filter(|p| !is_identified(p));
     let mut names: Vec<&str> = lacking

@@ -93,7 +93,7 @@ impl HeatMap {
         out
     }
 
-    /// Returns the colour of a value, and its opacity. Zero is transparent, which suits light and dark pages alike.
+    /// Returns the colour and the opacity of a value. Zero is transparent, so the map suits light and dark pages.
     fn colour(&self, value: f64) -> (&'static str, f64) {
         let share = (value / self.limit.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0);
         let full = if share < 0.0 {

@@ -75,7 +75,7 @@ impl IdentificationReport<'_> {
         }
         self.laws(&mut page, &figures)?;
         if !self.fit.unidentifiable_directions.is_empty() {
-            page.detail("What the data do not tell apart");
+            page.detail("What the data do not determine");
             page.table(&self.directions());
         }
         if !self.fit.assembly_offsets.is_empty() {
@@ -323,7 +323,7 @@ impl IdentificationReport<'_> {
             rows.push((name, Some(before), Some(after)));
         }
         if let Some(marks) = &self.fit.marks {
-            let name = "marks, rms of one coordinate, all that was fitted beside it included";
+            let name = "marks, rms of one coordinate, with all other fitted effects";
             rows.push((name.into(), None, marks.rms));
             let name = "marks, chi-square per degree of freedom".into();
             rows.push((name, None, marks.chi2_per_dof));
@@ -344,7 +344,7 @@ impl IdentificationReport<'_> {
             let (before, after) = (wheel.steer_deg_rms_before, wheel.steer_deg_rms_after);
             rows.push(("steer, rms, deg".into(), Some(before), Some(after)));
         }
-        // The column of the initial model is shown only where there are values for it.
+        // The column of the initial model is shown only if it contains values.
         let compared = rows.iter().any(|(_, before, _)| before.is_some());
         let mut columns = vec![("", Align::Left)];
         if compared {
@@ -379,7 +379,7 @@ impl IdentificationReport<'_> {
         }
         page.table(&table);
         page.note(
-            "Estimated from the readings around what is usual, or stated in [tolerances] of study.toml.",
+            "Estimated from the readings around the usual values, or stated in [tolerances] of study.toml.",
         );
         let mut table = Table::new(&[
             ("number", Align::Left),
@@ -400,7 +400,7 @@ impl IdentificationReport<'_> {
         }
     }
 
-    /// Adds a table of the residuals, and the tests of whether they look like noise.
+    /// Adds a table of the residuals, and the tests that compare them with noise.
     fn tests(&self, page: &mut Page) {
         let Some(test) = &self.fit.fit_test else {
             return;

@@ -24,7 +24,7 @@ pub struct MeasuredCurve {
 /// Report of K&C (kinematics and compliance) tests as an HTML page.
 #[derive(Debug)]
 pub struct KcReport<'a> {
-    /// Title of the page: the deck's own, or the name of its file.
+    /// Title of the page: the title of the deck, or the name of its file.
     pub title: &'a str,
     /// Three-dimensional view of the axle with its wheels.
     pub scene: Option<&'a Scene>,
@@ -205,7 +205,7 @@ impl KcReport<'_> {
             self.units,
         ));
         page.note(
-            "Values at ride height, of the left wheel where one value stands; slopes are tangents. Toe + is toe-in, camber + is top outboard, on \
+            "Values at ride height, of the left wheel if one value is given; slopes are tangents. Toe + is toe-in, camber + is top outboard, on \
              both sides. Definitions: `admire guide kc`.",
         );
         for test in &self.run.tests {
@@ -219,7 +219,7 @@ impl KcReport<'_> {
         Ok(page.finish(footer))
     }
 
-    /// Draws charts, to one scale where they show the same quantity.
+    /// Draws charts. Charts of the same quantity share one scale.
     fn drawn(charts: &mut [Chart]) -> Result<Vec<Figure>, DrawingError> {
         Chart::equalise(charts);
         charts
@@ -319,7 +319,7 @@ impl KcReport<'_> {
             match (both, same) {
                 (false, _) => "Driven one way.",
                 (true, true) => "Both branches are one curve: there is no friction in the deck.",
-                (true, false) => "The branches differ: joints rub. The half widths are below.",
+                (true, false) => "The branches differ because of friction in the joints. The half widths are below.",
             }
         ));
         let mut figures = Vec::new();
@@ -422,7 +422,7 @@ impl KcReport<'_> {
         }
         let name = title.to_lowercase();
         let mut y = axis_label(&name, &unit);
-        // Coordinates change their sign with the axes of the answer.
+        // Coordinates change sign with the axis convention of the results.
         let is_coordinate = name.ends_with("change");
         if let Some(sign) =
             positive(&name).filter(|_| !is_coordinate || self.convention == Convention::AdamsCar)
@@ -521,7 +521,7 @@ impl KcReport<'_> {
     }
 }
 
-/// Merges the curves of the left and the right wheel where they coincide, as on a symmetric axle with the wheels in phase.
+/// Merges the curves of the left and the right wheel if they coincide, as on a symmetric axle with the wheels in phase.
 fn merge_sides(series: &mut Vec<Series>) {
     let mut at = 0;
     while at < series.len() {

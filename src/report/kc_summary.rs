@@ -1,4 +1,4 @@
-//! Characteristics of an axle on one page, as a rig laboratory hands them over: value, unit, and the sign in words.
+//! Characteristics of an axle on one page, in the form used by rig laboratories: value, unit, and the sign in words.
 
 use super::number::{rounded, unbroken};
 use super::{Align, Table};
@@ -7,15 +7,15 @@ use admire_syntax::units::Units;
 
 /// Number of significant digits.
 const DIGITS: i32 = 3;
-/// Largest relative difference of left and right at which one value stands for both.
+/// Largest relative difference between left and right at which one value represents both sides.
 const ALIKE: f64 = 5e-3;
 
 /// Source of a characteristic.
 #[derive(Clone, Copy, Debug)]
 enum From {
-    /// Reading at ride height: name of the request. The component is that of the side.
+    /// Reading at ride height, given by the name of its request. The component follows from the side.
     Ride(&'static str),
-    /// Reading at ride height that belongs to the axle: name of the request and component.
+    /// Reading at ride height that belongs to the axle, given by the name of the request and the component.
     Axle(&'static str, &'static str),
     /// Slope of a reading at ride height, from a test.
     Slope(TestKind, &'static str),
@@ -26,9 +26,9 @@ enum From {
 struct Line {
     name: &'static str,
     from: From,
-    /// Words for a positive and for a negative value; empty where the sign says nothing.
+    /// Words for a positive and for a negative value; empty if the sign has no meaning.
     words: [&'static str; 2],
-    /// Words that follow the value: the condition, such as `bounce`.
+    /// Words after the value that state the condition, such as `bounce`.
     per: &'static str,
 }
 
@@ -46,8 +46,8 @@ const CAMBER: [&str; 2] = ["top outboard", "top inboard"];
 
 /// Sections of the summary with their characteristics.
 ///
-/// Signs are those of the left wheel in the axes of Adams/Car. In a lateral test the force points to the right: the left wheel is then the
-/// outer wheel of a turn.
+/// Signs are those of the left wheel in the axes of Adams/Car. In a lateral test, the force points to the right, so the left wheel is the outer wheel
+/// of a turn.
 const SECTIONS: [(&str, &[Line]); 6] = [
     (
         "Ride height",
@@ -240,7 +240,7 @@ struct Value {
 }
 
 impl Line {
-    /// Returns the value of one side in the axes of Adams/Car. `None` if the run does not have it.
+    /// Returns the value of one side in the axes of Adams/Car; `None` if the run does not contain it.
     fn value(&self, run: &KcRun, side: Side, units: &Units) -> Option<Value> {
         let ride = |entity: &str, fits: &dyn Fn(&str) -> bool| {
             let mut all = run.ride.readings.iter();
@@ -260,7 +260,7 @@ impl Line {
         value.is_finite().then_some(Value { value, unit })
     }
 
-    /// Returns the sign in words, with the value: `toe-in 0.31 deg/100 mm bounce`.
+    /// Describes the sign and the value in words, such as `toe-in 0.31 deg/100 mm bounce`.
     fn words(&self, found: &Value) -> String {
         let Value { value, unit } = found;
         let word = self.words[usize::from(*value < 0.0)];
@@ -269,7 +269,7 @@ impl Line {
         }
         let text = format!("{} {unit} {}", digits(value.abs()), self.per);
         let text = text.trim_end();
-        // Where the value comes first, the words say what it is a share of, or which way it points.
+        // If the value comes first, the words state the reference of a percentage or the direction of the value.
         if matches!(self.from, From::Slope(..)) || word.starts_with("toe") {
             format!("{word} {text}")
         } else {
@@ -278,7 +278,7 @@ impl Line {
     }
 }
 
-/// Converts a slope per metre to a slope per 100 mm, as laboratories state it.
+/// Converts a slope per metre to a slope per 100 mm, the usual unit of laboratories.
 fn per_hundred((value, unit): (f64, String)) -> (f64, String) {
     match unit.strip_suffix("/m") {
         Some(of) => (value / 10.0, format!("{of}/100 mm")),
@@ -286,7 +286,7 @@ fn per_hundred((value, unit): (f64, String)) -> (f64, String) {
     }
 }
 
-/// Formats a value with three significant digits, at most four of them behind the point: no rig resolves more.
+/// Formats a value with three significant digits and at most four decimals, which is the resolution of rigs.
 fn digits(value: f64) -> String {
     let value = (value * 1e4).round() / 1e4;
     if value == 0.0 {
@@ -306,7 +306,7 @@ pub(super) fn summary(
         .chain(others.iter().map(|(_, run)| run))
         .collect();
     let all = || SECTIONS.iter().flat_map(|(_, lines)| lines.iter());
-    // Track change and lateral effects point the other way on the other side.
+    // Track change and lateral effects have the opposite direction on the other side.
     let alike = |line: &Line| {
         let values = sides
             .iter()
@@ -366,7 +366,7 @@ pub(super) fn summary(
     table
 }
 
-/// Returns the most asked characteristics in a sentence.
+/// Returns the most frequently requested characteristics in a sentence.
 pub(super) fn sentence(run: &KcRun, side: Side, units: &Units) -> String {
     let wanted = [
         "wheel rate",

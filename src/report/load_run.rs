@@ -5,7 +5,7 @@ use super::number::capitalised;
 use super::scene::Role;
 use super::{Chart, DrawingError, Figure, Series};
 
-/// Reading over a load that varies alone, in the order of application: as measured and by each model.
+/// Reading over a load while all other loads are constant, in the order of application: as measured, and by each model.
 #[derive(Clone, Debug)]
 pub(super) struct LoadRun {
     /// Name of the reading, such as `toe`.
@@ -14,23 +14,23 @@ pub(super) struct LoadRun {
     pub unit: String,
     /// Label of the load, with its unit.
     pub load: String,
-    /// The measurement and the models, the best model last.
+    /// Series of the measurement and of the models, the best model last.
     pub series: Vec<Series>,
     /// True if no fit saw the readings.
     pub unseen: bool,
 }
 
-/// Readings that tell most of an axle, in the order in which they are shown.
+/// Most informative readings of an axle, in the order in which they are shown.
 const FIRST: [&[&str]; 2] = [&["toe", "steer"], &["camber"]];
 
 impl LoadRun {
-    /// Returns the chart of the run. Its y axis says which direction is positive.
+    /// Returns the chart of the run. The label of its y axis states the positive direction.
     fn chart(&self) -> Chart {
         let mut y = axis_label(&self.what, &self.unit);
         if let Some(sign) = positive(&self.what) {
             y += &format!(", + {sign}");
         }
-        // The unit stands on the axis.
+        // The label of the axis contains the unit, so the title omits it.
         let load = self.load.split(" [").next().unwrap_or_default();
         let is_word = load.chars().all(|c| c.is_ascii_lowercase());
         let end = if is_word { " load" } else { "" };
@@ -43,8 +43,8 @@ impl LoadRun {
         }
     }
 
-    /// Returns by how much the error of the last model is less than that of the first, relative to the range of the reading. NaN without readings
-    /// or without a model to compare.
+    /// Returns the reduction of the error from the first model to the last, relative to the range of the reading. NaN without readings or without a
+    /// second model.
     pub(super) fn gain(&self) -> f64 {
         let is_read = |series: &&Series| series.role == Some(Role::Measured);
         let (read, models): (Vec<_>, Vec<_>) = self.series.iter().partition(is_read);
@@ -59,7 +59,7 @@ impl LoadRun {
             });
         let error = |model: &[(f64, f64)]| {
             let squares = read.iter().enumerate().filter_map(|(k, p)| {
-                // A loop that was drawn once has fewer points than the readings.
+                // The model has fewer points than the readings if its loop was reduced to a single pass.
                 let own = if model.len() == read.len() {
                     model.get(k)
                 } else {
@@ -73,23 +73,23 @@ impl LoadRun {
     }
 }
 
-/// Draws runs to scales that are equal for equal readings. The caption says whether a fit saw the readings.
+/// Draws runs. Charts of the same reading share one scale. The caption states whether a fit used the readings.
 pub(super) fn figures(runs: &[LoadRun]) -> Result<Vec<Figure>, DrawingError> {
     let mut charts: Vec<Chart> = runs.iter().map(LoadRun::chart).collect();
     Chart::equalise(&mut charts);
     let drawn = charts.iter().zip(runs).map(|(chart, run)| {
         let caption = if run.unseen {
-            "The other loads stand still. No fit has seen these readings."
+            "The other loads are constant. No fit used these readings."
         } else {
-            "The other loads stand still."
+            "The other loads are constant."
         };
         Figure::chart(chart, caption)
     });
     drawn.collect()
 }
 
-/// Chooses the pair of runs that shows best what a fit changes: toe and camber over the load at which the model gains most on both together, or
-/// else the two runs with the largest gain.
+/// Chooses the pair of runs that best shows the improvement by a fit. The pair is toe and camber over the load at which the model gains most on both
+/// together. If there is no such pair, the two runs with the largest gain are chosen.
 pub(super) fn telling(runs: &[LoadRun]) -> Vec<LoadRun> {
     let known: Vec<&LoadRun> = runs.iter().filter(|run| run.gain().is_finite()).collect();
     let pair = |load: &str| -> Vec<&LoadRun> {

@@ -1,5 +1,5 @@
-//! Check of whether the marks (measured points on parts) move as the table of loads requires. Before any fit, it reveals exchanged cases,
-//! and load columns with a wrong sign or unit.
+//! Check of the motions of the marks (measured points on parts) against the table of loads. Before any fit, it reveals exchanged cases, and load
+//! columns with a wrong sign or unit.
 
 use std::collections::BTreeMap;
 
@@ -85,7 +85,7 @@ fn exchanged(loaded: &LoadedStudy) -> Option<String> {
         (cases.len() >= rank + SPARE).then(|| turn.u.map(|u| u.columns(0, rank).into_owned()))?
     };
     let U = enough(true).or_else(|| enough(false))?;
-    // `left` is M Y with M = I - U U': the part of the motion that no function of the loads explains.
+    // `left` is M Y with M = I - U U', the part of the motion that no function of the loads explains.
     let left = &Y - &U * (U.transpose() * &Y);
     let before = left.norm_squared();
     let mut best: Option<(f64, usize, usize)> = None;

@@ -1,4 +1,4 @@
-//! Check of whether the measured marks are a mirror image of the parts: one coordinate has the wrong sign, or two coordinates are exchanged.
+//! Check for measured marks that are a mirror image of the parts: one coordinate has the wrong sign, or two coordinates are exchanged.
 
 use super::mark_scatter::rigidity;
 use admire_identify::LoadedStudy;

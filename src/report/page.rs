@@ -6,15 +6,15 @@ use super::{Figure, Scene, Table};
 
 /// HTML page, built from top to bottom. It is self-contained and refers to no other file.
 ///
-/// Every page has the same parts in the same order: the answer in a sentence, what it means, what was found, and the details, which are
-/// folded. A part without content is left out, from the contents too.
+/// Every page has the same parts in the same order: the answer in one sentence, its meaning, the findings, and the folded details. A part without
+/// content is left out, also from the list of contents.
 #[derive(Debug)]
 pub struct Page {
     /// Kind of result, such as `Diagnosis`.
     kind: String,
     title: String,
     answer: String,
-    /// Origin of the page: names with values.
+    /// Origin of the page, as pairs of name and value.
     facts: Vec<(String, String)>,
     parts: Vec<Part>,
     /// True if the page contains a three-dimensional view, and therefore its script.
@@ -31,9 +31,9 @@ struct Part {
 }
 
 const STYLE: &str = include_str!("page.css");
-/// Script that opens details, and shows values of charts at the pointer.
+/// Script that opens details, and shows the values of a chart at the pointer.
 const SCRIPT: &str = include_str!("page.js");
-/// Names of the facts that stand below the answer, each with its alternatives; the others are in the last of the details.
+/// Names of the facts that are shown below the answer, each with alternative names. The other facts are in the last section of the details.
 const BY_LINE: [&[&str]; 2] = [&["Study", "Deck", "Files", "Paper"], &["Date"]];
 
 impl Page {
@@ -49,7 +49,7 @@ impl Page {
         }
     }
 
-    /// States the origin of the page: study, deck, date, version and so on, by name.
+    /// Sets the origin of the page, by name: study, deck, date, version and so on.
     pub fn origin(&mut self, facts: &[(&str, String)]) -> &mut Self {
         let facts = facts.iter();
         self.facts = facts
@@ -58,13 +58,13 @@ impl Page {
         self
     }
 
-    /// Begins the part that shows what the answer means: the curves before and after, and the mechanism.
+    /// Begins the part that shows the meaning of the answer: the curves before and after, and the mechanism.
     pub fn meaning(&mut self) -> &mut Self {
         self.part("What it means", false)
     }
 
-    /// Adds the part that says what was found, how sure that is, what it gains and what to do next. Each line has a name and its texts; a
-    /// line without texts is left out.
+    /// Adds the part with the findings, their uncertainty, their gain and the next step. Each line has a name and its texts; a line without texts is
+    /// left out.
     pub fn found(&mut self, lines: &[(&str, Vec<String>)]) -> &mut Self {
         self.part("What was found", false);
         let mut html = String::new();
@@ -336,7 +336,7 @@ mod tests {
         assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt;"));
     }
 
-    /// Whatever order a page is filled in, its answer comes first and its details last; a part without content is nowhere.
+    /// The answer comes first and the details come last, in whatever order the page is filled in. A part without content is absent.
     #[test]
     fn the_answer_comes_first_and_details_are_folded() {
         let mut page = Page::new("Diagnosis", "axle", "The tie rod yields.");
@@ -354,7 +354,7 @@ mod tests {
         assert!(at("<h2>What it means") < at("<h2>What was found"));
         assert!(at("<dt>Found</dt>") < at("<h3>Residuals</h3>"));
         assert!(!html.contains("Nothing") && !html.contains("<dt>Gain"));
-        // Each link of the contents leads to a part, and details wait to be opened.
+        // Each link of the contents leads to a part, and the details are initially closed.
         for link in html.split("href=\"#").skip(1) {
             let id = link.split('"').next().unwrap();
             assert_eq!(html.matches(&format!("id=\"{id}\"")).count(), 1, "{id}");

@@ -1,4 +1,4 @@
-//! Overview of a study before any fit: its contents, its units, and whether they are plausible.
+//! Overview of a study before any fit: its contents, its units and their plausibility.
 
 use nalgebra::DMatrix;
 
@@ -66,7 +66,7 @@ impl Plausibility {
         let wrong = self.checks.iter();
         let wrong = wrong.filter(|check| check.verdict == Verdict::Impossible);
         let why: Vec<&str> = wrong.map(|check| check.why.as_str()).collect();
-        (!why.is_empty()).then(|| format!("this cannot be meant: {}", why.join("; ")))
+        (!why.is_empty()).then(|| format!("the study is implausible: {}", why.join("; ")))
     }
 
     /// Returns true if no check forbids a fit.
@@ -196,7 +196,7 @@ impl Plausibility {
             "gradients, widths",
             told.join("; "),
             verdict,
-            "a row without a value is no reading",
+            "a row without a value is not a reading",
         );
     }
 
@@ -235,7 +235,7 @@ impl Plausibility {
         if !units.stated {
             found += " (not stated)";
             verdict = Verdict::Doubtful;
-            why = "the deck states no UNITS; these are taken".to_string();
+            why = "the deck states no UNITS; these are assumed".to_string();
         }
         if let Some(complaint) = implausible_units(&loaded.dataset, &loaded.model) {
             verdict = if complaint.severity == Severity::Error {
@@ -342,7 +342,7 @@ impl Plausibility {
             (
                 Verdict::Impossible,
                 format!(
-                    "the marks scatter {ratio:.0} times as much as marks.sigma says: remove the key, or put it right"
+                    "the marks scatter {ratio:.0} times as much as marks.sigma says: remove the key, or correct it"
                 ),
             )
         } else if ratio > NOISE_DOUBTFUL {
@@ -433,7 +433,7 @@ impl Plausibility {
             return;
         };
         if let Some((verdict, why)) = odd_frame {
-            let found = "marks are not told in the deck's frame".to_string();
+            let found = "marks are not given in the deck's frame".to_string();
             self.add("frame", found, verdict, why);
         }
         if let Some(verdict) = odd_loads.iter().map(|(verdict, _)| *verdict).max() {
@@ -484,7 +484,7 @@ impl Plausibility {
             "forecast",
             found,
             verdict,
-            "at the start values the readings tell none of them",
+            "at the start values, the readings determine none of them",
         );
     }
 }

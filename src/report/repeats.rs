@@ -55,7 +55,7 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
     page.table(&table);
     if let Some(made) = bootstrap {
         page.note(&format!(
-            "Bootstrap: {} fits of readings drawn anew, seed {}; the residuals that are drawn are {:.2} times as large as noise and \
+            "Bootstrap: {} fits to resampled readings, seed {}; the residuals that are drawn are {:.2} times as large as noise and \
              tolerances say. A load case is not drawn as a whole: cases are designed, and share their tolerances.",
             made.replicates, made.seed, made.noise_ratio
         ));

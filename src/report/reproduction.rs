@@ -40,7 +40,7 @@ pub struct ReproducedSection {
     pub figures: Vec<ReproducedCurves>,
     /// Findings from the tables, one sentence each.
     pub findings: Vec<String>,
-    /// Limits of the comparison with the paper, and their reasons.
+    /// Limits of the comparison with the paper, with the reason for each.
     pub limits: Vec<String>,
 }
 

@@ -37,7 +37,7 @@ impl Series {
         }
     }
 
-    /// Creates the series of the identified model that an extended model is compared with. It is dashed, so that both can be told apart.
+    /// Creates the series of the identified model with which an extended model is compared. The line is dashed to distinguish the two models.
     pub fn before(points: Vec<(f64, f64)>) -> Self {
         Self {
             mark: SeriesStyle::Dashed,

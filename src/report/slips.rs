@@ -8,8 +8,7 @@ use admire_identify::slips::{displaced, search};
 use admire_study::settings::BackendChoice;
 
 impl Plausibility {
-    /// Checks for bushings and joints whose two sides are apart at the design position. Returns true if one change of the deck brings them
-    /// together.
+    /// Checks for bushings and joints whose two sides are apart in the design position. Returns true if one change of the deck closes the gaps.
     pub(super) fn assembly(&mut self, loaded: &LoadedStudy) -> bool {
         let found = displaced(loaded);
         let Some(mended) = found.iter().map(|gap| gap.is_mended).max() else {

@@ -297,7 +297,7 @@ impl StudyFigures<'_> {
         out
     }
 
-    /// Returns a run of one reading: as measured, and by each model.
+    /// Returns a run of one reading, as measured and by each model.
     fn run(
         &self,
         (what, unit): (&str, &str),
@@ -412,8 +412,7 @@ impl StudyFigures<'_> {
         out
     }
 
-    /// Returns the displacements of marks over the loads that vary alone: of each part, the coordinate at which the model gains
-    /// most.
+    /// Returns the displacements of marks over each load that varies alone. For each part, it is the coordinate with the largest gain by the model.
     pub(crate) fn marks(&self) -> Vec<LoadRun> {
         let (model, measurement) = (&self.loaded.model, &self.loaded.measurement);
         let mut out: Vec<LoadRun> = Vec::new();
@@ -452,8 +451,8 @@ impl StudyFigures<'_> {
 /// Largest difference at which two values of a curve count as equal, relative to the range of the curve.
 const ONE: f64 = 2e-3;
 
-/// Reduces a curve that returns along itself to a single pass; otherwise overlapping dashes would hide each other's gaps. A hysteresis loop
-/// is kept in the order driven.
+/// Reduces a curve that returns along the same path to a single pass; otherwise overlapping dashes would fill each other's gaps. A hysteresis loop
+/// keeps its points in the order driven.
 fn once(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let mut sorted = points.clone();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -9,7 +9,7 @@ pub struct Summary {
     pub items: Vec<String>,
     /// Errors of prediction in the readings that no fit used, before and after, with units and in standard deviations of the noise.
     pub held_out: String,
-    /// What to do next.
+    /// Recommended next step.
     pub next: String,
 }
 

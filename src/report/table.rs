@@ -21,10 +21,10 @@ struct Cell {
     picture: Option<String>,
 }
 
-/// Number of columns from which on a table is too wide for a phone.
+/// Number of columns at and above which a table is too wide for a phone.
 const CARDS: usize = 4;
 
-/// Class of a row that heads the rows below it.
+/// Class of a row that is the heading of the rows below it.
 const GROUP: &str = "group";
 
 /// Table of texts, with a heading for each column.
@@ -71,7 +71,7 @@ impl Table {
         self
     }
 
-    /// Gives a cell of the last row a class of the page's style sheet: `good`, `bad` or `soft`; none if empty.
+    /// Sets the class of a cell in the last row, from the page's style sheet: `good`, `bad` or `soft`. An empty text sets none.
     pub fn mark(&mut self, column: usize, class: &'static str) -> &mut Self {
         if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
             cell.class = Some(class);

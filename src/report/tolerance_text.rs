@@ -44,7 +44,7 @@ impl Text<'_> {
         for ((name, size), ln) in names.zip(sizes.each()).zip(&sizes.ln) {
             if *ln >= size.bounds.1 && self.outcome.diagnosis.tolerances.contains_key(name) {
                 out.push(format!(
-                    "Errors of the group {name} are as large as they may be, and may have taken up what is none of them."
+                    "Errors of the group {name} are at their upper limit, and may contain effects of another origin."
                 ));
             }
         }
@@ -73,7 +73,7 @@ impl Text<'_> {
             let six = &self.outcome.extended.x[own.first..own.first + 6];
             let [shift, turn] = [0, 3].map(|k| Vec3::from_column_slice(&six[k..k + 3]).norm());
             out.push(format!(
-                "The measuring frame seems to sit {:.2} {} from the deck's, turned by {:.3} deg, the same in all cases.",
+                "The measuring frame seems to be {:.2} {} away from the deck's frame and turned by {:.3} deg, equally in all cases.",
                 shift / self.outcome.subject.millimetre(),
                 found.unit,
                 (own.turn * turn).to_degrees()
@@ -81,7 +81,7 @@ impl Text<'_> {
         }
         if let Some(found) = of(EffectGroup::MountYield) {
             out.push(format!(
-                "What the axle is mounted on yields: all marks move together with the loads, by {:.3} {} at the largest value of each.",
+                "The mount of the axle yields: all marks move together with the loads, by {:.3} {} at the largest value of each.",
                 found.sd, found.unit
             ));
         }

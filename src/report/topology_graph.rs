@@ -139,7 +139,7 @@ impl TopologyGraph {
         out
     }
 
-    /// Draws the graph as SVG. Ground is at the bottom; every other body is in a row given by its number of links from ground.
+    /// Draws the graph as SVG. Ground is at the bottom. The row of every other body is its number of links from ground.
     pub fn svg(&self) -> String {
         let places = self.places();
         let wide = |text: &str| 7.2 * text.chars().count() as f64;

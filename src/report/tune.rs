@@ -6,12 +6,12 @@ use super::{
 use admire_syntax::units::short_unit;
 use admire_tune::{GoalOutcome, Outcome, UnknownOutcome};
 
-/// Report of a search for a target as an HTML page.
+/// Report of a tuning run as an HTML page.
 #[derive(Debug)]
 pub struct TuneReport<'a> {
     /// Name of the deck.
     pub deck: &'a str,
-    /// Result of the search.
+    /// Result of the tuning run.
     pub outcome: &'a Outcome,
     /// Inputs and settings listed at the end of the page, by name.
     pub facts: &'a [(&'a str, String)],
@@ -60,7 +60,7 @@ fn met(outcome: &Outcome) -> String {
     }
 }
 
-/// Returns how many starts agree, in words.
+/// States in words how many starts agree.
 fn agreement(outcome: &Outcome) -> String {
     let all = outcome.starts.len();
     if all == 1 {
@@ -82,7 +82,7 @@ fn agreement(outcome: &Outcome) -> String {
     )
 }
 
-/// Returns the result of a search in a few sentences: verdict, misses, bounds and conflicts, and what to do next.
+/// Returns the result of a tuning run in a few sentences: verdict, missed goals, bounds and conflicts, and the next step.
 pub fn tune_summary(outcome: &Outcome) -> Summary {
     let mut verdict = format!("{}. {}", met(outcome), agreement(outcome));
     if !outcome.keeps_limits {
@@ -92,7 +92,7 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
         );
     } else if !outcome.converged {
         verdict +=
-            " The search did not converge: the numbers are the best found, not the best there are.";
+            " The search did not converge: the values are the best found, but not an optimum.";
     }
     let miss = |goal: &GoalOutcome| {
         format!(
@@ -114,7 +114,7 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
         items.push(format!("bounds reached: {}", bounds.join(", ")));
     }
     let next = if outcome.met {
-        "go on with tuned.adm; `admire diff` shows what changed".to_string()
+        "continue with tuned.adm; `admire diff` shows what changed".to_string()
     } else if bounds.is_empty() {
         "more numbers that may move, or larger tolerances of the goals that conflict".to_string()
     } else {
@@ -176,7 +176,7 @@ impl TuneReport<'_> {
         );
         page.detail("Goals that conflict");
         if outcome.conflicts.is_empty() {
-            page.note("No two goals that are missed stand against each other.");
+            page.note("No two missed goals conflict.");
         } else {
             let all: Vec<String> = outcome.conflicts.iter().map(conflict).collect();
             page.list(&all);
@@ -250,7 +250,7 @@ impl TuneReport<'_> {
         table
     }
 
-    /// Draws what share of the change each number's own move makes.
+    /// Draws the share of each number's own change in the total improvement.
     fn shares(&self) -> Vec<Figure> {
         let mut rows: Vec<(String, [f64; 2])> = self
             .outcome
@@ -372,7 +372,7 @@ impl TuneReport<'_> {
     }
 }
 
-/// Draws a curve before and after, with what is wanted.
+/// Draws a curve before and after the search, with its target.
 fn curve(goal: &GoalOutcome) -> Result<Figure, DrawingError> {
     let points = |value: &dyn Fn(&admire_tune::RowOutcome) -> Option<f64>| -> Vec<(f64, f64)> {
         let rows = goal.rows.iter();

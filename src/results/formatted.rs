@@ -280,7 +280,7 @@ fn next_block<'a>(
         };
         if (line == b"!") != (at == count) {
             let message = format!(
-                "`{}` has not the lines it announces",
+                "`{}` does not have the number of lines that it states",
                 block.label.escape_debug()
             );
             return Err((Code::MalformedResults, message, line_span));

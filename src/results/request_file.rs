@@ -297,7 +297,7 @@ impl<'a> Lines<'a> {
     fn cut_off(&self, times: usize) -> RequestFault {
         RequestFault {
             code: Code::TruncatedResults,
-            message: format!("the file ends before its end; {times} whole output times were read"),
+            message: format!("the file ends too early; {times} whole output times were read"),
             span: Span::at(self.bytes.len()),
         }
     }

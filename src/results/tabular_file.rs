@@ -43,7 +43,7 @@ pub fn write_tabular(
     rows: &[(f64, Vec<[f64; 8]>)],
 ) -> io::Result<()> {
     if rows.iter().any(|(_, row)| row.len() != requests.len()) {
-        let message = "a row has not as many entries as there are requests";
+        let message = "a row does not have one entry for each request";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     let mut page = 0;

@@ -171,13 +171,13 @@ impl<R: Read> XrfReader<R> {
         self.done = true;
         let at = self.scanner.offset() as usize;
         let message = format!(
-            "the file ends before its end; {} whole steps were read",
+            "the file ends too early; {} whole steps were read",
             self.steps
         );
         self.diagnostics.push(
             Diagnostic::warning(Code::TruncatedResults, message)
                 .label(self.file.clone(), Span::at(at), "")
-                .help("the run was killed or is still going"),
+                .help("the run was killed or is still running"),
         );
     }
 

@@ -76,7 +76,7 @@ impl Scatter {
                 return Err(Diagnostic::error(
                     Code::BadEffect,
                     format!(
-                        "{} outliers are more than there are readings",
+                        "{} outliers are more than the number of readings",
                         self.outliers
                     ),
                 ));
@@ -101,7 +101,7 @@ impl Scatter {
 fn refuse(item: &str) -> Diagnostic {
     Diagnostic::error(
         Code::BadEffect,
-        format!("`{item}` says nothing of how marks scatter"),
+        format!("`{item}` is not a setting of the scatter of the marks"),
     )
     .help("for example tails=3,outliers=6,outlier_size=2,declared=0.5")
 }

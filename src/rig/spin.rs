@@ -6,7 +6,7 @@ use admire_solver::statics::{displace, twist};
 use admire_solver::system::{Parameters, State, System};
 use admire_study::Noise;
 
-/// Largest random rotation along a free motion, in degrees. Friction in ball joints can leave a link rotated by this angle.
+/// Largest random rotation along a free motion, in degrees. Friction in ball joints can hold a link at this angle.
 const TURN_DEG: f64 = 30.0;
 /// Largest random displacement along a free sliding motion, in metres.
 const SHIFT: f64 = 1e-3;

@@ -190,7 +190,7 @@ impl Tolerances {
         }
     }
 
-    /// Formats the nonzero standard deviations in the form that [`Self::parse`] reads.
+    /// Formats the nonzero standard deviations as a text that [`Self::parse`] reads.
     pub(super) fn to_text(mut self) -> String {
         let asked = self.named().into_iter();
         let asked = asked.filter(|(_, size)| **size > 0.0);
@@ -214,7 +214,7 @@ fn refuse(item: &str) -> Diagnostic {
         .iter()
         .map(|(name, _)| *name)
         .collect();
-    Diagnostic::error(Code::BadEffect, format!("`{item}` is no tolerance")).help(format!(
+    Diagnostic::error(Code::BadEffect, format!("`{item}` is not a tolerance")).help(format!(
         "for example hardpoints=0.3,load_gain=0.005; there are {}",
         names.join(", ")
     ))

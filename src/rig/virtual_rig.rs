@@ -115,7 +115,7 @@ pub fn virtual_rig_watched(
             .map(|channel| channel.name.clone())
             .collect(),
     };
-    // The free motions of the unchanged deck are used, whatever is planted.
+    // The free motions are those of the unchanged deck, whatever effects are planted.
     let free = compile(&lowered.value).ok().and_then(|system| {
         let loads = Loads::of(&system, &reality.programme).ok()?;
         Some(FreeMotions::new(

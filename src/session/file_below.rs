@@ -36,7 +36,7 @@ pub fn file_below(folder: &Path, written: &str, what: &str) -> Checked<Option<Pa
     Checked {
         value: None,
         diagnostics: vec![Diagnostic::error(Code::OutsideStudy, message).help(format!(
-            "every file of a {what} lies in its folder or below it"
+            "every file of a {what} must be in its folder or below it"
         ))],
     }
 }

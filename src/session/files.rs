@@ -90,12 +90,12 @@ fn absent(dataset: &Dataset, reference: &FileReference) -> Diagnostic {
     });
     let mut diagnostic = Diagnostic::warning(
         Code::CannotRead,
-        format!("the file `{}` is not here", reference.name),
+        format!("the file `{}` does not exist", reference.name),
     );
     if of_graphics || !reference.needed {
         diagnostic.severity = Severity::Note;
     }
-    diagnostic.help("it is looked up from the folder of the dataset")
+    diagnostic.help("its path is relative to the folder of the dataset")
 }
 
 #[cfg(test)]

@@ -252,7 +252,7 @@ fn is_noise(lower: &str) -> bool {
 fn skipped(word: &str) -> Diagnostic {
     Diagnostic::warning(
         Code::LauncherWord,
-        format!("the word `{word}` of the command line is not known here and is skipped"),
+        format!("the word `{word}` of the command line is unknown and is ignored"),
     )
 }
 

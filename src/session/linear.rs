@@ -39,7 +39,7 @@ impl Session<'_> {
             self.report_once(errors);
             let refusal = Diagnostic::error(
                 Code::NotSolvedNatively,
-                "this command is not executed: its answer would leave out what is named above",
+                "this command is not executed: its result would omit the elements named above",
             );
             return self.refused(refusal, Some(place));
         }
@@ -172,9 +172,8 @@ impl Session<'_> {
         let system = &self.model().compiled().value.system;
         if let Some(&input) = inputs.iter().find(|&&input| system.constrains(input)) {
             let owner = system.variables[input].name.clone();
-            let message = format!(
-                "{owner} is an input, and what constrains reads it: that is not linearised"
-            );
+            let message =
+                format!("{owner} is an input that a constraint reads, which is not linearised");
             let refusal = Diagnostic::error(Code::NotSolvedNatively, message);
             return self.refused(refusal.about(owner.object()), Some(place));
         }

@@ -181,7 +181,7 @@ impl Loaded {
         ];
         let asked: Vec<_> = kinds.iter().filter(|(word, _)| command.has(word)).collect();
         if asked.is_empty() {
-            let message = "INFO does not say what is asked for";
+            let message = "INFO does not state a quantity";
             let help = "give DISPLACEMENT, VELOCITY, ACCELERATION or FORCE";
             return wrong(Code::MissingArgument, message, help);
         }
@@ -236,7 +236,7 @@ impl Loaded {
         let Some(v) = values else {
             return Err(Diagnostic::warning(
                 Code::NotSolvedNatively,
-                "what INFO asks for has no value here".to_string(),
+                "the quantity that INFO asks for is undefined in this state".to_string(),
             ));
         };
         // The fifth component is omitted: it is the magnitude of the rotation, or empty.

@@ -49,7 +49,7 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
     if let Some(results) = dataset.statement("RESULTS", None) {
         for option in DIGITS {
             if results.has(option) {
-                let said = format!("RESULTS/{option} is not followed: all digits are written");
+                let said = format!("RESULTS/{option} is ignored: all digits are written");
                 warn(
                     results,
                     Some(option),
@@ -73,9 +73,7 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
         warn(
             results,
             option,
-            &format!(
-                "without XRF the results file of ADAMS is {kind}; here it is XML all the same"
-            ),
+            &format!("without XRF the results file of ADAMS is {kind}; here it is XML anyway"),
             Some("RESULTS/XRF asks both for XML, and for the same columns"),
         );
     }

@@ -68,7 +68,7 @@ pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
         Code::FileNameCase,
         format!("`{written}` is found as `{}`", found.display()),
     )
-    .help("some computers tell upper from lower case in file names")
+    .help("some systems distinguish upper and lower case in file names")
 }
 
 /// Returns the only local file with the same base name, and a warning. If there are several such files, returns an error.

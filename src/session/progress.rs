@@ -26,7 +26,7 @@ impl<'a> Session<'a> {
         self.complain(&Diagnostic::warning(
             Code::NoMotion,
             format!(
-                "the run was interrupted at time {}; the files hold everything up to there",
+                "the run was interrupted at time {}; the files contain all output up to this time",
                 moment.time
             ),
         ));

@@ -115,7 +115,7 @@ impl Saved {
         if let Ok(there) = std::fs::read(path)
             && !there.starts_with(MAGIC.as_bytes())
         {
-            return Err(cannot("it is there already and no saved state"));
+            return Err(cannot("it already exists and is not a saved state"));
         }
         let mut text = format!("{MAGIC}{FORM}\n");
         if let Some(placed) = &self.state {
@@ -179,13 +179,13 @@ impl Saved {
         let there = std::fs::metadata(path).map_err(|error| cannot(&error.to_string()))?;
         if !there.is_file() || there.len() > LARGEST {
             // Only plain files are read, because reading a device might never end.
-            return Err(cannot("it is no saved state of this program"));
+            return Err(cannot("it is not a saved state of this program"));
         }
         let bytes = std::fs::read(path).map_err(|error| cannot(&error.to_string()))?;
         let mut rest = bytes.as_slice();
         let form = next_line(&mut rest).and_then(|line| line.strip_prefix(MAGIC));
         if !matches!(form, Some("1" | FORM)) {
-            return Err(cannot("it is no saved state of this program"));
+            return Err(cannot("it is not a saved state of this program"));
         }
         let mut commands = None;
         let mut model = None;

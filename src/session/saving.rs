@@ -89,7 +89,7 @@ impl Session<'_> {
         if let Some(argument) = command.argument("TITLE") {
             let warning = Diagnostic::warning(
                 Code::OutputNotWritten,
-                "RELOAD/TITLE is not followed; output has the title of the model",
+                "RELOAD/TITLE is ignored; output has the title of the model",
             )
             .label(source.name(), argument.span, "");
             self.complain(&warning);
@@ -175,7 +175,7 @@ impl Session<'_> {
 fn with_a_comma(command: &str, name: &str) -> Option<Diagnostic> {
     let (_, rest) = name.split_once(',')?;
     let message = format!(
-        "the name of a file has no comma, and `{}` is no argument of {command}",
+        "a file name must not contain a comma, and `{}` is not an argument of {command}",
         rest.trim()
     );
     Some(Diagnostic::error(Code::UnknownArgument, message))

@@ -191,19 +191,22 @@ fn output_times(command: &Statement, source: &Source, now: f64) -> Result<Output
     if !(end > now && end.is_finite()) {
         return wrong(
             end_span,
-            format!("the simulation would end at time {end}, and it is {now} already"),
+            format!("the simulation would end at time {end}, but the time is already {now}"),
         );
     }
     let (count, interval, span) = match (given("STEPS"), given("DTOUT")) {
         (Some((steps, span)), None) => {
             if steps < 1.0 {
-                return wrong(span, format!("{steps} steps are none"));
+                return wrong(span, format!("{steps} is not a number of steps"));
             }
             (steps.floor(), None, span)
         }
         (None, Some((interval, span))) => {
             if !(interval > 0.0 && interval.is_finite()) {
-                return wrong(span, format!("an output every {interval} never comes"));
+                return wrong(
+                    span,
+                    format!("an output interval of {interval} gives no output"),
+                );
             }
             // The tolerance absorbs round-off if the interval divides the span exactly.
             let count = ((end - now) / interval - 1e-9).ceil().max(1.0);
@@ -223,7 +226,7 @@ fn output_times(command: &Statement, source: &Source, now: f64) -> Result<Output
                 format!("{count} output steps are asked for, and at most {MOST_STEPS} are made"),
             ),
         )
-        .help("split the simulation into several commands if it is meant"));
+        .help("split the simulation into several commands if this is intended"));
     }
     Ok(OutputTimes {
         start: now,

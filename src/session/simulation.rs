@@ -74,7 +74,7 @@ impl Session<'_> {
         if !errors.is_empty() {
             let refusal = Diagnostic::error(
                 Code::NotSolvedNatively,
-                "this simulation is not executed: its answer would leave out what is named above",
+                "this simulation is not executed: its result would omit the elements named above",
             );
             return self.refused(refusal, Some(place));
         }
@@ -284,7 +284,7 @@ impl Session<'_> {
             .extend(far.iter().map(|far| far.part.clone()));
         if !lines.is_empty() {
             let text = format!(
-                "In the static solution at time {time}\n  {}\nThis may be another equilibrium than the one that is meant.",
+                "In the static solution at time {time}\n  {}\nThis may not be the intended equilibrium.",
                 lines.join("\n  ")
             );
             self.messages.frame("WARNING", &text);

@@ -277,9 +277,8 @@ fn joint_starts(model: &Model) -> (Vec<JointStart<'_>>, Vec<Diagnostic>) {
             if let Some(what) = what {
                 let owner = name_of("JOINT", &joint.header);
                 let driver = name_of("MOTION", &driver.header);
-                let message = format!(
-                    "the initial {what} of {owner} does not count: {driver} drives the joint"
-                );
+                let message =
+                    format!("the initial {what} of {owner} is ignored: {driver} drives the joint");
                 complaints.push(
                     Diagnostic::warning(Code::ConflictingArguments, message)
                         .about(owner.object())

@@ -63,7 +63,7 @@ impl Session<'_> {
         self.report_once(missing);
         let refusal = Diagnostic::error(
             Code::NotSolvedNatively,
-            "this simulation is not executed: its answer would leave out what is named above",
+            "this simulation is not executed: its result would omit the elements named above",
         );
         Some(self.refused(refusal, Some(place)))
     }

@@ -1,4 +1,4 @@
-//! What the laboratory of a study can measure further: key `available` of section `[plan]`.
+//! Measurements that the laboratory of a study can add: key `available` of section `[plan]`.
 
 use std::collections::BTreeMap;
 
@@ -29,11 +29,11 @@ pub struct Available {
 /// Values that a load can take in a new load case.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum LoadRange {
-    /// Its usual value only.
+    /// Only its usual value.
     Fixed,
     /// Values within the range of the study.
     Applied,
-    /// Values within the range of the study, as far on the other side of the usual value, and somewhat beyond.
+    /// Values within the range of the study, values equally far on the other side of the usual value, and values somewhat beyond.
     Beyond,
     /// Values between two limits, in the unit of the study's file.
     Between([f64; 2]),
@@ -51,7 +51,7 @@ pub enum Places<T> {
 }
 
 impl Default for Available {
-    /// Returns what counts as available unless a study states it: everything but load cells, which have no room in a bushing or joint.
+    /// Returns the default of the key: everything except load cells, because a bushing or joint has no room for them.
     fn default() -> Self {
         Self {
             loads: BTreeMap::new(),
@@ -89,7 +89,7 @@ impl Available {
         self.loads.get(column).copied().unwrap_or(self.other_loads)
     }
 
-    /// Reads the key of a study. Entries that name nothing of the deck are reported and left out.
+    /// Reads the key of a study. Entries that match nothing in the deck are reported and left out.
     pub(super) fn of(study: &Study, model: &Model, out: &mut Vec<Diagnostic>) -> Self {
         let Some(entries) = &study.available else {
             return Self::default();
@@ -187,7 +187,7 @@ fn unknown(what: &str, name: &str, known: &[String]) -> Diagnostic {
 }
 
 fn no_entry(text: &str) -> Diagnostic {
-    let message = format!("`{text}` is nothing that `plan.available` lists");
+    let message = format!("`{text}` is not an entry for `plan.available`");
     Diagnostic::error(Code::BadSetting, message).help(
         "it lists `loads`, `load COLUMN from LOW to HIGH`, `repeats`, `marks`, `marks on PART`, `wheel`, `load cells`, `load cell in BUSHING/1`",
     )

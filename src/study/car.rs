@@ -1,4 +1,4 @@
-//! Section `[car]` of `study.toml`: the subsystem of Adams/Car to which the deck belongs.
+//! Section `[car]` of `study.toml`: the subsystem of Adams/Car that contains the axle of the deck.
 
 use admire_car::Subsystem;
 use admire_syntax::diagnostic::Diagnostic;

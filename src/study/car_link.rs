@@ -1,4 +1,4 @@
-//! Objects of a deck and of a subsystem of Adams/Car that are the same.
+//! Matching objects of a deck and of a subsystem of Adams/Car.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -11,10 +11,10 @@ use super::car::CarSettings;
 use super::section::SpannedText;
 use super::study::Study;
 
-/// Most hardpoints that are kept for one marker. Hardpoints may coincide; a hostile file may have thousands at one place.
+/// Maximum number of hardpoints that are kept for one marker. Hardpoints may coincide; a malicious file may have thousands at one place.
 const MOST_AT_ONE_PLACE: usize = 8;
 
-/// Objects of a deck and of a subsystem that are the same.
+/// Matching objects of a deck and of a subsystem of Adams/Car.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct CarLink {
     /// Hardpoints at each marker, by the id of the marker: index among the hardpoints of the subsystem, and side.
@@ -24,10 +24,10 @@ pub struct CarLink {
 }
 
 impl CarLink {
-    /// Compares the subsystem of a study with the model of its deck. Hardpoints are matched by their places, bushings by their names, unless
-    /// `study.toml` says which is which. Returns `None` without a section `[car]`.
+    /// Compares the subsystem of a study with the model of its deck. Hardpoints are matched by position and bushings by name, unless `study.toml`
+    /// states the matches. Returns `None` without a section `[car]`.
     ///
-    /// A note counts what was found; it is a warning if no hardpoint was found. Names in `study.toml` that exist nowhere are errors.
+    /// A note states how many objects were matched; it is a warning if no hardpoint was matched. Names in `study.toml` that do not exist are errors.
     pub fn new(study: &Study, model: &Model, out: &mut Vec<Diagnostic>) -> Option<Self> {
         let car = study.car.as_ref()?;
         let mut link = Self::default();
@@ -50,7 +50,7 @@ impl CarLink {
         );
         let found = if points.is_empty() && all > 0 {
             Diagnostic::warning(Code::CarSubsystem, message).help(
-                "the places of hardpoints are compared with those of markers: check the units of the subsystem, and whether it is the deck's",
+                "the positions of hardpoints are compared with those of markers: check the units of the subsystem, and whether it belongs to the deck",
             )
         } else {
             Diagnostic::note(Code::CarSubsystem, message)
@@ -59,7 +59,7 @@ impl CarLink {
         Some(link)
     }
 
-    /// Iterates over the hardpoints that are in the deck, each with its side; a hardpoint with several markers comes several times.
+    /// Iterates over the hardpoints that are in the deck, each with its side. A hardpoint with several markers is returned several times.
     pub fn found(&self) -> impl Iterator<Item = (usize, Side)> + '_ {
         self.hardpoints.values().flatten().copied()
     }

@@ -36,8 +36,8 @@ const POOR_SPREAD: f64 = 0.05;
 const INCONSISTENT: f64 = 1e-6;
 
 impl Measurement {
-    /// Returns the measurement of a study with all names resolved in its model, and runs the checks of module `check`. Faults that can be
-    /// corrected safely are corrected with a warning. After an error, no fit should be trusted.
+    /// Returns the measurement of a study with all names resolved in its model, and runs the checks of module `check`. Faults that can be corrected
+    /// safely are corrected with a warning. If an error is reported, the results of a fit are not reliable.
     pub fn resolve(study: &Study, model: &Model) -> Checked<Self> {
         let mut out = Vec::new();
         let mut value = resolve::measurement(study, model, &mut out);
@@ -240,8 +240,8 @@ fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
         let [length, lateral, _] = extents(&points);
         let message = if lateral <= LEAST_SPREAD * length {
             format!(
-                "the marks of {} lie on one line ({lateral:.3} wide over {length:.1} long, rms): its rotation about it cannot be \
-                 seen, no pose is computed from them",
+                "the marks of {} lie on one line ({lateral:.3} wide over {length:.1} long, rms): its rotation about it is not \
+                 determined, and no pose is computed from them",
                 marked.name
             )
         } else if lateral <= POOR_SPREAD * length {
@@ -300,7 +300,7 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
         out.push(
             Diagnostic::warning(
                 Code::MissingSetting,
-                "the noise of the marks cannot be estimated from them; 0.05 is taken",
+                "the noise of the marks cannot be estimated from them; 0.05 is assumed",
             )
             .label(
                 marks.measured.source.name(),
@@ -381,7 +381,7 @@ fn swapped(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
                 format!("case {label}")
             };
             let message = format!(
-                "marks {} of {part_name} are swapped in {where_}; they are put right",
+                "marks {} of {part_name} are swapped in {where_}; this is corrected",
                 names.join(" and ")
             );
             grouped.add(format!("swapped {where_}"), || {
@@ -480,7 +480,7 @@ fn missing(to: &Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Dia
             out.push(
                 Diagnostic::warning(Code::MissingMarks, message)
                     .label(file, header, "")
-                    .help("fits of marks and wheel still use what is there"),
+                    .help("fits of marks and wheel still use the marks that were read"),
             );
         }
         if !partly.is_empty() {

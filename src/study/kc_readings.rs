@@ -134,7 +134,7 @@ fn channel(
         out,
     )?;
     let Some(gauge) = Gauge::new(model, marker, settings.axis, settings.forward) else {
-        let message = "the deck does not place this marker".to_string();
+        let message = "the deck does not determine the position of this marker".to_string();
         let span = settings.marker.span;
         out.push(Diagnostic::error(Code::UnknownTarget, message).label(
             study.source.name(),
@@ -155,7 +155,7 @@ fn channel(
                 .label(study.source.name(), asked.span, "")
                 .label(table.source.name(), table.header_span(), "the header line")
                 .help(format!(
-                    "{}; say which: `{} = {{ column = \"...\" }}`, or take it out of [kc.curves]",
+                    "{}; name it: `{} = {{ column = \"...\" }}`, or remove it from [kc.curves]",
                     did_you_mean(&asked.text, "the header line", &table.header()),
                     curve.name.text
                 )),
@@ -182,7 +182,7 @@ fn channel(
             } else {
                 "length: mm, cm, m, in"
             };
-            let message = format!("`{}` is no unit of an {what}", unit.unwrap_or_default());
+            let message = format!("`{}` is not a unit of an {what}", unit.unwrap_or_default());
             let place = curve.unit.as_ref().unwrap_or(&curve.name).span;
             out.push(Diagnostic::error(Code::BadSetting, message).label(
                 study.source.name(),

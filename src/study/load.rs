@@ -23,10 +23,7 @@ pub fn programme(
         let found = Address::parse(&target.text, dataset).ok();
         let Some(target) = found.filter(|address| exists(address, dataset)) else {
             let help = suggestion(&target.text, dataset);
-            let message = format!(
-                "`{}` is nothing in the deck that a load can drive",
-                target.text
-            );
+            let message = format!("a load cannot drive `{}` in this deck", target.text);
             out.push(
                 Diagnostic::error(Code::UnknownTarget, message)
                     .label(study.source.name(), target.span, "")

@@ -14,7 +14,7 @@ pub fn missing(study: &Study) -> Vec<String> {
     }
     if study.columns.is_empty() {
         steps.push(format!(
-            "{toml}: `loads.columns` names no load; say what each column of the load cases drives"
+            "{toml}: `loads.columns` names no load; state what each column of the load cases drives"
         ));
     }
     let mut empty = |table: &Table, what: &str| {

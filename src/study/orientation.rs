@@ -36,7 +36,7 @@ pub enum OrientationError {
     TooFew(usize),
     /// All marks lie on one line, or nearly so.
     #[error(
-        "the marks lie on one line: {lateral:.3} wide over {length:.3} long (rms), so the rotation about it cannot be seen"
+        "the marks lie on one line: {lateral:.3} wide over {length:.3} long (rms), so the rotation about it is not determined"
     )]
     Collinear {
         /// Rms extent of the marks across their common line.

@@ -78,7 +78,7 @@ impl NamedProgram {
     /// Returns the diagnostic for a program without permission. `help` explains how to allow the program.
     pub fn refusal(&self, help: &str) -> Diagnostic {
         let message = format!(
-            "{} names a program that was not allowed yet: {}",
+            "{} names a program that has not been allowed: {}",
             self.file.display(),
             self.shown()
         );
@@ -168,7 +168,7 @@ fn hash_of_folder(folder: &Path) -> String {
     hash(&[b"study".to_vec(), name.to_vec()])
 }
 
-/// Returns a hash of several parts, which also depends on the boundaries between them.
+/// Returns a hash of several parts. The hash also depends on the boundaries between the parts.
 fn hash(parts: &[Vec<u8>]) -> String {
     digest(parts.iter().map(Vec::as_slice))
 }

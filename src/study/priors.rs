@@ -1,4 +1,4 @@
-//! Section `[priors]` of `study.toml`: how probable and how large the causes of a diagnosis are before any reading is taken into account.
+//! Section `[priors]` of `study.toml`: probabilities and sizes of the causes of a diagnosis, before any reading is taken into account.
 
 use super::constant::Constant;
 use super::section::Section;

@@ -1,4 +1,4 @@
-//! Numbers with a unit in words, such as `"3 mm"`.
+//! Numbers with a written unit, such as `"3 mm"`.
 
 use toml::de::DeValue;
 
@@ -9,12 +9,12 @@ use admire_syntax::units::{
     Dimension, FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units,
 };
 
-/// A number of `study.toml`, with its unit if one is written.
+/// A number of `study.toml`, with its unit if the file states one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Quantity {
     /// The number as written.
     pub value: f64,
-    /// Unit as written, such as `mm` or `N/mm`; empty without a unit, and the number is then in the units of the deck.
+    /// Unit as written, such as `mm` or `N/mm`. If it is empty, the number is in the units of the deck.
     pub unit: String,
     /// The whole text, with its position in `study.toml`.
     pub spelled: SpannedText,
@@ -36,7 +36,7 @@ impl Quantity {
         })
     }
 
-    /// Returns the value in the units of a deck, angles in radians. `dimension` is that of the number in the deck.
+    /// Returns the value in the units of a deck, with angles in radians. `dimension` is the dimension of the number in the deck.
     ///
     /// # Errors
     /// A diagnostic at the text if the unit is unknown or has another dimension.
@@ -76,7 +76,7 @@ impl Quantity {
         Ok(self.value * size / units.si(dimension))
     }
 
-    /// Returns the value without a unit; a percentage is divided by 100.
+    /// Returns the value of a number without a unit. A percentage is divided by 100.
     ///
     /// # Errors
     /// A diagnostic at the text if another unit is written.
@@ -163,7 +163,7 @@ impl Section<'_> {
     }
 }
 
-/// Returns a value of the file as a quantity; `None` if it is neither a number nor a text that begins with one.
+/// Returns a value of the file as a quantity; `None` if it is neither a number nor a text that begins with a number.
 fn quantity_of(value: &DeValue<'_>, span: Span) -> Option<Quantity> {
     if let Some(number) = number_of(value) {
         return Some(Quantity {
@@ -179,8 +179,8 @@ fn quantity_of(value: &DeValue<'_>, span: Span) -> Option<Quantity> {
     Quantity::of(SpannedText { text, span })
 }
 
-/// Returns the size of a unit in SI units (N, kg, m, s, rad), and its dimension. Products are written with a blank, `*` or `-`, quotients with
-/// `/`: every unit behind the first `/` is in the denominator.
+/// Returns the size of a unit in SI units (N, kg, m, s, rad), and its dimension. Products are written with a blank, `*` or `-`, quotients with `/`.
+/// Every unit after the first `/` is in the denominator.
 fn unit(text: &str) -> Option<(f64, Dimension)> {
     let (mut size, mut dimension) = (1.0, Dimension::NONE);
     let (above, below) = text.split_once('/').unwrap_or((text, ""));
@@ -207,7 +207,7 @@ fn unit(text: &str) -> Option<(f64, Dimension)> {
     Some((size, dimension))
 }
 
-/// Returns a single unit, spelled as engineers do or as in ADAMS.
+/// Returns a single unit, in the spelling of engineers or of ADAMS.
 fn single(word: &str) -> Option<(f64, Dimension)> {
     let short = match word {
         "N" => (1.0, Dimension::FORCE),

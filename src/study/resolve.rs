@@ -423,7 +423,7 @@ fn channel_readings(
                     let name = &to.channels[channel].name;
                     Diagnostic::warning(
                         Code::BadReading,
-                        format!("channel `{name}` counts from the case before, and there is none before the first"),
+                        format!("channel `{name}` is relative to the previous case, but the first case has none"),
                     )
                     .label(table.source.name(), table.row_span(row), "this reading is left out")
                 });

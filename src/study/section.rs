@@ -533,7 +533,7 @@ fn range_in_words(least: f64, most: f64) -> String {
 /// Returns the help text for an unknown name `word`: the most similar known name, or a list of the known names in `there`. `place` describes
 /// where these names exist.
 ///
-/// A similar name must contain the same digits: `BUSHING/3` is no misspelling of `BUSHING/2`.
+/// A similar name must contain the same digits: `BUSHING/3` is not a misspelling of `BUSHING/2`.
 pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     const SHOWN: usize = 8;
     let digits = |text: &str| -> String { text.chars().filter(char::is_ascii_digit).collect() };

@@ -289,8 +289,8 @@ fn shift_sd(
     sd
 }
 
-/// Weights of equation 16 of the paper, which averages the stiffnesses of a round bushing: as printed, or inverted as the text of the paper
-/// implies.
+/// Weights of equation 16 of the paper, which averages the stiffnesses of a round bushing. The weights are as printed, or inverted as the text of the
+/// paper implies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Weights {
     /// Weight as printed: `1 / sum (F - mean F)^2`.
@@ -299,7 +299,7 @@ pub enum Weights {
     Corrected,
 }
 
-/// Slope of the regression line of force F against deflection delta (equation 13 of the paper): as printed, or by inverse regression.
+/// Slope of the regression line of force F against deflection delta (equation 13 of the paper). The slope is as printed, or from inverse regression.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Slope {
     /// Slope as printed: `cov(F, delta) / var(delta)`.

@@ -39,7 +39,7 @@ struct Driven {
 pub struct Starter<'a> {
     model: &'a Model,
     loads: Vec<Driven>,
-    /// The marker that most resembles the centre of a wheel, if any does.
+    /// Marker that most resembles the centre of a wheel; `None` if no marker resembles one.
     wheel: Option<MarkerIx>,
 }
 
@@ -472,7 +472,7 @@ fn sforce_direction(model: &Model, i: MarkerIx, j: MarkerIx, along_j: bool) -> O
     line.try_normalize(1e-9)
 }
 
-/// Returns a word for a direction that is close to an axis of ground; `None` for other directions.
+/// Returns a word for a direction near an axis of ground; `None` for other directions.
 fn direction(along: Vec3) -> Option<&'static str> {
     let words = ["longitudinal", "lateral", "vertical"];
     (0..3)

@@ -73,7 +73,7 @@ pub struct Study {
     pub available: Option<Vec<SpannedText>>,
     /// Reference deck of section `[reference]`, used only for reports.
     pub reference: Option<Source>,
-    /// Section `[target]`: what the axle should become.
+    /// Section `[target]`: the goals of a tuning run, and the numbers of the deck that it may change.
     pub target: Option<TargetSettings>,
     /// Section `[car]`: the subsystem of Adams/Car to which results are written back. No fit reads it.
     pub car: Option<CarSettings>,
@@ -247,7 +247,7 @@ fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
         return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
     }
     if !path.exists() {
-        let message = format!("`{shown}` is no study: it has no file study.toml");
+        let message = format!("`{shown}` is not a study: it has no file study.toml");
         return Diagnostic::error(Code::CannotRead, message).help(begin("model.adm"));
     }
     let text = format!("{} cannot be read: {error}", path.display());

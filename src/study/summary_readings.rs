@@ -139,7 +139,7 @@ impl Row<'_> {
                     "nothing changes from the first of these cases to the last"
                 }
                 SummaryKind::Width(_) => {
-                    "this is no load that passes there both ways within these cases"
+                    "this load does not pass the value in both directions within these cases"
                 }
             };
             let help = "`over` names a column of the load cases; `from` and `to` are the first and the last case of the run";
@@ -150,7 +150,7 @@ impl Row<'_> {
             None => 1.0,
             Some(cell) => {
                 let own = factor(&cell.text, angle).ok_or_else(|| {
-                    let message = format!("`{}` is no unit of this curve", cell.text);
+                    let message = format!("`{}` is not a unit of this curve", cell.text);
                     let help = "an angle: deg, min, rad, mrad; a length: mm, cm, m, in".to_string();
                     self.wrong(cell, message, help)
                 })?;
@@ -160,7 +160,7 @@ impl Row<'_> {
         let sigma = self.table.number(self.cells, self.columns[7], out);
         let Some(sigma) = sigma.filter(|sigma| *sigma > 0.0) else {
             let cell = self.cell(7)?;
-            let message = "sigma is to be more than 0".to_string();
+            let message = "sigma must be more than 0".to_string();
             return Err(self.wrong(cell, message, "sd of this number".to_string()));
         };
         let name = self.cell(0)?;
@@ -204,7 +204,7 @@ impl Row<'_> {
         let curve = Curve::named(&cell.text).ok_or_else(|| {
             let loads = self.study.columns.iter().map(|(n, _)| n.text.as_str());
             let known: Vec<&str> = loads.chain(Curve::words()).collect();
-            let message = format!("`{}` is no load and no curve", cell.text);
+            let message = format!("`{}` is neither a load nor a curve", cell.text);
             self.wrong(cell, message, format!("one of {}", known.join(", ")))
         })?;
         let function = gauge.function(curve);

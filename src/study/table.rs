@@ -281,7 +281,7 @@ impl Table {
             diagnostics.push(
                 Diagnostic::warning(
                     Code::BadReading,
-                    format!("`{}` is no number; the reading is left out", cell.text),
+                    format!("`{}` is not a number; the reading is left out", cell.text),
                 )
                 .label(self.source.name(), cell.span, ""),
             );
@@ -360,7 +360,7 @@ fn decimal(text: &str) -> Option<f64> {
     format!("{whole}.{fraction}").parse().ok()
 }
 
-/// Returns the position of the next record at or after `at`, behind comment lines and blank lines.
+/// Returns the position of the next record at or after `at`, skipping comment lines and blank lines.
 fn row_start(bytes: &[u8], mut at: usize, comment: Option<u8>) -> usize {
     loop {
         let rest = &bytes[at.min(bytes.len())..];

@@ -1,4 +1,4 @@
-//! Section `[target]` of `study.toml`: what an axle should become, and which numbers may move.
+//! Section `[target]` of `study.toml`: goals for the characteristics of an axle, and the numbers of the deck that may change.
 
 use super::section::{Section, SpannedText};
 use super::table::Table;
@@ -6,26 +6,26 @@ use super::unknown_settings::UnknownSettings;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// Which part of a characteristic a goal is about.
+/// Part of a characteristic to which a goal applies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum GoalScope {
     /// All samples of the test.
     #[default]
     Curve,
-    /// The value at one value of the test's variable.
+    /// Value at one value of the test's variable.
     Value,
-    /// The slope of the least-squares line within the window of the test.
+    /// Slope of the least-squares line within the window of the test.
     Gradient,
 }
 
-/// What a goal asks of a characteristic. Numbers are in the units of `curves.csv` and `gradients.csv`.
+/// Target of a goal. Numbers are in the units of `curves.csv` and `gradients.csv`.
 #[derive(Clone, Debug)]
 pub enum Wanted {
-    /// This value or gradient.
+    /// Exactly this value or gradient.
     Number(f64),
-    /// The curve of this table, with the columns `test`, `value` and characteristics.
+    /// A curve, given by a table with the columns `test`, `value` and characteristics.
     Curve(Table),
-    /// Between these limits. A limit that is absent is infinite.
+    /// Any value between these limits. A missing limit is infinite.
     Limits([f64; 2]),
 }
 
@@ -42,11 +42,11 @@ pub struct GoalSettings {
     pub scope: GoalScope,
     /// Value of the test's variable, for a single value.
     pub at: f64,
-    /// What is asked.
+    /// Target of the goal.
     pub wanted: Wanted,
-    /// Miss that counts as one, and up to which the goal is met.
+    /// Deviation that has the weighted value one. A goal with a smaller deviation is met.
     pub tolerance: f64,
-    /// True if the largest miss is minimised in place of the sum of squares.
+    /// True if the largest deviation is minimised instead of the sum of squares.
     pub minimax: bool,
 }
 
@@ -55,13 +55,13 @@ pub struct GoalSettings {
 pub struct TargetSettings {
     /// Contents of `kc.toml`: the wheels and the tests.
     pub kc: Source,
-    /// Number of starts from Sobol points within the bounds, besides the start of the study.
+    /// Number of additional starts, from Sobol points within the bounds.
     pub restarts: usize,
-    /// Largest number of evaluations of one start.
+    /// Maximum number of evaluations for each start.
     pub evaluations: usize,
-    /// What is wanted.
+    /// Goals for the characteristics.
     pub goals: Vec<GoalSettings>,
-    /// Numbers of the deck that may move.
+    /// Numbers of the deck that may change.
     pub unknowns: Vec<UnknownSettings>,
 }
 
@@ -142,7 +142,7 @@ impl GoalSettings {
         let count = [file.is_some(), value.is_some(), gradient.is_some(), limited];
         if count.iter().filter(|given| **given).count() != 1 {
             wrong.push(
-                "a goal has one of `curve`, `value`, `gradient`, or the limits `least` and `most`"
+                "a goal needs one of `curve`, `value`, `gradient`, or the limits `least` and `most`"
                     .to_string(),
             );
         }

@@ -1,17 +1,17 @@
-//! Tables `[[identify.unknown]]` and `[[target.unknown]]`: numbers of the deck that are sought.
+//! Tables `[[identify.unknown]]` and `[[target.unknown]]`: numbers of the deck to be determined.
 
 use super::quantity::Quantity;
 use super::section::{Section, SpannedText};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Span;
 
-/// What an unknown is, compared with the numbers of the deck that it sets.
+/// Relation between an unknown and the numbers of the deck that it sets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum UnknownForm {
     /// A change that is added to the numbers.
     #[default]
     Change,
-    /// A factor by which the numbers are multiplied; its logarithm is sought.
+    /// A factor by which the numbers are multiplied. Its logarithm is fitted.
     Factor,
     /// The value of the numbers.
     Value,
@@ -35,23 +35,23 @@ pub struct UnknownSettings {
     pub span: Span,
     /// Addresses of the numbers, or patterns with `*`.
     pub numbers: Vec<SpannedText>,
-    /// What the unknown is.
+    /// Relation between the unknown and the numbers.
     pub form: UnknownForm,
     /// True if one unknown sets all the numbers; otherwise each number is an unknown of its own.
     pub together: bool,
-    /// Factors of the numbers of an unknown that sets several, in the order of `numbers`.
+    /// Factors of the numbers, in the order of `numbers`, for an unknown that sets several numbers.
     pub factors: Option<Vec<f64>>,
-    /// True if the numbers of the other side of the vehicle follow as a mirror image.
+    /// True if the numbers on the other side of the vehicle change as the mirror image.
     pub symmetric: bool,
-    /// True if a marker moves on its own part alone, without those that meet it.
+    /// True if a marker moves on its own part alone, without the other markers at the same point.
     pub alone: bool,
-    /// Value at which the search begins.
+    /// Initial value of the search.
     pub start: Option<Quantity>,
     /// Lower and upper bound.
     pub bounds: Option<[Quantity; 2]>,
     /// Mean of the prior.
     pub mean: Option<Quantity>,
-    /// Standard deviation of the prior. In a target, a move of this size costs as much as missing a goal by its tolerance.
+    /// Standard deviation of the prior. In a target, a change of this size costs as much as missing a goal by its tolerance.
     pub sd: Option<Quantity>,
 }
 

@@ -125,7 +125,7 @@ impl AnswerPath {
         }
         match at {
             Value::Number(_) | Value::Bool(_) => None,
-            _ => Some(format!("`{self}` is no number")),
+            _ => Some(format!("`{self}` is not a number")),
         }
     }
 

@@ -241,7 +241,7 @@ mod tests {
         let whole = std::fs::read(&path).unwrap();
         for at in 0..whole.len() {
             let mut bytes = whole.clone();
-            // Another bit in each byte: all eight are flipped somewhere in every part of the file.
+            // The flipped bit differs from byte to byte, so that all eight bits are tested in every part of the file.
             bytes[at] ^= 1 << (3 * at % 8);
             std::fs::write(&path, &bytes).unwrap();
             assert!(verify(&path).is_err(), "bit {} of byte {at}", 3 * at % 8);

@@ -19,7 +19,7 @@ impl CollectedDiagnostics {
         self.all.push(diagnostic);
     }
 
-    /// Adds a diagnostic from another reader, relabelled to the place in SWEEP.toml where its text stands.
+    /// Adds a diagnostic from another reader. Its label is moved to the place in SWEEP.toml that contains the text.
     pub(super) fn refused(&mut self, span: std::ops::Range<usize>, mut why: Diagnostic) {
         why.labels.clear();
         self.all

@@ -12,8 +12,8 @@ pub struct Correlation {
 }
 
 impl Correlation {
-    /// Creates a group from the indices of its members among the variations. `None` if the matrix is not positive definite, because no
-    /// random variables have such correlations.
+    /// Creates a group from the indices of its members among the variations. `None` if the matrix is not positive definite, and therefore not a
+    /// correlation matrix.
     pub(crate) fn new(members: Vec<usize>, matrix: &DMatrix<f64>) -> Option<Self> {
         let lower = Cholesky::new(matrix.clone())?.unpack();
         Some(Self { members, lower })
@@ -26,7 +26,7 @@ impl Correlation {
             .iter()
             .map(|&at| normal::quantile(unit[at]))
             .collect();
-        // The first member of the group is unchanged, to the last bit.
+        // The first member of the group remains unchanged, to the last bit.
         for (row, &at) in self.members.iter().enumerate().skip(1) {
             let score: f64 = (0..=row).map(|k| self.lower[(row, k)] * scores[k]).sum();
             unit[at] =

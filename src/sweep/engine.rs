@@ -28,7 +28,7 @@ pub enum SweepError {
     #[error("{0}")]
     Table(#[from] ParquetError),
     /// A finished table is damaged.
-    #[error("`{}`: {damage}; without the file its cases are run again", path.display())]
+    #[error("`{}`: {damage}; if the file is deleted, its cases are run again", path.display())]
     Damaged {
         /// Path of the table.
         path: PathBuf,
@@ -270,7 +270,7 @@ fn run_left(
                 Err(error) => break Err(error),
             }
         };
-        // Threads that still wait to send a row now end.
+        // Threads that are waiting to send a row end now.
         stop.store(true, Ordering::Relaxed);
         drop(receive);
         taken

@@ -175,7 +175,7 @@ impl SweepFolder {
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let Some(manifest) = read_manifest(path)? else {
             let message = format!(
-                "`{}` is no folder of a sweep: it has no {MANIFEST}",
+                "`{}` is not a folder of a sweep: it has no {MANIFEST}",
                 path.display()
             );
             return Err(Diagnostic::error(Code::CannotRead, message)
@@ -219,7 +219,7 @@ impl SweepFolder {
             );
             return refuse(
                 what,
-                "cases of two versions are not mixed: name another folder, or go on with the other version",
+                "cases of two versions are not mixed: name another folder, or continue with the other version",
             );
         }
         if there.shards != own.shards {
@@ -228,7 +228,7 @@ impl SweepFolder {
                 there.shards, own.shards
             );
             let help = format!(
-                "go on with --shard I/{}, or name another folder",
+                "continue with --shard I/{}, or name another folder",
                 there.shards
             );
             return refuse(what, &help);

@@ -41,7 +41,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         return verify(&whole).map_err(|damage| {
             let message = format!("`{}`: {damage}", whole.display());
             let refused = Diagnostic::error(Code::CannotRead, message);
-            vec![refused.help("without the file the parts are joined again")]
+            vec![refused.help("if the file is deleted, the parts are joined again")]
         });
     }
     let inputs = folder.manifest.vary.len();
@@ -67,7 +67,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         if let Err(damage) = verify(&path) {
             refuse(
                 Code::CannotRead,
-                format!("{damage}; without the file `--shard {shard}` runs its cases again"),
+                format!("{damage}; if the file is deleted, `--shard {shard}` runs its cases again"),
             );
             continue;
         }
@@ -130,7 +130,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
                 Code::CannotRead,
                 format!("not finished: shards {}{more}", missing[..shown].join(", ")),
             )
-            .help("the same command with --shard goes on where it stopped"),
+            .help("the same command with --shard continues where it stopped"),
         );
     }
     if !wrong.is_empty() {
@@ -185,7 +185,7 @@ fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
             columns.outputs.len(),
             |row, numbers| -> Result<(), SweepError> {
                 if row.case != next {
-                    let message = format!("case {} stands where case {next} belongs", row.case);
+                    let message = format!("case {} is in the place of case {next}", row.case);
                     return Err(parquet::errors::ParquetError::General(message).into());
                 }
                 next += 1;

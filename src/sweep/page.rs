@@ -100,7 +100,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     Ok(page.finish(&format!("admire {}", folder.manifest.version)))
 }
 
-/// Returns the range of the first outputs, and the number that moves each of them most, in a few sentences.
+/// Returns a few sentences with the range of the first outputs, and with the parameter that has the largest effect on each.
 fn answer(summary: &Summary, ok: u64) -> String {
     let told = summary.outputs.iter().take(MOST_TOLD).map(|output| {
         let spread = &output.spread;
@@ -125,7 +125,7 @@ fn short(value: f64, sd: f64) -> String {
     number(value, Some(sd))
 }
 
-/// Draws what moves an output: its main effects, and its values over the number with the largest effect.
+/// Draws the main effects on an output, and its values over the parameter with the largest effect.
 fn main_effects(output: &OutputSummary) -> Result<Vec<Figure>, DrawingError> {
     let mut figures: Vec<Figure> = tornado(output).into_iter().collect();
     if let Some(swing) = output.swings.first() {
@@ -147,7 +147,7 @@ fn main_effects(output: &OutputSummary) -> Result<Vec<Figure>, DrawingError> {
     Ok(figures)
 }
 
-/// Tabulates the range of each output, and what moves it most.
+/// Tabulates the range of each output, with the parameter that has the largest effect on it.
 fn ranges(summary: &Summary) -> Table {
     let mut table = Table::new(&[
         ("output", Align::Left),
@@ -290,5 +290,5 @@ fn effects(page: &mut Page, output: &OutputSummary) {
         table.row(std::iter::once(effect.name.clone()).chain(values.map(six_digits)));
     }
     page.table(&table);
-    page.note("Changes over the whole range of probability. A spread as large as the mean size says that the number acts along a bend or together with others.");
+    page.note("Changes over the whole range of probability. A spread as large as the mean size indicates that the number acts nonlinearly or together with others.");
 }

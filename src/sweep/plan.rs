@@ -155,7 +155,7 @@ impl SweepPlan {
             None => task(&file, (&folder, &lowered.value), &mut inputs, out)?,
         };
         if let (Some(check), Task::Commands(_) | Task::Tests(_)) = (&file.check_gain, &task) {
-            let message = "`check_gain` is that of a study's diagnosis";
+            let message = "`check_gain` applies only to the diagnosis of a study";
             out.wrong(Code::BadSetting, check.span(), message);
         }
         let mut ignored = Vec::new();
@@ -270,10 +270,14 @@ fn program(
 ) -> Option<Program> {
     let (span, solver) = (solver.span(), solver.get_ref());
     if !(solver.timeout_s > 0.0) {
-        out.wrong(Code::OutOfRange, span.clone(), "`timeout_s` is above zero");
+        out.wrong(
+            Code::OutOfRange,
+            span.clone(),
+            "`timeout_s` must be above zero",
+        );
     }
     if !(solver.licence_wait_s >= 0.0) {
-        let rule = "`licence_wait_s` is not negative";
+        let rule = "`licence_wait_s` must not be negative";
         out.wrong(Code::OutOfRange, span.clone(), rule);
     }
     let recordings = match &solver.recordings {
@@ -284,7 +288,7 @@ fn program(
         None => None,
     };
     if solver.command.is_none() && recordings.is_none() {
-        let message = "a solver has `command`, or `recordings` of its runs, or both";
+        let message = "a solver needs `command`, or `recordings` of its runs, or both";
         out.wrong(Code::MissingSetting, span, message);
         return None;
     }
@@ -296,7 +300,7 @@ fn program(
                 out.wrong(
                     Code::BadSetting,
                     span,
-                    "the command of a solver has `{acf}` where the command file goes: [\"mdi\", \"-c\", \"ru-s\", \"i\", \"{acf}\", \"exit\"]",
+                    "the command of a solver must have `{acf}` where the command file goes: [\"mdi\", \"-c\", \"ru-s\", \"i\", \"{acf}\", \"exit\"]",
                 );
                 return None;
             }

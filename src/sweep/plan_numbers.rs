@@ -106,7 +106,7 @@ pub(super) fn numbers(
     })
 }
 
-/// Reports values in the deck that two variations change, because one variation would overwrite the other.
+/// Reports values in the deck that two variations change. One variation would overwrite the other.
 fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnostics) {
     let mut seen: Vec<(&Address, &str)> = Vec::new();
     for (at, variation) in variations.iter().enumerate() {
@@ -149,7 +149,7 @@ fn targets(
             let old = deck.value_at(&address).unwrap_or(f64::NAN);
             if apply != Apply::Set && old.is_nan() {
                 let message = format!(
-                    "{address} is no number of the deck that could be changed by a factor or an offset"
+                    "{address} is not a number of the deck, so a factor or an offset cannot change it"
                 );
                 out.wrong(Code::WrongType, span.clone(), &message);
                 return None;
@@ -194,7 +194,11 @@ fn variation(
             return None;
         }
         (None, Some(levels)) => {
-            out.wrong(Code::OutOfRange, levels.span(), "`levels` is above zero");
+            out.wrong(
+                Code::OutOfRange,
+                levels.span(),
+                "`levels` must be above zero",
+            );
             return None;
         }
         (None, None) if plan == PlanWord::FullFactorial => {
@@ -230,7 +234,7 @@ fn distribution(
     if plan == PlanWord::Table {
         if count > 0 {
             let message =
-                "the values of this plan stand in its table: no distribution is asked for";
+                "the values of this plan are in its table, so no distribution can be given";
             out.wrong(Code::ConflictingArguments, span.clone(), message);
             return None;
         }
@@ -242,11 +246,7 @@ fn distribution(
         return None;
     }
     if let (Some(weights), None) = (&vary.weights, &vary.values) {
-        out.wrong(
-            Code::BadSetting,
-            weights.span(),
-            "`weights` are those of `values`",
-        );
+        out.wrong(Code::BadSetting, weights.span(), "`weights` need `values`");
         return None;
     }
     let mut refuse = |span: Range<usize>, message: &str| {
@@ -258,7 +258,7 @@ fn distribution(
         if !(low < high && low.is_finite() && high.is_finite()) {
             return refuse(
                 uniform.span(),
-                "this range is empty: the first end is below the second",
+                "this range is empty: the first end must be below the second",
             );
         }
         return Some(Distribution::Uniform([low, high]));
@@ -266,7 +266,10 @@ fn distribution(
     if let Some(normal) = &vary.normal {
         let n = *normal.get_ref();
         if !(n.sd > 0.0 && n.sd.is_finite() && n.mean.is_finite()) {
-            return refuse(normal.span(), "`sd` is above zero, and both are numbers");
+            return refuse(
+                normal.span(),
+                "`sd` must be above zero, and both must be numbers",
+            );
         }
         return Some(Distribution::Normal {
             mean: n.mean,
@@ -278,7 +281,7 @@ fn distribution(
         if !(n.sigma > 0.0 && n.median > 0.0 && n.sigma.is_finite() && n.median.is_finite()) {
             return refuse(
                 log.span(),
-                "`median` and `sigma`, the standard deviation of the natural logarithm, are above zero",
+                "`median` and `sigma`, the standard deviation of the natural logarithm, must be above zero",
             );
         }
         return Some(Distribution::LogNormal {
@@ -290,7 +293,7 @@ fn distribution(
     if values.get_ref().is_empty() || values.get_ref().iter().any(|v| !v.is_finite()) {
         return refuse(
             values.span(),
-            "`values` has one number at least, and no other than numbers",
+            "`values` must have at least one number, and only numbers",
         );
     }
     let count = values.get_ref().len();
@@ -304,7 +307,7 @@ fn distribution(
             if !fine {
                 return refuse(
                     weights.span(),
-                    "there is a weight of zero or more for every value, and one above zero",
+                    "every value needs a weight of zero or more, and one weight must be above zero",
                 );
             }
             all.clone()
@@ -317,7 +320,7 @@ fn distribution(
         so_far
     });
     let mut cumulative: Vec<f64> = cumulative.collect();
-    // The last value with a positive weight takes up the round-off of the sum.
+    // The last value with a positive weight absorbs the round-off of the sum.
     let last = weights.iter().rposition(|w| *w > 0.0).unwrap_or(0);
     cumulative[last..].fill(1.0);
     Some(Distribution::Discrete {
@@ -340,7 +343,8 @@ fn correlations(
             plan,
             PlanWord::Random | PlanWord::LatinHypercube | PlanWord::Sobol
         ) {
-            let message = "numbers of this plan do not vary together: random, latin-hypercube and sobol have correlations";
+            let message =
+                "this plan has no correlations: only random, latin-hypercube and sobol have them";
             out.wrong(Code::ConflictingArguments, span, message);
             continue;
         }
@@ -353,7 +357,7 @@ fn correlations(
                     out.wrong(Code::ConflictingArguments, name.span(), &message);
                 }
                 None => {
-                    let message = format!("no variation is called `{}`", name.get_ref());
+                    let message = format!("there is no variation `{}`", name.get_ref());
                     out.wrong(Code::UndefinedId, name.span(), &message);
                 }
             }
@@ -379,7 +383,7 @@ fn correlations(
         if let Some(found) = Correlation::new(members, &matrix).filter(|_| proper) {
             groups.push(found);
         } else {
-            let message = "no two or more numbers have these correlations: the matrix is symmetric with ones on its diagonal, and positive definite";
+            let message = "no numbers can have these correlations: the matrix must be symmetric with ones on its diagonal, and positive definite";
             out.wrong(Code::OutOfRange, span, message);
         }
     }
@@ -403,7 +407,7 @@ fn design(
             return None;
         }
         Some(cases) => {
-            out.wrong(Code::OutOfRange, cases.span(), "`cases` is above zero");
+            out.wrong(Code::OutOfRange, cases.span(), "`cases` must be above zero");
             return None;
         }
         None if sized => {
@@ -417,7 +421,7 @@ fn design(
     if let Some(asked) = &sampling.levels {
         grid = *asked.get_ref();
         if word != PlanWord::Morris || grid < 2 || grid % 2 == 1 || grid > 1 << 20 {
-            let message = "`levels` of [sampling] is an even number for `plan = \"morris\"`";
+            let message = "`levels` of [sampling] must be an even number for `plan = \"morris\"`";
             out.wrong(Code::OutOfRange, asked.span(), message);
             return None;
         }
@@ -490,7 +494,7 @@ fn cases_of(
                     return refuse(
                         1,
                         &format!(
-                            "`{head}` is no variation, and as an address: {}",
+                            "`{head}` is not a variation, and as an address: {}",
                             why.message
                         ),
                     );

@@ -32,7 +32,7 @@ impl Stream {
     pub(crate) fn bits(&self, index: u64) -> u64 {
         let mut generator = ChaCha8Rng::from_seed(self.key);
         generator.set_stream(self.stream);
-        // Each value of 64 bits takes two words of 32 bits.
+        // Each value of 64 bits consists of two words of 32 bits.
         generator.set_word_pos(u128::from(index) * 2);
         generator.next_u64()
     }

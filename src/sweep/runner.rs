@@ -121,7 +121,7 @@ impl<'p> Runner<'p> {
         let message = format!("the deck as it is does not run: {why}");
         Diagnostic::error(Code::NoEquilibrium, message)
             .label(self.plan.deck.source().name(), Span::at(0), "")
-            .help("a sweep begins with a deck that runs: try `admire solve` or `admire kc` on it")
+            .help("a sweep needs a deck that runs: try `admire solve` or `admire kc` on it")
     }
 
     fn find_columns(
@@ -332,7 +332,7 @@ impl<'p> Runner<'p> {
             Stop::Model => return Err((Status::Invalid, why("the deck has errors"))),
             Stop::File => return Err((Status::Refused, why("a file cannot be read"))),
             _ if ending.failed > 0 => {
-                return Err((Status::NoAnswer, why("a simulation has no answer")));
+                return Err((Status::NoAnswer, why("a simulation has no result")));
             }
             _ if ending.exit_code(true) != 0 => {
                 return Err((Status::Refused, why("a command is not executed")));

@@ -83,7 +83,7 @@ pub struct OutputSummary {
     pub indices: Vec<NamedIndex>,
     /// Elementary effects, empty unless the plan is `morris`.
     pub effects: Vec<NamedEffect>,
-    /// Values over those of the parameter with the largest linear effect, for a picture; of at most [`SCATTERED`] cases.
+    /// Values of the output over the parameter with the largest linear effect, for a picture; at most [`SCATTERED`] cases.
     #[serde(skip)]
     pub scatter: Vec<(f64, f64)>,
 }
@@ -190,8 +190,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 impl Summary {
-    /// Summarises the table of a sweep. Only two columns are in memory at a time; with the plan `morris`, all varied parameters are too.
-    ///
+    /// Summarises the table of a sweep. Only two columns are in memory at a time; for the plan `morris`, all varied parameters are in memory as well.
     /// # Errors
     /// When the table cannot be read.
     pub fn of(folder: &SweepFolder) -> Result<Self, SweepError> {

@@ -133,7 +133,7 @@ impl Address {
         let near = nearest(head, names.iter().map(String::as_str));
         Err(error(
             Code::UndefinedId,
-            format!("nothing in this dataset is called {head}"),
+            format!("this dataset has no object {head}"),
             text,
             match near {
                 Some(near) => format!("did you mean {near}?"),
@@ -290,7 +290,7 @@ pub(super) fn argument(
             _ => {
                 return Err(error(
                     Code::BadNumber,
-                    format!("{index} is not the place of a value"),
+                    format!("{index} is not the index of a value"),
                     text,
                     "values are counted from 1".into(),
                 ));

@@ -79,7 +79,7 @@ impl CarAxis {
             ));
         };
         if let Some(kind) = [kind, damping_kind].iter().find(|kind| kind.fract() != 0.0) {
-            return Err(format!("has the type {kind}, which is no whole number"));
+            return Err(format!("has the type {kind}, which is not a whole number"));
         }
         if value != 0.0 {
             return Err(format!(

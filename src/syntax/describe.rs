@@ -30,8 +30,8 @@ pub fn statement(def: &StatementDef) -> String {
         out,
         match def.role {
             Role::Dataset => "  Stands in a dataset.",
-            Role::Command => "  Stands in a command file.",
-            Role::Both => "  Stands in a dataset, and in a command file to redefine.",
+            Role::Command => "  Used in a command file.",
+            Role::Both => "  Used in a dataset, and in a command file to redefine.",
         },
     );
     line(out, &format!("  {}", solved(def.solved)));

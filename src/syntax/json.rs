@@ -313,7 +313,7 @@ fn change(
         match has.get(name) {
             Some(old) if same(old, json) => {}
             Some(_) if !first => {
-                let message = format!("{object} stands twice; only the first one can be changed");
+                let message = format!("{object} occurs twice; only the first one can be changed");
                 return Err(refused(message));
             }
             Some(old) => edits.extend(change_value(dataset, statement, &address, old, json)?),
@@ -448,7 +448,7 @@ fn new_statement(object: &Json, address: &Address) -> Result<NewStatement, Diagn
     let view_name = object.get("name").and_then(Json::as_str);
     if view_name.is_some_and(|name| name.contains(['\n', '\r', '\''])) {
         return Err(refused(format!(
-            "the name of {address} cannot stand in a comment"
+            "the name of {address} cannot be written in a comment"
         )));
     }
     Ok(NewStatement {

@@ -193,7 +193,7 @@ impl Reader<'_> {
         let Some(found) = reading(first, &goal.of.text) else {
             let all = first.into_iter().flat_map(|sample| &sample.readings);
             let paths: Vec<String> = all.map(Reading::path).collect();
-            let message = format!("`{}` is no characteristic of this axle", goal.of.text);
+            let message = format!("`{}` is not a characteristic of this axle", goal.of.text);
             let help = did_you_mean(&goal.of.text, "the axle", &paths);
             return Err(complain(goal.of.span, message, help));
         };
@@ -304,7 +304,7 @@ impl Reader<'_> {
         let lacks = |what: String| {
             let error = Diagnostic::error(Code::MissingColumn, what);
             Box::new(error.label(file, table.header_span(), "").help(
-                "a wanted curve has the columns `value` and, as in curves.csv, a characteristic such as `toe_angle.left [deg]`",
+                "a wanted curve must have the columns `value` and, as in curves.csv, a characteristic such as `toe_angle.left [deg]`",
             ))
         };
         let value = table

@@ -62,7 +62,7 @@ impl Tuning {
 
     fn of(study: Study, out: &mut Vec<Diagnostic>) -> Result<Self, Refused> {
         let Some(target) = study.target.clone() else {
-            let message = "the study has no section [target]: what should the axle become?";
+            let message = "the study has no section [target] with goals and unknowns";
             out.push(
                 Diagnostic::error(Code::MissingSetting, message)
                     .label(study.source.name(), study.place(&[]), "")
@@ -108,11 +108,11 @@ impl Tuning {
         );
         for unknown in &unknowns {
             if unknown.bounds.iter().any(|bound| bound.is_infinite()) {
-                let message = format!("{} has no `bounds`: how far may it move?", unknown.name);
+                let message = format!("{} needs `bounds` within which it may change", unknown.name);
                 out.push(
                     Diagnostic::error(Code::MissingSetting, message)
                         .label(study.source.name(), unknown.span, "")
-                        .help("bounds = [\"-10 mm\", \"10 mm\"] are those of the change"),
+                        .help("bounds = [\"-10 mm\", \"10 mm\"] are bounds of the change"),
                 );
             }
         }

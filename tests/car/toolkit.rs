@@ -165,7 +165,7 @@ fn check_reads_every_file_of_the_corpus() {
     let said = out + &errors;
     assert_eq!(code, 1, "{said}");
     assert!(
-        said.contains("`both` is no symmetry") && said.contains("bad.sub:23"),
+        said.contains("`both` is not a symmetry") && said.contains("bad.sub:23"),
         "{said}"
     );
 }

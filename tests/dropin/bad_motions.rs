@@ -88,7 +88,7 @@ fn bad() -> Vec<Bad> {
         Bad {
             statements: format!("{FORCE}8-10*AINT(VZ(20)/2+1)\n"),
             commands: plain,
-            told: &["time 0.5", "SFORCE/1 switches over and over", "smaller than HMIN"],
+            told: &["time 0.5", "SFORCE/1 switches repeatedly", "smaller than HMIN"],
             ends: Some((0.49, 0.51)),
         },
         // Two stops, a hundred-thousandth of a metre apart.

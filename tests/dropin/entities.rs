@@ -269,7 +269,7 @@ fn what_is_asked_for_and_not_written_is_said() {
         "SIM/STAT",
     );
     assert!(
-        ran.stdout.contains("RESULTS/ROUNDOFF is not followed"),
+        ran.stdout.contains("RESULTS/ROUNDOFF is ignored"),
         "{}",
         ran.stdout
     );

@@ -101,7 +101,7 @@ fn no_bad_run_is_taken_for_an_answer() {
     // The file of an earlier run, copied back with its time stamp.
     says(
         words(&["cp", "-p", &good.to_string(), "run.res"]),
-        "that of an earlier one",
+        "from an earlier run",
     );
     // Results of another model.
     says(
@@ -119,7 +119,7 @@ fn no_bad_run_is_taken_for_an_answer() {
     // A program that changes its deck has not solved the requested model.
     says(
         after("echo '! changed' >> run.adm"),
-        "no longer what the run was given",
+        "differs from the one that the run was given",
     );
     // The error message ends with the tail of the log.
     let error = says(

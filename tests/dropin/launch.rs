@@ -177,7 +177,7 @@ fn unknown_words_are_skipped_with_a_warning() {
     let ran = mdi(folder.path(), &line.split(' ').collect::<Vec<_>>());
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     for word in ["`-t 4`", "`n`", "`16mb`", "`more`"] {
-        let said = format!("the word {word} of the command line is not known here and is skipped");
+        let said = format!("the word {word} of the command line is unknown and is ignored");
         assert!(ran.stdout.contains(&said), "{word}: {}", ran.stdout);
     }
     assert_eq!(ran.stdout.matches("---- START: WARNING ----").count(), 4);

@@ -40,7 +40,7 @@ fn a_stated_limit_ends_its_way() {
     let (_, ran) = arm(1000.0, "equi/maxit=20", "sim/stat");
     for said in [
         "MAXIT=20 ended the iteration",
-        "the weight of PART/2 drives it; if that is so only where it begins, let it begin elsewhere",
+        "the weight of PART/2 drives it; if this is only so at the start, start from other positions",
     ] {
         assert!(ran.stdout.contains(said), "{}", ran.stdout);
     }

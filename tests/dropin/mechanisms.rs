@@ -456,7 +456,7 @@ END
     let folder = crate::run::folder(&[("deck.adm", deck), ("run.acf", acf)]);
     let ran = mdi(folder.path(), &["ru-s", "run"]);
     assert_eq!(ran.code, 1);
-    for told in ["VARIABLE/4 is no coordinate", "MARKER/99"] {
+    for told in ["VARIABLE/4 is not a coordinate", "MARKER/99"] {
         assert!(ran.stdout.contains(told), "{}", ran.stdout);
     }
 }

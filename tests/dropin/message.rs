@@ -62,7 +62,7 @@ fn what_many_objects_share_is_told_once() {
     let folder = folder(&[(&format!("{stem}.adm"), &deck), ("run.acf", &acf)]);
     assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 1);
     let ours = text(folder.path(), &format!("{stem}.msg"));
-    assert_eq!(ours.matches(".xmt_txt` is not here").count(), 1);
+    assert_eq!(ours.matches(".xmt_txt` does not exist").count(), 1);
     // Several hundred CONTACTs share one message in the first simulation; later simulations are only refused.
     let frames: Vec<&str> = ours.split("---- START: ERROR ----\n").skip(1).collect();
     let contacts = frames
@@ -167,7 +167,7 @@ fn commands_print_what_they_are_asked_to() {
         "0.000000E+00"
     );
     assert!(after("INFO/DISPLACEMENT, I=77", 0).contains("MARKER/77 is not in the model"));
-    assert!(after("INFO/I=21", 0).contains("does not say what is asked for"));
+    assert!(after("INFO/I=21", 0).contains("does not state a quantity"));
 }
 
 /// Checks that torques on a POINT_MASS, which accepts only translational forces (`state_point_mass`), are reported at their statements.
@@ -182,7 +182,7 @@ fn a_torque_that_nothing_feels_is_told() {
     let ran = mdi(folder.path(), &["ru-s", "run"]);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     assert_eq!(
-        ran.stdout.matches("the torque is lost").count(),
+        ran.stdout.matches("the torque has no effect").count(),
         1,
         "{}",
         ran.stdout

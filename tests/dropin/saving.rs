@@ -71,12 +71,18 @@ fn output_goes_to_a_new_name_from_a_command_on() {
 #[test]
 fn no_comma_in_the_name_of_a_saved_state() {
     let (folder, ran) = run("SAVE/SYSTEM, FILE=here.sav, FORMATTED\nSIM/STAT");
-    assert!(ran.stdout.contains("`FORMATTED` is no argument of SAVE"));
+    assert!(
+        ran.stdout
+            .contains("`FORMATTED` is not an argument of SAVE")
+    );
     assert_ne!(ran.code, 0);
     assert!(!folder.path().join("here.sav, FORMATTED").exists());
     let (_folder, ran) =
         run("SAVE/SYSTEM, FILE=here.sav\nRELOAD/SYSTEM, FILE=here.sav, FORMATTED\nSIM/STAT");
-    assert!(ran.stdout.contains("`FORMATTED` is no argument of RELOAD"));
+    assert!(
+        ran.stdout
+            .contains("`FORMATTED` is not an argument of RELOAD")
+    );
     assert_eq!(ran.code, 1);
 }
 

@@ -37,7 +37,7 @@ fn saving_overwrites_no_other_file() {
         ("notes.txt", "mine"),
     ]);
     let ran = mdi(folder.path(), &["ru-s", "run"]);
-    assert!(ran.stdout.contains("no saved state"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("not a saved state"), "{}", ran.stdout);
     assert!(ran.stdout.contains("[write-outside]"), "{}", ran.stdout);
     assert_eq!(
         std::fs::read(folder.path().join("notes.txt")).unwrap(),

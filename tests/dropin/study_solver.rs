@@ -340,7 +340,8 @@ fn waiting_for_a_licence_is_told() {
     study(folder, &solver, REGRESSION);
     let path = format!("{}:/usr/local/bin:/usr/bin:/bin", folder_of_mdi());
     let run = admire(folder, &["identify", ".", "--out", "out"], &path);
-    let told = "no licence (License request denied: all in use): asked for again for up to 60 s";
+    let told =
+        "no licence (License request denied: all in use): requesting it again for up to 60 s";
     assert_eq!(errors(&run).matches(told).count(), 1, "{}", errors(&run));
     assert!(folder.join("out/identification.json").exists());
 }

@@ -71,7 +71,7 @@ fn nothing_is_added_or_removed_that_leaves_a_fault() {
         (
             &["add", "a.adm", "PART/2, MASS=1"],
             1,
-            "the deck has PART/2 already",
+            "the deck already has PART/2",
         ),
         (
             &["add", "a.adm", "MARKR/5, PART=2"],

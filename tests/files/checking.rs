@@ -96,12 +96,12 @@ fn times_of_simulations_go_on() {
         (
             "SIM/DYN, END=2, STEPS=4\nSIM/DYN, END=1, STEPS=4\n",
             1,
-            "the simulation ends at time 1, and it is 2 already",
+            "the simulation ends at time 1, but the time is already 2",
         ),
         (
             "SIM/DYN, DURATION=2, STEPS=4\nSIM/TYPE=DYNAMICS, END=2, STEPS=4\n",
             1,
-            "the simulation ends at time 2, and it is 2 already",
+            "the simulation ends at time 2, but the time is already 2",
         ),
     ] {
         let (found, said) = folder.commands(wrong);
@@ -309,7 +309,7 @@ fn folders_and_patterns_name_files_and_other_programs_read_the_answer() {
     assert_eq!(place["region"]["startLine"], 2);
     let (code, said) = folder.said(&["check", "runs/*.dat"]);
     assert_eq!(code, 1);
-    assert!(said.contains("no file is called"), "{said}");
+    assert!(said.contains("there is no file"), "{said}");
 }
 
 /// Checks that real command files, which ran in ADAMS, raise no error or warning. The exception names two variables that only the deck of

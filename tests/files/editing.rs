@@ -328,7 +328,7 @@ fn what_is_no_address_is_refused_with_a_suggestion() {
     );
     assert_eq!(
         refused("laod.FUNCTION"),
-        "undefined-id: nothing in this dataset is called laod; did you mean LOAD?"
+        "undefined-id: this dataset has no object laod; did you mean LOAD?"
     );
     assert_eq!(
         refused("BUSHING/7.KK"),
@@ -336,7 +336,7 @@ fn what_is_no_address_is_refused_with_a_suggestion() {
     );
     assert_eq!(
         refused("BUSHING/7.K.0"),
-        "bad-number: 0 is not the place of a value; values are counted from 1"
+        "bad-number: 0 is not the index of a value; values are counted from 1"
     );
     assert_eq!(
         refused("BEAM/1"),

@@ -390,7 +390,7 @@ fn a_spline_of_a_property_file_is_the_spline_of_the_deck() {
         "plain",
     ]);
     assert!(
-        text(&refused).contains("the file `hard.spr` is not here"),
+        text(&refused).contains("the file `hard.spr` does not exist"),
         "{refused:?}"
     );
 }

@@ -329,13 +329,21 @@ fn a_wrong_table_is_told_where() {
         (
             "gradient,travel",
             "gradient,travels",
-            "no load and no curve",
+            "neither a load nor a curve",
         ),
         (",1,13,", ",1,99,", "no case `99`"),
-        ("width,Fy [N],20,35", "width,Fy [N],1,19", "both ways"),
-        ("width,Fy [N],20,35", "width,travel,20,35", "both ways"),
+        (
+            "width,Fy [N],20,35",
+            "width,Fy [N],1,19",
+            "in both directions",
+        ),
+        (
+            "width,Fy [N],20,35",
+            "width,travel,20,35",
+            "in both directions",
+        ),
         (",,0.01", ",,0", "more than 0"),
-        ("deg,,0.01", "mm,,0.01", "no unit"),
+        ("deg,,0.01", "mm,,0.01", "not a unit"),
         ("track width,track", "toe width,track", "a channel already"),
         ("name,curve", "name,kurve", "no column `curve`"),
     ] {

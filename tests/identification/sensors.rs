@@ -73,7 +73,7 @@ fn a_gauge_set_to_zero_before_each_load_reads_the_steps() {
     let said: Vec<String> = read.diagnostics.iter().map(|d| d.message.clone()).collect();
     assert!(
         said.iter()
-            .any(|text| text.contains("none before the first")),
+            .any(|text| text.contains("the first case has none")),
         "{said:?}"
     );
     assert_eq!(read.value.unwrap().measurement.cases[0].channels[1], None);

@@ -235,7 +235,7 @@ fn wrong_files_are_refused_at_their_place() {
             "right-handed",
         ),
         ("SFORCE/3", "SFORCE/33", "kc.toml:5", "SFORCE/33"),
-        ("SFORCE/3\"", "KNUCKLE\"", "kc.toml:5", "no load"),
+        ("SFORCE/3\"", "KNUCKLE\"", "kc.toml:5", "not a load"),
         ("radius = 300.0", "radius = -1.0", "kc.toml", "tyre.radius"),
         // Metres in a deck in millimetres, and percent.
         (

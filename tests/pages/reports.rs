@@ -66,7 +66,9 @@ fn the_report_of_a_diagnosis_is_whole() {
         "{lead}"
     );
     assert!(
-        lead.contains("These readings do not tell it from body compliance at TIE_INNER (JOINT/5)"),
+        lead.contains(
+            "These readings do not distinguish it from body compliance at TIE_INNER (JOINT/5)"
+        ),
         "{lead}"
     );
     assert!(

@@ -149,7 +149,7 @@ fn a_stop_acts_only_beyond_its_clearance() {
     assert_eq!(
         told,
         [
-            "SFORCE/6 keeps its subroutine: the length at which `stop.bum` begins to act stands in its parameters"
+            "SFORCE/6 keeps its subroutine: the length at which `stop.bum` begins to act is in its parameters"
         ]
     );
     let (text, told) = guided(stop, &[(force(6), 85.0)]);

@@ -113,13 +113,13 @@ fn the_report_is_opened_if_something_opens_it() {
         assert_eq!(run.status.code(), Some(0));
         String::from_utf8_lossy(&run.stderr).into_owned()
     };
-    assert!(run().contains("`xdg-open` opens no page"));
+    assert!(run().contains("`xdg-open` could not open the page"));
     let opener = programs.join("xdg-open");
     let seen = folder.path().join("seen");
     let script = format!("#!/bin/sh\necho \"$1\" > '{}'\n", seen.display());
     std::fs::write(&opener, script).unwrap();
     std::fs::set_permissions(&opener, std::fs::Permissions::from_mode(0o755)).unwrap();
-    assert!(!run().contains("opens no page"));
+    assert!(!run().contains("could not open the page"));
     let report = folder.path().join("answer/report.html");
     let wanted = format!("{}\n", report.display());
     let started = std::time::Instant::now();

@@ -121,7 +121,7 @@ fn a_case_that_is_there_many_times_ranks_low() {
         found
             .candidates
             .iter()
-            .any(|c| c.what == "case 1 again (there 13 times)")
+            .any(|c| c.what == "case 1 again (measured 13 times so far)")
     );
     // Measured once, the case shows the stiffnesses at a low load; measured a fourteenth time, it shows nothing new.
     assert!(before < 0.6 && after > 0.75, "{before} {after}");
@@ -391,10 +391,10 @@ fn nothing_is_proposed_that_the_laboratory_lacks() {
         ),
         (
             "'load lateral from 3 to 2'",
-            "is nothing that `plan.available` lists",
+            "is not an entry for `plan.available`",
         ),
         ("'load side'", "there is no column of loads `side`"),
-        ("'scales'", "is nothing that `plan.available` lists"),
+        ("'scales'", "is not an entry for `plan.available`"),
     ] {
         let said = planned_with(entry);
         assert_eq!(said.code, 1, "{entry}: {}", said.err);

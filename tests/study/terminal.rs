@@ -93,7 +93,7 @@ fn the_doctor_finds_the_solver_and_a_program_that_answers() {
     let said = with("no-such-solver");
     assert_eq!(said.code, 1, "{}", said.out);
     assert!(
-        said.out.contains("`no-such-solver` is not there"),
+        said.out.contains("`no-such-solver` does not exist"),
         "{}",
         said.out
     );

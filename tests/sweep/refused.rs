@@ -30,19 +30,19 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "sd = 0.05",
             "sd = 0.0",
-            "`sd` is above zero",
+            "`sd` must be above zero",
             "sweep.toml:15",
         ),
         (
             "[9000.0, 10000.0, 11000.0]",
             "[]",
-            "`values` has one number at least",
+            "`values` must have at least one number",
             "sweep.toml:42",
         ),
         (
             "[1, 2, 1]",
             "[1, 2]",
-            "a weight of zero or more for every value",
+            "every value needs a weight of zero or more",
             "sweep.toml:43",
         ),
         (
@@ -60,7 +60,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "\"latin-hypercube\"",
             "\"sobol-indices\"",
-            "do not vary together",
+            "has no correlations",
             "sweep.toml:23",
         ),
         (

@@ -109,7 +109,7 @@ fn places_that_no_answer_has_are_refused() {
         ),
         (
             "[[keep]]\nidentification = \"parameters[BUSHING/1.K.1].unit\"\n",
-            "is no number",
+            "is not a number",
         ),
         ("[[keep]]\ncolumn = \"KNUCKLE_XFORM.Z\"\n", "of a study"),
     ] {

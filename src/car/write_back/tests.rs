@@ -39,7 +39,7 @@ fn change(usage: &str, side: Side) -> BushingChange {
     }
 }
 
-/// Writes results into the file FRONT and returns what differs by line: the lines only in the old file, then those only in the new file.
+/// Writes results into the file FRONT. Returns the lines that are only in the old file, then the lines that are only in the new file.
 fn written(
     in_deck: &[(usize, Side)],
     moves: &[HardpointMove],
@@ -94,7 +94,7 @@ fn one_line_changes_for_a_hardpoint_and_all_other_bytes_stay() {
         ),
         ("hpl_lca_outer", "y", "mm")
     );
-    // The right side alone in the deck: its mirror image is written.
+    // If the deck contains only the right side, its mirror image is written.
     let (_, [_, new]) = written(
         &[(0, Side::Right)],
         &[moved(0, Side::Right, [0.5, 1.25, 0.0])],

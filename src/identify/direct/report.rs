@@ -172,12 +172,12 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
         .collect();
     if !labels.is_empty() {
         remarks.push(format!(
-            "load cases without the pose of every moving part take no part: {}",
+            "load cases without the pose of every moving part are not used: {}",
             labels.join(", ")
         ));
     }
     if !solution.settled {
-        remarks.push("the correction for pose noise did not settle".to_string());
+        remarks.push("the correction for pose noise did not converge".to_string());
     }
     remarks
 }

@@ -140,7 +140,7 @@ pub fn identify<'a>(
     let mut fit = answer(problem, global, &minimum, &covariance, (backend, profile));
     if fit.interrupted && minimum.ending != Ending::Stopped {
         fit.remarks.push(format!(
-            "The run was interrupted before the intervals of {} were refined: theirs are those of the quadratic approximation.",
+            "The run was interrupted before the intervals of {} were refined; they are from the quadratic approximation.",
             fit.affected.join(", ")
         ));
     }
@@ -177,7 +177,7 @@ pub fn identify<'a>(
             .map(|channel| {
                 let unit = channel.unit.as_deref().unwrap_or("");
                 format!(
-                    "The noise of {} is not stated: {:.3} {unit} is what the fit leaves of it.",
+                    "The noise of {} is not stated; the residuals of the fit give {:.3} {unit}.",
                     channel.name, channel.sigma
                 )
             }),

@@ -65,7 +65,7 @@ impl Prepared {
             .filter(|(_, value)| value.is_none())
             .map(|(channel, _)| {
                 let message = format!(
-                    "the results of another solver do not tell the channel `{}`: {} is no function of the places of the parts",
+                    "the results of another solver do not determine the channel `{}`: {} is not a function of the positions of the parts",
                     channel.name, channel.function
                 );
                 Diagnostic::error(Code::BadSetting, message)

@@ -14,14 +14,14 @@ pub struct Wheel {
     pub radius: f64,
 }
 
-/// Tyre radius of a wheel whose deck does not state it, in metres.
+/// Tyre radius in metres of a wheel whose deck does not state one.
 const USUAL_RADIUS: f64 = 0.31;
-/// Tyre radii that are believed of a load below the wheel centre, in metres.
+/// Plausible tyre radii in metres. They decide whether the distance of a load below the wheel centre counts as a tyre radius.
 const RADII: std::ops::Range<f64> = 0.2..0.6;
 
 impl Scene {
-    /// Adds a wheel on a part. `local` has the wheel centre and, as z, the spin axis in the frame of the part. Without a radius the lowest load
-    /// below the wheel centre counts as the contact patch; `metre` is the length of a metre in units of the scene.
+    /// Adds a wheel on a part. `local` holds the wheel centre and the spin axis (z) in the frame of the part. Without a radius, the lowest load below
+    /// the wheel centre counts as the contact patch. `metre` is the length of a metre in units of the scene.
     pub fn add_wheel(&mut self, part: usize, local: &Pose, radius: Option<f64>, metre: f64) {
         let radius = radius.unwrap_or_else(|| {
             let up = Vec3::from(self.up);
@@ -55,7 +55,7 @@ impl Scene {
         });
     }
 
-    /// Turns the front view along the axis of travel, across the spin axis of a wheel in ground axes.
+    /// Turns the front view to the axis of travel, which is normal to the spin axis of a wheel. `spin` is in ground axes.
     pub fn look_along(&mut self, spin: &Vec3) {
         self.along = super::along(&Vec3::from(self.up), spin);
     }
@@ -71,8 +71,8 @@ impl Scene {
     }
 }
 
-/// Returns the pose of a wheel in the frame of its marker's part: the place of the marker, with the spin axis as z. `axis` is an axis of the
-/// marker.
+/// Returns the pose of a wheel in the frame of its marker's part. The origin is at the marker, and z is the spin axis. `axis` is the axis of the
+/// marker that is the spin axis.
 pub(crate) fn on_marker(marker: &Pose, axis: usize) -> Pose {
     let columns = [axis + 1, axis + 2, axis].map(|k| marker.R.column(k % 3).into_owned());
     Pose {
@@ -85,7 +85,7 @@ pub(crate) fn on_marker(marker: &Pose, axis: usize) -> Pose {
 mod tests {
     use super::*;
 
-    /// A wheel on a marker whose y axis is the spin axis keeps a right-handed frame with that axis as z.
+    /// If the y axis of a marker is the spin axis, the wheel still has a right-handed frame with the spin axis as z.
     #[test]
     fn the_spin_axis_is_z() {
         let local = on_marker(&Pose::identity(), 1);

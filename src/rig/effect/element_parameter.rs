@@ -10,7 +10,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     let address =
         Address::parse(&spec.address, &reality.dataset).map_err(|why| spec.refuse(why.message))?;
     let Some(deck) = reality.dataset.value_at(&address) else {
-        return Err(spec.refuse("that is the address of no number"));
+        return Err(spec.refuse("that is not the address of a number"));
     };
     let (value, factor, delta) = (
         spec.optional("value")?,

@@ -8,10 +8,10 @@ use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Default force `f` that takes up the play of a joint, in the deck's force unit.
+/// Default force `f` that closes the play of a joint, in the deck's force unit.
 const FORCE: f64 = 1000.0;
 
-/// Plants a free play. Values of the effect: the total play `gap=...` and, for the joint of a part, the force `force=...` that takes up the
+/// Plants a free play. Values of the effect: the total play `gap=...` and, for the joint of a part, the force `force=...` that closes the
 /// play.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING", "PART"])?;

@@ -99,7 +99,10 @@ pub fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnos
     let Some((_, plant)) = known.find(|(name, _)| *name == spec.cause) else {
         let names: Vec<&str> = causes().chain(outside_causes()).collect();
         return Err(spec
-            .refuse(format!("`{}` is no cause that can be planted", spec.cause))
+            .refuse(format!(
+                "`{}` is not a cause that can be planted",
+                spec.cause
+            ))
             .help(format!("causes: {}", names.join(", "))));
     };
     plant(spec, reality)?;

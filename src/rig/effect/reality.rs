@@ -447,7 +447,7 @@ impl GroundTruth {
         let mut loads = self.programme.loads.iter();
         loads
             .position(|load| Some(&load.target) == address.as_ref() || load.name == text)
-            .ok_or_else(|| spec.refuse(format!("`{text}` is no load of the study")))
+            .ok_or_else(|| spec.refuse(format!("`{text}` is not a load of the study")))
     }
 }
 

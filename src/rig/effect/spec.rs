@@ -79,7 +79,7 @@ impl EffectSpec {
         };
         match text.parse::<f64>().ok().filter(|number| number.is_finite()) {
             Some(number) => Ok(Some(number)),
-            None => Err(self.refuse(format!("`{name}={text}` is no number"))),
+            None => Err(self.refuse(format!("`{name}={text}` is not a number"))),
         }
     }
 
@@ -117,7 +117,7 @@ impl EffectSpec {
             .iter()
             .copied()
             .find(|word| *word == text)
-            .ok_or_else(|| self.refuse(format!("{name} is one of {}", words.join(", "))))
+            .ok_or_else(|| self.refuse(format!("{name} must be one of {}", words.join(", "))))
     }
 
     /// Returns the vector of the values `x`, `y` and `z`. Missing components are zero; an error is returned if all are zero.
@@ -170,8 +170,8 @@ impl EffectSpec {
             Some(name) => {
                 let known: Vec<&str> = asked.iter().map(String::as_str).collect();
                 Err(self
-                    .refuse(format!("does not know `{name}`"))
-                    .help(format!("it knows {}", known.join(", "))))
+                    .refuse(format!("has no value `{name}`"))
+                    .help(format!("its values are {}", known.join(", "))))
             }
             None => Ok(()),
         }

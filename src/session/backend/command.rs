@@ -96,14 +96,14 @@ impl CommandBackend {
             let name = format!("{STEM}.{extension}");
             if modified(&folder.join(&name)).is_ok_and(|written| written < begun) {
                 return Err(RunError::Results {
-                    reason: format!("`{name}` is older than the run: it is that of an earlier one"),
+                    reason: format!("`{name}` is older than the run: it is from an earlier run"),
                     tail: tail(folder),
                 });
             }
         }
         if !given.are_in(folder) {
             return Err(RunError::Results {
-                reason: "the deck or the command file is no longer what the run was given"
+                reason: "the deck or the command file differs from the one that the run was given"
                     .to_string(),
                 tail: tail(folder),
             });

@@ -140,7 +140,7 @@ fn results_in(folder: &Path) -> Result<PathBuf, RunError> {
             reason: match first {
                 None => "the run wrote no results".to_string(),
                 Some(_) => {
-                    "the run wrote several results files: which one counts is not known".to_string()
+                    "the run wrote several results files, so the right one is unknown".to_string()
                 }
             },
             tail: tail(folder),

@@ -63,7 +63,7 @@ pub(super) fn patiently<T, E: Reasoned>(
         }
         if pause == PAUSES.0 {
             log::warn!(
-                "no licence ({line}): asked for again for up to {} s",
+                "no licence ({line}): requesting it again for up to {} s",
                 left.as_secs_f64().round()
             );
         }

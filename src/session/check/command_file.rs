@@ -70,7 +70,8 @@ fn named(
             // The absolute path may exist on the computer that will run the command file, so this is only a warning.
             missing.severity = Severity::Warning;
         }
-        let help = "it is looked up from the folder of the command file and the working directory";
+        let help =
+            "it is searched for in the folder of the command file and in the working directory";
         complaints.push(label(missing.help(help)));
         return None;
     };

@@ -112,7 +112,7 @@ fn as_one(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
         0 | 1 => rest.extend(notes),
         count => rest.extend(notes.into_iter().next().map(|mut first| {
             first.message =
-                format!("{count} files that only graphics or subroutines would read are not here");
+                format!("{count} files that only graphics or subroutines would read do not exist");
             first
         })),
     }

@@ -179,8 +179,9 @@ impl Conversion<'_> {
         }
         for argument in names.iter().filter_map(|name| statement.argument(name)) {
             let name = argument.kind().unwrap_or_default();
-            let message =
-                format!("{name} of {kind} keeps its number: it judges lengths and angles alike");
+            let message = format!(
+                "{name} of {kind} keeps its number: it applies to lengths and angles alike"
+            );
             let file = self.dataset.source().name();
             self.stays.push(
                 Diagnostic::warning(Code::WrongUnits, message)

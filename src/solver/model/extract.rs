@@ -273,7 +273,10 @@ fn on_ground(
     let part = found.map(|marker| &model.parts[marker.part.0]);
     let (Some(marker), Some(part)) = (found, part.filter(|part| part.kind != PartKind::External))
     else {
-        let message = format!("where {} is only ADAMS knows", title(dataset, statement));
+        let message = format!(
+            "only ADAMS knows the position of {}",
+            title(dataset, statement)
+        );
         return Err(Diagnostic::error(Code::UnknownTarget, message)
             .label(dataset.source().name(), statement.keyword, "")
             .help("extract the body it is on, too"));

@@ -107,7 +107,7 @@ impl Ignore {
         match (found, number) {
             (Some(def), Ok(id)) if may_be_ignored(def.name) => Ok(Self { kind: def.name, id }),
             _ => Err(format!(
-                "`{word}` cannot be left out; what can is not solved and a force or a constraint: {}",
+                "`{word}` cannot be left out; only unsolved forces and constraints can be: {}",
                 LEFT_OUT.join(", ")
             )),
         }

@@ -123,7 +123,7 @@ impl Work<'_> {
                 others.join(", ")
             );
             let help = format!(
-                "if they do not change the force, say so: --plain {address}; else add them to the function that replaces it"
+                "if they do not change the force, use --plain {address}; otherwise add them to the function that replaces it"
             );
             return Err(stays(message).help(help));
         }
@@ -140,7 +140,7 @@ impl Work<'_> {
                     (None, Some(length)) if file.kind == PropertyKind::Spring => length,
                     _ => {
                         return Err(stays(format!(
-                            "the length at which `{name}` begins to act stands in its parameters"
+                            "the length at which `{name}` begins to act is in its parameters"
                         ))
                         .help(format!("give it: --length {address}=VALUE")));
                     }

@@ -175,7 +175,7 @@ impl DiscreteStates {
         };
         let name = owner(system, k);
         if self.switches[k].suspended.is_some() {
-            format!("; the function of {name} switches over and over, last at time {time}")
+            format!("; the function of {name} switches repeatedly, last at time {time}")
         } else {
             format!("; the function of {name} switched at time {time}")
         }

@@ -66,7 +66,7 @@ pub enum MotionFailure {
     },
     /// A VARIABLE of a PSTATE is not a function of positions alone.
     #[error(
-        "{what} is no coordinate: it reads velocities, forces, other states or no place of a part"
+        "{what} is not a coordinate: it reads velocities, forces or other states, or no position of a part"
     )]
     NoCoordinate {
         /// Name of the VARIABLE.

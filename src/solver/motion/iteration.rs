@@ -44,7 +44,7 @@ impl Integrator<'_> {
                 })?;
             let size = worst.size;
             if !size.is_finite() {
-                return Err(NotSettled::at("the iteration leaves all bounds"));
+                return Err(NotSettled::at("the iteration diverges"));
             }
             let floor = ROUND_OFF / self.tolerance();
             if size <= floor {
@@ -79,7 +79,7 @@ impl Integrator<'_> {
             }
             before = size;
         }
-        Err(NotSettled::at("the iteration does not settle"))
+        Err(NotSettled::at("the iteration does not converge"))
     }
 
     /// Returns the largest component of the last correction. VARIABLEs and multipliers are included only if `variables` is true.
@@ -120,7 +120,7 @@ impl Integrator<'_> {
             return Ok(iteration);
         }
         Err(NotSettled::at(&format!(
-            "the iteration does not settle {}",
+            "the iteration does not converge {}",
             self.report_error(worst)
         )))
     }

@@ -95,7 +95,7 @@ impl Ended<'_> {
                 let by = drivers.unwrap_or_else(|| "something drives it".to_string());
                 // An arm that starts horizontal has no stiffness there, but gains some as soon as it has fallen a little.
                 let level = if by.contains(WEIGHT) && motion.motion.starts_with(FREE.about) {
-                    "; if that is so only where it begins, let it begin elsewhere"
+                    "; if this is only so at the start, start from other positions"
                 } else {
                     ""
                 };
@@ -209,7 +209,7 @@ impl Ended<'_> {
             .filter(|f| f.program.as_ref().is_some_and(Program::has_branches))
             .map(|f| {
                 format!(
-                    "the function of {} has an IF: where it jumps no tangent leads across",
+                    "the function of {} has an IF: no tangent is valid across its jump",
                     f.owner
                 )
             })

@@ -28,7 +28,7 @@ pub struct StabilisedEquilibrium {
 
 /// Error: neither direction leads to a stable equilibrium. Contains the reason for each of the two directions.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
-#[error("no stable equilibrium was found: one way {0}, the other way {1}")]
+#[error("no stable equilibrium was found: in one direction {0}, in the other {1}")]
 pub struct NoStableEquilibrium(pub String, pub String);
 
 impl From<NoValue> for Descent {
@@ -134,7 +134,7 @@ impl Solver {
             self.flow(system, parameters, state, settings, -softness)?;
             let moved = distance(system, &start, state);
             if !moved.is_finite() || moved > FAR * system.length.max(settings.tlimit) {
-                return Err(Descent("the parts move ever further".to_string()));
+                return Err(Descent("the parts move further and further".to_string()));
             }
         }
         Err(Descent(format!("none is found in {STEPS} steps")))

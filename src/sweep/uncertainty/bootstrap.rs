@@ -130,7 +130,7 @@ fn pools(
         pools[*pool].push(error);
     }
     if pools[last].len() < FEW {
-        // If the shared pool is still too small, it takes the errors of all pools.
+        // If the shared pool is still too small, it contains the errors of all pools.
         let all: Vec<f64> = pools.iter().flatten().copied().collect();
         pools[last] = all;
     }

@@ -20,7 +20,7 @@ pub(crate) struct Estimate<'a> {
 }
 
 impl<'a> Estimate<'a> {
-    /// Minimises the problem with all tolerances marginalised. `None` if the fit finds no minimum.
+    /// Minimises the problem with all tolerances marginalised. Returns `None` if the fit finds no minimum.
     ///
     /// # Errors
     /// When a load drives something that the solver cannot change.
@@ -65,7 +65,7 @@ impl<'a> Estimate<'a> {
         self.marginal.problem(self.problem)
     }
 
-    /// Computes the profile-likelihood interval of each parameter: of the parameter itself, not of its logarithm.
+    /// Computes the profile-likelihood interval of each parameter. The interval is of the parameter itself, not of its logarithm.
     ///
     /// # Errors
     /// When a load drives something that the solver cannot change.

@@ -99,8 +99,7 @@ impl<'a> Posterior<'a> {
         let (chain, draw) = self.place(case);
         let stream = Stream::named(self.seed, &format!("chain {chain}"));
         let count = self.estimate.marginal.len();
-        // The next draw starts from the values in the table, so that an interrupted chain continues exactly as an uninterrupted chain
-        // would.
+        // The next draw starts from the values in the table. An interrupted chain therefore continues exactly as an uninterrupted chain would.
         let x: Vec<f64> = if let Some(row) = before {
             self.estimate.coordinates(&row.outputs[..count])
         } else {
@@ -122,9 +121,8 @@ impl<'a> Posterior<'a> {
         }
     }
 
-    /// Returns the start of a chain, drawn from the covariance of the fit. The start is moved towards the estimate if the model has no
-    /// equilibrium there or the readings exclude it. From such a point, trajectories with the step length of the posterior would not lead
-    /// away.
+    /// Returns the start of a chain, drawn from the covariance of the fit. The start is moved towards the estimate if the model has no equilibrium
+    /// there, or if the readings exclude it. Trajectories with the step length of the posterior could not leave such a point.
     fn scattered(&self, stream: &Stream) -> Vec<f64> {
         let count = self.estimate.marginal.len() as u64;
         let z = normals(stream, 0, count);

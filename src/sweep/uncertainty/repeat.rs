@@ -184,7 +184,7 @@ pub enum RepeatError {
     #[error(transparent)]
     Harness(#[from] SweepError),
     /// No replicate has a result.
-    #[error("no replicate has an answer: {0}")]
+    #[error("no replicate has a result: {0}")]
     NoReplicate(String),
 }
 
@@ -362,7 +362,7 @@ fn remark(kind: Kind, fit: &mut Fit) {
         )
     } else {
         format!(
-            "Intervals by {} are of another width than those by profile likelihood for {} of {compared} numbers, so many times as wide: {}.",
+            "Intervals by {} differ in width from those by profile likelihood for {} of {compared} numbers; the ratios of the widths are: {}.",
             kind.word(),
             different.len(),
             different.join(", ")
@@ -378,7 +378,7 @@ fn remark(kind: Kind, fit: &mut Fit) {
         .collect();
     if !apart.is_empty() {
         remarks.push(format!(
-            "The chains of the posterior have not met for {}: take more draws.",
+            "The chains of the posterior have not converged for {}: take more draws.",
             apart.join(", ")
         ));
     }
@@ -386,7 +386,7 @@ fn remark(kind: Kind, fit: &mut Fit) {
         && made.without_answer > 0
     {
         remarks.push(format!(
-            "{} of {} fits of the bootstrap have no answer and are left out of its intervals.",
+            "{} of {} fits of the bootstrap have no result and are left out of its intervals.",
             made.without_answer, made.replicates
         ));
     }

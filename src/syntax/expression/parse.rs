@@ -445,7 +445,7 @@ impl Parser<'_> {
             TokenKind::Word
                 if after_number && self.source.slice(token.span).eq_ignore_ascii_case(b"D") =>
             {
-                Some("the degree suffix stands right after its number: 20D".to_string())
+                Some("the degree suffix must follow its number directly: 20D".to_string())
             }
             TokenKind::Word | TokenKind::Number | TokenKind::Punctuation(b'(') if self.at > 0 => {
                 Some("an operator is missing before it".to_string())

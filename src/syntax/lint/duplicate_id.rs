@@ -17,7 +17,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 context
                     .error(Code::DuplicateId, span, message)
                     .label(file, first.head(), "first defined here")
-                    .help("give one of them an id that is free"),
+                    .help("give one of them a free id"),
             );
         }
     }

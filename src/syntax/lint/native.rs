@@ -81,7 +81,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             context
                 .warning(Code::NotSolvedNatively, first.head(), message)
-                .help(format!("{why}; without them the answer is another one")),
+                .help(format!("{why}; without them, the result differs")),
         );
     }
     for (kind, (count, first)) in sticking {
@@ -90,7 +90,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             context
                 .warning(Code::NotSolvedInStatics, first.head(), message)
-                .help("the built-in solver has it in motion alone; in statics it exerts nothing"),
+                .help("the built-in solver uses it only in motion; in statics it exerts nothing"),
         );
     }
     for (kind, (count, first)) in inactive {

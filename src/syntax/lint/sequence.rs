@@ -138,7 +138,7 @@ impl Walk<'_> {
                     let now = clock.earliest;
                     (
                         Severity::Error,
-                        format!("the simulation ends at time {end}, and it is {now} already"),
+                        format!("the simulation ends at time {end}, but the time is already {now}"),
                     )
                 } else {
                     let asked = clock.asked;

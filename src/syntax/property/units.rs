@@ -110,9 +110,6 @@ fn find(word: &str, all: &[Unit]) -> Option<f64> {
 fn unknown(word: &str, name: &str) -> Diagnostic {
     Diagnostic::warning(
         Code::WrongType,
-        format!(
-            "`{word}` is no unit of {} this program knows",
-            name.to_lowercase()
-        ),
+        format!("`{word}` is not a known unit of {}", name.to_lowercase()),
     )
 }

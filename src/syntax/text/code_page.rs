@@ -26,7 +26,7 @@ impl CodePage {
     pub fn of_environment() -> std::result::Result<Self, String> {
         let named = std::env::var(VARIABLE).unwrap_or_default();
         Self::named(&named).ok_or_else(|| {
-            format!("{VARIABLE}: `{named}` is no code page; 1252, 850 and utf-8 are some")
+            format!("{VARIABLE}: `{named}` is not a code page; examples are 1252, 850 and utf-8")
         })
     }
 

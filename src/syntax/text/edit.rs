@@ -26,7 +26,7 @@ pub enum EditConflict {
     #[error("two edits overlap at bytes {}..{} and {}..{}", .0.start(), .0.end(), .1.start(), .1.end())]
     Overlap(Span, Span),
     /// An edit (span) extends past the end of the bytes (length).
-    #[error("an edit reaches to byte {} of {}", .0.end(), .1)]
+    #[error("an edit ends at byte {} of a text of {} bytes", .0.end(), .1)]
     OutOfBounds(Span, usize),
 }
 

@@ -191,11 +191,9 @@ fn pair(
         design.title(kind, header),
         faults.join("; ")
     );
-    found.push(
-        design.warning(Code::JointNotAligned, header, message).help(
-            "the parts are moved when the model is assembled; mend QP and REULER of a marker",
-        ),
-    );
+    found.push(design.warning(Code::JointNotAligned, header, message).help(
+        "the parts are moved when the model is assembled; correct QP and REULER of a marker",
+    ));
 }
 
 /// Returns the vector from J to I in J axes; zero along unconstrained axes.

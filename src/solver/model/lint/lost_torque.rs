@@ -43,7 +43,7 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
             continue;
         };
         let message = format!(
-            "{} exerts a torque on POINT_MASS/{}, which does not turn: the torque is lost there",
+            "{} exerts a torque on POINT_MASS/{}, which does not rotate, so the torque has no effect",
             design.title(kind, header),
             part.header.id
         );

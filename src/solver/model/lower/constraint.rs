@@ -39,7 +39,7 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
                 kind.word()
             );
             Diagnostic::warning(Code::ConflictingArguments, message).help(
-                "IC stands with REVOLUTE and TRANSLATIONAL, ICTRAN and ICROT with CYLINDRICAL",
+                "IC belongs to REVOLUTE and TRANSLATIONAL joints, ICTRAN and ICROT to CYLINDRICAL joints",
             )
         } else if displacement != 0.0 {
             let message = format!(

@@ -232,7 +232,7 @@ impl Definitions {
         };
         if def.name == "PART" && is_ground(&fresh.parts) != is_ground(&model.parts) {
             let message = format!(
-                "{} is the ground or is not; a command cannot change that",
+                "a command cannot change whether {} is the ground",
                 reader.called()
             );
             let (source, span) = reader.latest_keyword();

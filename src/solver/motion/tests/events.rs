@@ -312,7 +312,7 @@ fn a_function_that_chatters_is_named() {
     assert!((error.time - 0.5).abs() < 1e-3, "{error}");
     let text = error.to_string();
     assert!(
-        text.contains("SFORCE/1") && text.contains("over and over"),
+        text.contains("SFORCE/1") && text.contains("repeatedly"),
         "{text}"
     );
 }

@@ -21,7 +21,7 @@ impl SystemCompiler<'_> {
                         format!("{owner} exerts nothing in statics: its surfaces are at rest, and its stiction is not deformed"),
                     )
                     .about(owner.object())
-                    .help("a motion has it, and begins with undeformed stiction after a static solution; what ADAMS exerts in statics is not documented; INACTIVE=STATIC says that it shall be nothing"),
+                    .help("a motion has it, and begins with undeformed stiction after a static solution; what ADAMS exerts in statics is not documented; INACTIVE=STATIC states that it is zero"),
                 );
             }
             let (i, j) = (joint.i.0, joint.j.0);

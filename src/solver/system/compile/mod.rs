@@ -42,7 +42,7 @@ use admire_syntax::units::Dimension;
 fn way_out(kind: &str, real: &str) -> String {
     let property = match kind {
         "GFORCE" | "SFORCE" | "VFORCE" | "VTORQUE" => {
-            "; if it only reads an Adams/Car property file, `admire fix --replace-user` puts its curves in its place"
+            "; if it only reads an Adams/Car property file, `admire fix --replace-user` replaces it by its curves"
         }
         _ => "",
     };

@@ -28,7 +28,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
         found.push(
             Diagnostic::error(Code::NotSolvedNatively, message)
                 .about(owner.object())
-                .help("real ADAMS solves it; a static or quasi-static simulation does without"),
+                .help("real ADAMS solves it; a static or quasi-static simulation does not need it"),
         );
     };
     for joint in system.joints.iter().filter(|joint| joint.active) {
@@ -36,7 +36,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
             ParameterSource::Rate(drive) if !system.reads().only_time(drive.function) => refuse(
                 &joint.name,
                 format!(
-                    "{} prescribes a rate by more than the time: it is not integrated",
+                    "{} prescribes a rate that depends on more than the time: it is not integrated",
                     joint.name
                 ),
             ),
