@@ -103,7 +103,7 @@ pub use admire_study::settings::Method;
 pub use admire_syntax::diagnostic::{Code, Severity};
 pub use admire_syntax::diff::{DiffKind, DiffTolerance, Difference};
 #[cfg(feature = "kc")]
-pub use front::{AxleTests, Beside};
+pub use front::{AxleTests, Beside, TuningAnswer, TuningOptions};
 pub use front::{
     Command, Commands, Complaint, Deck, Error, ErrorKind, Place, ProgressObserver,
     ProgressSnapshot, Results, Rows, Run, SensitivityRow, SensitivityTable, Setting,

@@ -1,10 +1,9 @@
 use std::path::PathBuf;
 
 use crate::front::fit_view::changed_lines;
-use crate::front::tune_page;
-use admire_diagnosis::ProgressObserver as _;
-use admire_kc::BenchError;
-use admire_report::tune_summary;
+use crate::front::tuning::{apply, is_input, json, pair, refusal, tuned};
+use crate::front::{TuningOptions, tune_page};
+use admire_report::{front_table, tune_summary};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_tune::{Refused, TuneError, Tuning};
 
@@ -19,13 +18,13 @@ use super::shell::{Exit, Shell};
 
 /// Change hardpoints, stiffnesses and other numbers of a deck until its K&C characteristics meet their targets.
 ///
-/// The section `[target]` of study.toml states the goals, the numbers that may change, their bounds and the cost of changing them; `admire guide
-/// tune` describes every key. The search is a trust-region Gauss-Newton method, with exact derivatives if the solver provides them. It starts from
-/// the study and from points spread over the bounds. Writes `tuned.adm` (the deck with new numbers and otherwise unchanged text), `tuning.json` and
-/// `report.html`; the deck of the study is not changed.
+/// The section `[target]` of study.toml names the goals, the numbers that may move, their bounds and the cost of moving them; `admire guide tune`
+/// has every key. The search is a trust-region Gauss-Newton method with exact derivatives where the solver has them. It starts from the study
+/// and from points spread over the bounds. Where the study has tolerances, the output says which share of axles is good. Writes `tuned.adm` (the deck with new numbers, all other text as it was), `tuning.json` and
+/// `report.html`; the deck of the study is not touched.
 #[derive(clap::Args, Debug)]
 #[command(
-    after_help = "Examples:\n  admire tune corpus/double-wishbone --out target/tuned\n  admire tune my-axle --restarts 0"
+    after_help = "Examples:\n  admire tune corpus/double-wishbone --out target/tuned\n  admire tune my-axle --restarts 0\n  admire tune my-axle --pareto 1 \"bounce camber_angle.left, gradient\""
 )]
 pub(super) struct Arguments {
     /// Folder of the study.
@@ -36,6 +35,12 @@ pub(super) struct Arguments {
     /// Number of further starts within the bounds, instead of the study's own.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     restarts: Option<u16>,
+    /// Find what one goal costs the other: two goals by their names in the output, or by their numbers from 1 on.
+    #[arg(long, num_args = 2, value_names = ["GOAL", "GOAL"])]
+    pareto: Option<Vec<String>>,
+    /// Number of axles to draw with the tolerances of the study, instead of the study's own; 0 draws none.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    draws: Option<u32>,
     #[command(flatten)]
     opening: Opening,
     #[command(flatten)]
@@ -57,25 +62,22 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })?;
     shell.sources.add(tuning.study.source.clone());
     shell.sources.add(tuning.study.deck.clone());
-    if let Some(restarts) = arguments.restarts {
-        tuning.target.restarts = restarts.into();
-    }
+    let options = TuningOptions {
+        restarts: arguments.restarts.map(usize::from),
+        draws: arguments.draws.map(|draws| draws as usize),
+        pareto: match arguments.pareto.as_deref() {
+            Some([first, second]) => Some([first.clone(), second.clone()]),
+            _ => None,
+        },
+    };
+    apply(&options, &mut tuning);
+    let pair = pair(&options, &tuning).map_err(|wrong| shell.usage(*wrong))?;
     interrupt::listen();
-    let bar = Progress::new("searching for the target", shell, || None);
-    let all = (1 + tuning.target.restarts) * tuning.target.evaluations;
-    let mut before = 0;
-    let mut last = (0, 0);
-    let outcome = tuning.search(&mut |start, evaluations| {
-        if start != last.0 {
-            before += last.1;
-        }
-        last = (start, evaluations);
-        bar.count(before + evaluations, Some(all), "evaluations");
-        !interrupt::asked()
-    });
+    let bar = Progress::new("looking for the target", shell, || None);
+    let outcome = tuned(&tuning, pair, &bar);
     drop(bar);
     let outcome = outcome.map_err(|error| refuse(&error, shell))?;
-    let value = serde_json::to_string_pretty(&outcome).expect("JSON values print") + "\n";
+    let value = json(&outcome);
     let changes = changed_lines(tuning.dataset.bytes(), &outcome.deck);
     let page = tune_page(&arguments.study, &tuning, &outcome, &changes)
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
@@ -89,7 +91,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if shell.format == Format::Json {
         shell.print(&value);
     } else {
-        shell.print(&ending(&tune_summary(&outcome), &written(&report, None)));
+        let front = outcome
+            .pareto
+            .as_ref()
+            .map_or_else(String::new, front_table);
+        let end = ending(&tune_summary(&outcome), &written(&report, None));
+        shell.print(&(front + &end));
     }
     arguments.opening.open(&report, shell);
     if interrupt::asked() {
@@ -104,17 +111,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 
 /// Reports why there is no result, and returns the exit code.
 fn refuse(error: &TuneError, shell: &Shell) -> Exit {
-    if let BenchError::Deck(found) = &error.why
-        && !found.is_empty()
-    {
-        shell.complain(found);
-        return Exit::Findings;
+    shell.complain(&refusal(error));
+    if is_input(error) {
+        Exit::Findings
+    } else {
+        Exit::NoAnswer
     }
-    let message = match &error.why {
-        BenchError::Deck(_) => "the axle has no equilibrium at any start".to_string(),
-        why => why.to_string(),
-    };
-    let help = "`admire kc` with the kc.toml of the study shows which test fails; a smaller range may have equilibria";
-    shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
-    Exit::NoAnswer
 }

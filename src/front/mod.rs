@@ -40,6 +40,8 @@ mod suggested;
 mod tests;
 #[cfg(feature = "kc")]
 mod tune_page;
+#[cfg(feature = "kc")]
+pub(crate) mod tuning;
 mod unit_words;
 mod value;
 mod writing;
@@ -72,6 +74,8 @@ pub use study::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 pub(crate) use suggested::suggested;
 #[cfg(feature = "kc")]
 pub(crate) use tune_page::tune_page;
+#[cfg(feature = "kc")]
+pub use tuning::{TuningAnswer, TuningOptions};
 pub(crate) use unit_words::units;
 pub(crate) use value::{is_angle, rounded, value};
 pub(crate) use writing::{replace_file, take_place};

@@ -10,7 +10,7 @@ use admire_session::Sources;
 use admire_session::backend::Backend;
 use admire_solver::model::lint;
 use admire_study::settings::{BackendChoice, Method};
-use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::text::{Source, read_at_most};
 
 use super::car_files;
@@ -18,6 +18,8 @@ use super::error::{Complaint, Error, ErrorKind};
 use super::fit_view::{changed_lines, positions};
 use super::foreign::foreign_parts;
 use super::suggested::suggested;
+#[cfg(feature = "kc")]
+use super::tuning::{TuningAnswer, TuningOptions};
 use admire_diagnosis::{ProgressObserver, study_fit as fit};
 use admire_study::{NamedProgram, solver};
 
@@ -27,7 +29,9 @@ const LARGEST_SHOWN: u64 = 64 << 20;
 /// Study folder: a deck, load cases and measurements.
 #[derive(Clone, Debug)]
 pub struct Study {
-    loaded: LoadedStudy,
+    settings: admire_study::Study,
+    /// The study with its model and readings; `None` for a study with a target alone.
+    loaded: Option<LoadedStudy>,
     /// True if the external program of the study may be started.
     allowed: bool,
     complaints: Vec<Complaint>,
@@ -89,13 +93,25 @@ impl Study {
     /// Diagnostics of the faults that make the study unusable.
     pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
         let folder = folder.as_ref();
-        let read = LoadedStudy::read(folder);
+        let read = admire_study::Study::read(folder);
+        let is_target =
+            |study: &admire_study::Study| study.target.is_some() && study.columns.is_empty();
+        let (study, loaded, diagnostics) = match read.value {
+            Some(study) if is_target(&study) && !has_errors(&read.diagnostics) => {
+                (Some(study), None, read.diagnostics)
+            }
+            _ => {
+                let read = LoadedStudy::read(folder);
+                let study = read.value.as_ref().map(|loaded| loaded.study.clone());
+                (study, read.value, read.diagnostics)
+            }
+        };
         let mut sources = Sources::default();
-        if let Some(loaded) = &read.value {
-            sources.add(loaded.study.source.clone());
-            sources.add(loaded.study.deck.clone());
+        if let Some(study) = &study {
+            sources.add(study.source.clone());
+            sources.add(study.deck.clone());
         }
-        for label in read.diagnostics.iter().flat_map(|found| &found.labels) {
+        for label in diagnostics.iter().flat_map(|found| &found.labels) {
             // The files are kept so that places can be shown in them. For a huge file, only its name is shown.
             if sources.get(&label.file).is_none()
                 && let Ok(bytes) = read_at_most(Path::new(&*label.file), LARGEST_SHOWN)
@@ -103,24 +119,24 @@ impl Study {
                 sources.add(Source::new(&*label.file, bytes).in_utf8());
             }
         }
-        match read.value {
-            Some(loaded) => Ok(Self {
+        match study {
+            Some(study) => Ok(Self {
+                settings: study,
                 loaded,
                 allowed: false,
-                complaints: read
-                    .diagnostics
+                complaints: diagnostics
                     .iter()
                     .map(|found| Complaint::new(found, &sources))
                     .collect(),
                 sources,
             }),
-            None => Err(Error::new(ErrorKind::Input, &read.diagnostics, &sources)),
+            None => Err(Error::new(ErrorKind::Input, &diagnostics, &sources)),
         }
     }
 
     /// Returns the folder of the study.
     pub fn folder(&self) -> &Path {
-        &self.loaded.study.folder
+        &self.settings.folder
     }
 
     /// Returns the warnings and notes about the study's files.
@@ -130,12 +146,15 @@ impl Study {
 
     /// Replaces the identification method of the study.
     pub fn set_method(&mut self, method: Method) {
-        self.loaded.study.identify.method = method;
+        self.settings.identify.method = method;
+        if let Some(loaded) = &mut self.loaded {
+            loaded.study.identify.method = method;
+        }
     }
 
     /// Returns the program and arguments that the study starts for every equilibrium; `None` if the study names no program.
     pub fn starts_program(&self) -> Option<&[String]> {
-        let solver = &self.loaded.study.solver;
+        let solver = &self.settings.solver;
         (solver.backend == BackendChoice::Command).then_some(&solver.command)
     }
 
@@ -146,7 +165,7 @@ impl Study {
     }
 
     fn may_start(&self) -> Result<(), Error> {
-        match NamedProgram::of_study(&self.loaded.study) {
+        match NamedProgram::of_study(&self.settings) {
             Some(program) if !self.allowed && !program.is_allowed() => {
                 let help = "`allow_command` allows it; so does `admire identify` on a terminal, which asks once";
                 Err(Error::plain(ErrorKind::Usage, &program.refusal(help)))
@@ -177,7 +196,7 @@ impl Study {
         watch: &dyn ProgressObserver,
         again: Option<&mut Again<'_>>,
     ) -> Result<Identification, Error> {
-        let mut loaded = self.loaded.clone();
+        let mut loaded = self.loaded()?.clone();
         if loaded.unknowns.is_empty() {
             return Err(self.refused(&[fit::nothing_to_identify(&loaded)]));
         }
@@ -304,8 +323,9 @@ impl Study {
         force: bool,
         watch: &dyn ProgressObserver,
     ) -> Result<PlanAnswer, Error> {
-        if aim == Aim::Stiffnesses && self.loaded.unknowns.is_empty() {
-            return Err(self.refused(&[fit::nothing_to_identify(&self.loaded)]));
+        let loaded = self.loaded()?;
+        if aim == Aim::Stiffnesses && loaded.unknowns.is_empty() {
+            return Err(self.refused(&[fit::nothing_to_identify(loaded)]));
         }
         let (loaded, progress) = self.for_diagnosis(force, watch)?;
         let found = plan(&loaded.problem(), aim, &progress);
@@ -319,6 +339,30 @@ impl Study {
         })
     }
 
+    /// Changes numbers of the deck until its K&C characteristics are those of section `[target]`: what `admire tune` does, without files.
+    ///
+    /// ```
+    /// use admire::{SharedProgress, Study, TuningOptions};
+    ///
+    /// # fn main() -> Result<(), admire::Error> {
+    /// let study = Study::open("corpus/double-wishbone")?;
+    /// let options = TuningOptions { restarts: Some(0), ..TuningOptions::default() };
+    /// assert!(study.tune(&options, &SharedProgress::default())?.converged);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// When the study has no target or its target is wrong, or when the axle has no equilibrium at any start.
+    #[cfg(feature = "kc")]
+    pub fn tune(
+        &self,
+        options: &TuningOptions,
+        watch: &dyn ProgressObserver,
+    ) -> Result<TuningAnswer, Error> {
+        super::tuning::answer(self.folder(), options, watch)
+    }
+
     /// Prepares a diagnosis. Returns the study, with the noise level estimated from its marks (measured points), and the progress to report
     /// to.
     fn for_diagnosis(
@@ -326,7 +370,7 @@ impl Study {
         force: bool,
         watch: &dyn ProgressObserver,
     ) -> Result<(LoadedStudy, Progress), Error> {
-        let mut loaded = self.loaded.clone();
+        let mut loaded = self.loaded()?.clone();
         let foreign = foreign_parts(&loaded);
         if !foreign.is_empty() {
             return Err(self.refused(&foreign));
@@ -340,11 +384,23 @@ impl Study {
 
     /// Returns the path of the study's deck.
     pub fn deck(&self) -> PathBuf {
-        PathBuf::from(self.loaded.study.deck.name())
+        PathBuf::from(self.settings.deck.name())
+    }
+
+    /// Returns the study with its readings.
+    fn loaded(&self) -> Result<&LoadedStudy, Error> {
+        let refused = || {
+            let message = "the study has a target alone: nothing was measured";
+            let refused = Diagnostic::error(Code::MissingSetting, message)
+                .label(self.settings.source.name(), self.settings.place(&["target"]), "")
+                .help("`admire tune` searches for the target; readings need the sections [loads] and [marks], [wheel] or [readings]");
+            self.refused(&[refused])
+        };
+        self.loaded.as_ref().ok_or_else(refused)
     }
 
     fn plausible(&self, force: bool) -> Result<(), Error> {
-        match Plausibility::of(&self.loaded).refusal() {
+        match Plausibility::of(self.loaded()?).refusal() {
             Some(message) if !force => {
                 let refused = Diagnostic::error(Code::ImplausibleStudy, message);
                 let refused = refused.help("`force` fits it anyway");
@@ -361,13 +417,21 @@ impl Study {
     /// Creates the error for a failed fit, with the deck's warnings as possible reasons.
     fn failed(&self, kind: ErrorKind, why: Diagnostic) -> Error {
         let mut all = vec![why];
-        all.extend(lint::check(&self.loaded.dataset, &self.loaded.model));
+        if let Some(loaded) = &self.loaded {
+            all.extend(lint::check(&loaded.dataset, &loaded.model));
+        }
         Error::new(kind, &all, &self.sources)
     }
 
     fn refused(&self, found: &[Diagnostic]) -> Error {
         Error::new(ErrorKind::Input, found, &self.sources)
     }
+}
+
+fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics
+        .iter()
+        .any(|found| found.severity == Severity::Error)
 }
 
 /// Creates the solver backend of the study. [`Study::starts_program`] returns the external program of the backend, if it has one.

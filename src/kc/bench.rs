@@ -6,6 +6,7 @@ use super::axle::{AxleState, WheelState};
 use super::bench_error::BenchError;
 use super::compiled::Compiled;
 use super::config::Config;
+use super::deck_change::DeckChange;
 use super::derivatives::Derivatives;
 use super::inputs::{Drive, Inputs};
 use super::rig::{FoundWheel, Variant, rigged};
@@ -13,7 +14,7 @@ use super::test_settings::Hold;
 use super::wheel_rate::WheelRate;
 use super::{Wheel, contact};
 use admire_solver::mechanics::Vec3;
-use admire_solver::model::Model;
+use admire_solver::model::{MarkerIx, Model};
 use admire_solver::statics::Balance;
 use admire_solver::system::{State, StickSlipState};
 use admire_syntax::diagnostic::Diagnostic;
@@ -45,7 +46,8 @@ pub struct Bench<'a> {
     /// Wheels found in the deck.
     pub wheels: Vec<FoundWheel>,
     variants: BTreeMap<Variant, Compiled>,
-    directions: Vec<Vec<(Address, f64)>>,
+    directions: Vec<DeckChange>,
+    turned: Vec<(MarkerIx, Vec3)>,
 }
 
 /// Motion and vertical load of each wheel (left, right) per unit of a change; `None` for a missing wheel.
@@ -78,15 +80,24 @@ impl<'a> Bench<'a> {
             wheels: super::rig::wheels(config, dataset, model)?,
             variants: BTreeMap::new(),
             directions: Vec::new(),
+            turned: Vec::new(),
         })
     }
 
-    /// Sets the changes of the deck along which every later state is differentiated. Each change lists addresses, each with the change of its number
-    /// per unit; angles are in radians. [`Sample::changes`](super::Sample::changes) holds the derivatives.
+    /// Turns markers on their parts in every later state, each by a rotation vector in radians and in the axes of the marker. Wheel centres
+    /// and spin axes stay, because the rig has its own markers.
+    pub fn turn(&mut self, turned: Vec<(MarkerIx, Vec3)>) {
+        for compiled in self.variants.values_mut() {
+            compiled.turned.clone_from(&turned);
+        }
+        self.turned = turned;
+    }
+
+    /// Has every later state differentiated along changes of the deck. [`Sample::changes`](super::Sample::changes) holds the derivatives.
     ///
-    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver keeps constant, has no effect. Moving
-    /// the marker of a wheel centre or of a spin axis has no effect either, because the rig has its own markers.
-    pub fn differentiate(&mut self, directions: Vec<Vec<(Address, f64)>>) {
+    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver keeps constant, counts as
+    /// without effect. A change that moves the marker of a wheel centre or of a spin axis is not seen, because the rig has its own markers.
+    pub fn differentiate(&mut self, directions: Vec<DeckChange>) {
         for compiled in self.variants.values_mut() {
             compiled.direct(&directions);
         }
@@ -139,6 +150,7 @@ impl<'a> Bench<'a> {
             let mut compiled =
                 Compiled::new(self.config, self.dataset, self.files, &self.wheels, rigged)?;
             compiled.direct(&self.directions);
+            compiled.turned.clone_from(&self.turned);
             self.variants.insert(variant, compiled);
         }
         Ok(self
@@ -170,7 +182,7 @@ impl<'a> Bench<'a> {
         chain: &mut WarmStart,
     ) -> Result<(), BenchError> {
         let compiled = self.variant(variant)?;
-        let parameters = compiled.system.parameters();
+        let parameters = compiled.own_parameters();
         for state in &mut chain.states {
             let scratch = &mut compiled.scratch;
             compiled

@@ -1,10 +1,11 @@
 use super::bench_error::BenchError;
 use super::config::{AxisMethod, Config};
+use super::deck_change::DeckChange;
 use super::inputs::{Drive, Inputs};
 use super::rig::{FoundWheel, Rigged};
 use super::{Side, SteerAxis, Wheel};
 use admire_session::backend::{compile, tight_settings};
-use admire_solver::mechanics::Pose;
+use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{MarkerIx, Model, PartIx};
 use admire_solver::statics::{SolveError, Solver, StaticSettings};
 use admire_solver::system::{ConstraintIx, Parameters, Scratch, Slot, State, System};
@@ -37,7 +38,16 @@ pub(crate) struct Compiled {
     pub(super) wheels: Vec<Fitted>,
     pub(super) steering: Option<Slot>,
     /// Directions of [`Bench::differentiate`](super::Bench::differentiate), as parameters of this variant.
-    pub(super) directions: Vec<Vec<(Slot, f64)>>,
+    pub(super) directions: Vec<Direction>,
+    /// Markers that are turned on their parts, by rotation vectors in their own axes.
+    pub(super) turned: Vec<(MarkerIx, Vec3)>,
+}
+
+/// Change of a deck per unit, as parameters of a variant.
+#[derive(Clone, Debug)]
+pub(super) struct Direction {
+    pub slots: Vec<(Slot, f64)>,
+    pub turns: Vec<(MarkerIx, Vec3)>,
 }
 
 impl Compiled {
@@ -147,17 +157,21 @@ impl Compiled {
             steering,
             system,
             directions: Vec::new(),
+            turned: Vec::new(),
         })
     }
 
     /// Finds the parameters of each direction. An address that the rig has removed, or that the solver cannot change, is left out.
-    pub(super) fn direct(&mut self, directions: &[Vec<(Address, f64)>]) {
+    pub(super) fn direct(&mut self, directions: &[DeckChange]) {
         let catalogue = self.system.catalogue();
-        let of = |direction: &Vec<(Address, f64)>| {
-            let slots = direction.iter();
-            slots
-                .filter_map(|(address, factor)| Some((catalogue.slot(address)?, *factor)))
-                .collect()
+        let of = |direction: &DeckChange| {
+            let numbers = direction.numbers.iter();
+            Direction {
+                slots: numbers
+                    .filter_map(|(address, factor)| Some((catalogue.slot(address)?, *factor)))
+                    .collect(),
+                turns: direction.turns.clone(),
+            }
         };
         self.directions = directions.iter().map(of).collect();
     }
@@ -175,8 +189,17 @@ impl Compiled {
         slots
     }
 
-    fn parameters(&self, inputs: &Inputs) -> Parameters {
+    /// Returns the parameters without inputs of the rig: those of the deck, with its turned markers.
+    pub(super) fn own_parameters(&self) -> Parameters {
         let mut parameters = self.system.parameters();
+        for (marker, turn) in &self.turned {
+            parameters.turn(*marker, turn, 1.0);
+        }
+        parameters
+    }
+
+    fn parameters(&self, inputs: &Inputs) -> Parameters {
+        let mut parameters = self.own_parameters();
         for wheel in &self.wheels {
             let k = wheel.side.index();
             for (slot, value) in wheel.loads.iter().zip(inputs.loads[k]) {

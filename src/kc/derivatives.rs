@@ -5,7 +5,7 @@ use std::collections::btree_map::Entry;
 
 use nalgebra::DMatrix;
 
-use super::compiled::{Compiled, Fitted};
+use super::compiled::{Compiled, Direction, Fitted};
 use super::config::{AxisMethod, Config};
 use super::inputs::Drive;
 use super::rig::FoundWheel;
@@ -48,10 +48,14 @@ impl Derivatives {
         (drive, along): (Option<&Drive>, &[Drive]),
         found: &[FoundWheel],
     ) -> Result<Self, SolveError> {
-        let changes: Vec<Vec<(Slot, f64)>> = along
+        let changes: Vec<Direction> = along
             .iter()
             .zip(&compiled.directions)
-            .map(|(inputs, own)| own.iter().copied().chain(compiled.driven(inputs)).collect())
+            .map(|(inputs, own)| {
+                let mut all = own.clone();
+                all.slots.extend(compiled.driven(inputs));
+                all
+            })
             .collect();
         let Compiled {
             system,
@@ -287,7 +291,7 @@ fn responses(
     (system, parameters, state): (&System, &Parameters, &State),
     scratch: &mut Scratch,
     tangent: &mut Tangent,
-    changes: &[Vec<(Slot, f64)>],
+    changes: &[Direction],
 ) -> Result<Vec<f64>, SolveError> {
     let n = system.unknowns();
     let mut out = vec![0.0; n * changes.len()];
@@ -298,7 +302,17 @@ fn responses(
     let mut known: BTreeMap<Slot, Vec<f64>> = BTreeMap::new();
     let mut here = system.evaluate(parameters, state, scratch)?;
     for (change, dg) in changes.iter().zip(out.chunks_mut(n.max(1))) {
-        for (slot, factor) in change {
+        for (marker, turn) in &change.turns {
+            let size = turn.norm();
+            if size == 0.0 {
+                continue;
+            }
+            here.residual_by_turn(*marker, &(turn / size), &mut column)?;
+            for (sum, value) in dg.iter_mut().zip(&column) {
+                *sum += size * value;
+            }
+        }
+        for (slot, factor) in &change.slots {
             let by_slot = match known.entry(*slot) {
                 Entry::Occupied(found) => found.into_mut(),
                 Entry::Vacant(place) => {

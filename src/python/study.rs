@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::front;
-use crate::front::{Error, ErrorKind};
+use crate::front::{Error, ErrorKind, TuningOptions};
 use admire_design::Aim;
 use admire_diagnosis::{GainCheck, ProgressObserver as _, SharedProgress};
 use admire_identify::global::Marginal;
@@ -142,6 +142,30 @@ impl Study {
             found.html,
             found.remarks,
         ))
+    }
+
+    /// Search for the target. Return `tuning.json`, a summary, the tuned deck and the report.
+    #[pyo3(signature = (restarts, draws, pareto, progress))]
+    fn tune<'py>(
+        &self,
+        py: Python<'py>,
+        restarts: Option<usize>,
+        draws: Option<usize>,
+        pareto: Option<(String, String)>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<(String, String, Bound<'py, PyBytes>, String)> {
+        let options = TuningOptions {
+            restarts,
+            draws,
+            pareto: pareto.map(|(first, second)| [first, second]),
+        };
+        let study = self.0.clone();
+        let watched = SharedProgress::default();
+        let watch = watched.clone();
+        let job = move || study.tune(&options, &watch);
+        let found = work(py, &watched, progress.as_ref(), job)?;
+        let deck = PyBytes::new(py, &found.deck);
+        Ok((found.json, found.summary, deck, found.html))
     }
 
     /// Plan further measurements. Return `plan.json`, and load cases as rows in the format of the study's load case file.

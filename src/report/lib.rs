@@ -53,6 +53,8 @@ mod table;
 mod tolerance_text;
 mod topology_graph;
 mod tune;
+mod tune_spread;
+mod tune_words;
 
 pub use axis::axis_label;
 pub use bars::Bars;
@@ -88,6 +90,7 @@ pub use table::Table;
 pub use topology_graph::GraphBody;
 pub use topology_graph::TopologyGraph;
 pub use tune::{TuneReport, tune_summary};
+pub use tune_spread::front_table;
 
 pub use admire_syntax::units::short_unit;
 

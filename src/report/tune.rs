@@ -1,5 +1,7 @@
 use super::number::capitalised;
 use super::scene::Role;
+use super::tune_spread::{front_chart, goals, sentences, tolerances, variances};
+use super::tune_words::{DIGITS, rounded, with_unit};
 use super::{
     Align, Bars, Chart, DrawingError, Figure, HeatMap, Page, Series, SeriesStyle, Summary, Table,
 };
@@ -19,32 +21,8 @@ pub struct TuneReport<'a> {
     pub changes: &'a str,
 }
 
-/// Number of significant digits in sentences and tables.
-const DIGITS: i32 = 4;
 /// Share of the largest contribution below which an unknown is not drawn.
 const LEAST_SHARE: f64 = 0.005;
-
-/// Formats a value with this number of significant digits; empty if it is not finite.
-fn rounded(value: f64, digits: i32) -> String {
-    if value == 0.0 {
-        "0".to_string()
-    } else if value.is_finite() {
-        super::number::rounded(value, digits)
-    } else {
-        String::new()
-    }
-}
-
-/// Formats a value with its unit.
-fn with_unit(value: f64, unit: &str) -> String {
-    let unit = short_unit(unit);
-    let unit = if unit.is_empty() {
-        String::new()
-    } else {
-        format!(" {unit}")
-    };
-    format!("{}{unit}", rounded(value, DIGITS))
-}
 
 /// Returns the number of goals that are met, in words.
 fn met(outcome: &Outcome) -> String {
@@ -113,6 +91,7 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
     if !bounds.is_empty() {
         items.push(format!("bounds reached: {}", bounds.join(", ")));
     }
+    items.extend(outcome.robust.iter().flat_map(sentences));
     let next = if outcome.met {
         "continue with tuned.adm; `admire diff` shows what changed".to_string()
     } else if bounds.is_empty() {
@@ -150,6 +129,9 @@ impl TuneReport<'_> {
         for goal in outcome.goals.iter().filter(|goal| goal.rows.len() > 1) {
             figures.push(curve(goal)?);
         }
+        if let Some(front) = &outcome.pareto {
+            figures.push(front_chart(front)?);
+        }
         page.meaning().figures(&figures);
         let lines = |all: Vec<String>| all.iter().map(|line| capitalised(line)).collect();
         page.found(&[
@@ -166,6 +148,19 @@ impl TuneReport<'_> {
             "Share: the change of the goals, in units of their tolerances, that the number's own move makes, as a part of the sum over all numbers. \
              Pull: decrease of the cost per unit by which the bound is moved outwards; a goal that is missed by its tolerance costs 0.5.",
         );
+        if let Some(robust) = &outcome.robust {
+            page.subheading("Tolerances").table(&goals(robust));
+            page.note(
+                "Good: the share of axles within the tolerances that meet the goal. Linear: hardpoints, offsets, axes, springs and stiffnesses act \
+                 linearly, with Gaussian distributions. Drawn: axles with drawn tolerances, each solved as a deck of its own.",
+            );
+            page.table(&tolerances(robust));
+            page.add(&variances(robust));
+            page.note(
+                "Good if halved: the share of axles that meet all goals with half this tolerance, of the linear model. The tolerance of a \
+                 hardpoint is that of each coordinate.",
+            );
+        }
         page.detail("Which numbers matter");
         page.figures(&self.shares());
         page.table(&self.sensitivities());

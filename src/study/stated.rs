@@ -16,8 +16,18 @@ pub enum PriorSetting {
 /// Settings of `[tolerances]`: standard deviations of groups of errors. Lengths are in millimetres.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ToleranceSettings {
+    /// True if the study has the section.
+    pub is_stated: bool,
     /// Standard deviation of the error of each hardpoint coordinate, in mm.
     pub hardpoints: PriorSetting,
+    /// Standard deviation of the direction error of each axis of bushings and joints, in degrees.
+    pub axes_deg: PriorSetting,
+    /// Standard deviation of each spring force in the design position, relative to its value.
+    pub preloads: PriorSetting,
+    /// Standard deviation of each spring rate, relative to its value.
+    pub spring_rates: PriorSetting,
+    /// Standard deviation of each bushing stiffness that is not identified, relative to its value.
+    pub stiffnesses: PriorSetting,
     /// Relative standard deviation of the gain of each load.
     pub load_gain: PriorSetting,
     /// Standard deviation of the error of each load in each case, relative to the largest value of that load.
@@ -39,6 +49,7 @@ pub struct ToleranceSettings {
 
 impl ToleranceSettings {
     pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
+        let is_stated = section.is_present();
         let mut stated = |key: &'static str| {
             if section.is_text(key) {
                 section.choice(
@@ -54,7 +65,12 @@ impl ToleranceSettings {
             }
         };
         Self {
+            is_stated,
             hardpoints: stated("hardpoints"),
+            axes_deg: stated("axes_deg"),
+            preloads: stated("preloads"),
+            spring_rates: stated("spring_rates"),
+            stiffnesses: stated("stiffnesses"),
             load_gain: stated("load_gain"),
             load_repeatability: stated("load_repeatability"),
             load_direction_deg: stated("load_direction_deg"),

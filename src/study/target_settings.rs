@@ -59,7 +59,11 @@ pub struct TargetSettings {
     pub restarts: usize,
     /// Maximum number of evaluations for each start.
     pub evaluations: usize,
-    /// Goals for the characteristics.
+    /// Whether goals are sought for the mean plus two standard deviations of the tolerances.
+    pub robust: bool,
+    /// Number of axles that are drawn with their tolerances and solved; none are drawn if it is zero.
+    pub draws: usize,
+    /// What is wanted.
     pub goals: Vec<GoalSettings>,
     /// Numbers of the deck that may change.
     pub unknowns: Vec<UnknownSettings>,
@@ -92,6 +96,8 @@ impl TargetSettings {
         };
         let restarts = section.count("restarts", 8, 0..=1000, out);
         let evaluations = section.count("evaluations", 100, 1..=100_000, out);
+        let robust = section.flag("robust", out);
+        let draws = section.count("draws", 200, 0..=1_000_000, out);
         let unknowns = UnknownSettings::read_all(section, out);
         let goals = section
             .tables("goal", out)
@@ -102,6 +108,8 @@ impl TargetSettings {
             kc: kc?,
             restarts,
             evaluations,
+            robust,
+            draws,
             goals,
             unknowns,
         })

@@ -42,6 +42,17 @@ fn goal_gradients(tuning: &Tuning, end: &Evaluation, pulls: &[f64]) -> Vec<DVect
                 }
             };
             sum += end.jacobian.row(row).transpose() * (pull / goal.tolerance);
+            if end.spread.is_some() {
+                // Two standard deviations are a miss of their own, or add to the one that is limited.
+                let apart = match goal.kind {
+                    GoalKind::Squares => {
+                        let own = end.widening(row) / goal.tolerance;
+                        own / goal.rows.len() as f64
+                    }
+                    GoalKind::Minimax | GoalKind::Limit => pull.abs(),
+                };
+                sum += end.widening_change(row).transpose() * (apart / goal.tolerance);
+            }
             row += 1;
         }
         all.push(sum);
@@ -86,15 +97,18 @@ pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Con
         let worst = goal
             .rows
             .iter()
-            .zip(&end.values[rows])
-            .map(|(own, value)| match goal.kind {
-                // A limit that is reached can conflict with other goals, although it is met.
+            .zip(rows)
+            .map(|(own, row)| (own, end.values[row], end.widening(row)))
+            .map(|(own, value, widening)| match goal.kind {
+                // A limit that is reached stands in the way, though it is met.
                 GoalKind::Limit => {
                     let [least, most] = own.wanted;
-                    let room = (value - least).min(most - value) / goal.tolerance;
+                    let room = ((value - least).min(most - value) - widening) / goal.tolerance;
                     if room < 0.1 { 2.0 } else { 0.0 }
                 }
-                GoalKind::Squares | GoalKind::Minimax => own.miss(*value).abs() / goal.tolerance,
+                GoalKind::Squares | GoalKind::Minimax => {
+                    own.reach(value, widening) / goal.tolerance
+                }
             })
             .fold(0.0, f64::max);
         if worst <= 1.0 {

@@ -7,8 +7,8 @@ use admire_study::Noise;
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../corpus");
 
-/// Rig of the double wishbone. The motions of the wheels in the deck are left out.
-const KC: &str = r#"
+/// The rig of the double wishbone: its own motions of the wheels are left out.
+pub(crate) const KC: &str = r#"
 [deck]
 axes = "adams-car"
 without = ["MOTION/2", "MOTION/3"]
@@ -21,14 +21,14 @@ points = 17
 "#;
 
 /// Both ball joints and both ends of the tie rod: 12 coordinates, each with its mirror image on the right.
-const POINTS: &str = r#"
+pub(crate) const POINTS: &str = r#"
 [[target.unknown]]
 numbers = ["MARKER/112.QP", "MARKER/122.QP", "MARKER/142.QP", "MARKER/141.QP"]
 bounds = ["-15 mm", "15 mm"]
 symmetric = true
 "#;
 
-const TOE_AND_CAMBER: &str = r#"
+pub(crate) const TOE_AND_CAMBER: &str = r#"
 [[target.goal]]
 test = "bounce"
 of = "toe_angle.left"
@@ -42,7 +42,7 @@ tolerance = 0.001
 "#;
 
 /// Writes a study into a folder and reads it.
-fn study(folder: &Path, deck: &[u8], wanted: &str, target: &str, kc: &str) -> Tuning {
+pub(crate) fn study(folder: &Path, deck: &[u8], wanted: &str, target: &str, kc: &str) -> Tuning {
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).expect(name);
     write("model.adm", deck);
     write("kc.toml", kc.as_bytes());
@@ -53,17 +53,17 @@ fn study(folder: &Path, deck: &[u8], wanted: &str, target: &str, kc: &str) -> Tu
     found.unwrap_or_else(|_| panic!("{said:#?}"))
 }
 
-fn search(tuning: &Tuning) -> Outcome {
+pub(crate) fn search(tuning: &Tuning) -> Outcome {
     let found = tuning.search(&mut |_, _| true);
     found.expect("an equilibrium at the start")
 }
 
-fn corpus(name: &str) -> Vec<u8> {
+pub(crate) fn corpus(name: &str) -> Vec<u8> {
     std::fs::read(Path::new(CORPUS).join(name)).expect(name)
 }
 
-/// Returns the curves of a run of the unchanged deck, as a table of wanted curves.
-fn wanted(tuning: &Tuning, of: &[&str]) -> String {
+/// Returns the curves of a run of the deck as it is, as a table of wanted curves.
+pub(crate) fn wanted(tuning: &Tuning, of: &[&str]) -> String {
     let mut text = format!(
         "test,value,{}\n",
         of.iter()

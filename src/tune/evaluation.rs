@@ -1,11 +1,16 @@
-use crate::settings::DIFFERENCE_STEP;
-use crate::tuning::Tuning;
+use std::collections::BTreeMap;
+
+use crate::goal::Goal;
+use crate::settings::{DIFFERENCE_STEP, ROBUST_SD};
+use crate::tolerance::{Tolerance, tolerances};
+use crate::tuning::{Tuning, rewritten};
 use admire_identify::DeckUnknown;
-use admire_kc::{Bench, BenchError, KcRun, run};
+use admire_kc::{Bench, BenchError, DeckChange, KcRun, run};
+use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, RowDVector};
 
 /// Results of the tests for one set of numbers.
 #[derive(Clone, Debug)]
@@ -18,6 +23,34 @@ pub struct Evaluation {
     pub values: Vec<f64>,
     /// Derivatives of the values, one column for each unknown; no columns if they were not asked for.
     pub jacobian: DMatrix<f64>,
+    /// Standard deviations of the values by the tolerances, of a robust target.
+    pub spread: Option<Spread>,
+}
+
+/// Standard deviations of values by the tolerances, of the linear model.
+#[derive(Clone, Debug)]
+pub struct Spread {
+    /// Standard deviation of each value.
+    pub sd: Vec<f64>,
+    /// Derivatives of the standard deviations, one column for each unknown; no columns if they were not asked for.
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Evaluation {
+    /// Returns what a robust goal must have to spare beside the value of each row: a multiple of its standard deviation. Zero unless the
+    /// target is robust.
+    pub(crate) fn widening(&self, row: usize) -> f64 {
+        let spread = self.spread.as_ref();
+        spread.map_or(0.0, |spread| ROBUST_SD * spread.sd[row])
+    }
+
+    /// Returns the derivatives of [`Self::widening`] by the unknowns.
+    pub(crate) fn widening_change(&self, row: usize) -> RowDVector<f64> {
+        match &self.spread {
+            Some(spread) => spread.jacobian.row(row) * ROBUST_SD,
+            None => RowDVector::zeros(self.jacobian.ncols()),
+        }
+    }
 }
 
 /// Runs the tests and their derivatives, and counts the runs.
@@ -30,6 +63,44 @@ pub(crate) struct Evaluator<'a> {
     pub runs: usize,
 }
 
+/// A deck, its tests, and what each standard deviation of a tolerance changes.
+#[derive(Debug)]
+pub(crate) struct Scatter {
+    /// Deck with the numbers of the unknowns.
+    pub dataset: Dataset,
+    /// Values of all rows of all goals.
+    pub values: Vec<f64>,
+    /// Tolerances of the car.
+    pub tolerances: Vec<Tolerance>,
+    /// Change of each value per standard deviation of each tolerance.
+    pub columns: DMatrix<f64>,
+}
+
+impl Scatter {
+    /// Returns the standard deviation of each value, of the linear model.
+    pub(crate) fn sd(&self) -> Vec<f64> {
+        self.columns.row_iter().map(|row| row.norm()).collect()
+    }
+}
+
+/// Results of the tests of one deck.
+struct Tested {
+    dataset: Dataset,
+    run: KcRun,
+    values: Vec<f64>,
+    /// Tolerances of the car, each with whether the run has its derivatives; empty unless they were asked for.
+    tolerances: Vec<(Tolerance, bool)>,
+}
+
+/// What is asked of a run of the tests.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Asked {
+    /// Derivatives by the unknowns.
+    derivatives: bool,
+    /// Derivatives by the tolerances.
+    spread: bool,
+}
+
 impl<'a> Evaluator<'a> {
     pub(crate) fn new(tuning: &'a Tuning) -> Self {
         let Tuning {
@@ -37,18 +108,19 @@ impl<'a> Evaluator<'a> {
             dataset,
             files,
             model,
+            rig,
             ..
         } = tuning;
         let mut bench = Bench::new(config, dataset, files, model).ok();
-        let wheels = wheel_markers(tuning);
         let is_exact = |unknown: &DeckUnknown| {
-            let seen = unknown.markers.iter().any(|marker| wheels.contains(marker));
-            let moves_wheel = seen || moves_one_of(unknown, &wheels, model);
-            let mut known = |address: &Address| {
-                let bench = bench.as_mut();
-                bench.is_some_and(|bench| bench.has_derivative(address).unwrap_or(false))
-            };
-            !moves_wheel && unknown.numbers.iter().all(|number| known(&number.address))
+            let mut markers = unknown.markers.iter();
+            let numbers = unknown.numbers.iter().map(|number| &number.address);
+            let moves_wheel = markers.any(|marker| rig.wheels.contains(marker))
+                || rig.are_moved_by(numbers.clone(), model);
+            !moves_wheel
+                && bench
+                    .as_mut()
+                    .is_some_and(|bench| have_derivatives(bench, numbers))
         };
         Self {
             is_exact: tuning.unknowns.iter().map(is_exact).collect(),
@@ -61,43 +133,140 @@ impl<'a> Evaluator<'a> {
     /// into the deck, or a test has no equilibrium there.
     pub(crate) fn evaluate(&mut self, x: &[f64], derivatives: bool) -> Option<Evaluation> {
         let tuning = self.tuning;
-        let (run, values) = self.tests(x, derivatives)?;
+        let asked = Asked {
+            derivatives,
+            spread: tuning.target.robust,
+        };
+        let here = self.tests(x, asked)?;
         let count = if derivatives { x.len() } else { 0 };
-        let mut jacobian = DMatrix::zeros(values.len(), count);
+        let rows = here.values.len();
+        let mut spread = None;
+        if asked.spread {
+            let sd = self.scatter(&here, count)?.sd();
+            spread = Some(Spread {
+                sd,
+                jacobian: DMatrix::zeros(rows, count),
+            });
+        }
         let mut differences: Vec<Option<Vec<f64>>> = Vec::new();
         let goals_exact = tuning.goals.iter().all(|goal| goal.is_exact);
         for k in 0..count {
             let needed = !(self.is_exact[k] && goals_exact);
-            differences.push(needed.then(|| self.difference(x, k, &values)).flatten());
-            if needed && differences[k].is_none() {
-                return None;
+            let mut found = None;
+            if needed || spread.is_some() {
+                let (step, moved) = self.moved(x, k);
+                let asked = Asked {
+                    derivatives: false,
+                    ..asked
+                };
+                let there = self.tests(&moved, asked)?;
+                let rates = |there: &[f64], here: &[f64]| -> Vec<f64> {
+                    let pairs = there.iter().zip(here);
+                    pairs.map(|(there, here)| (there - here) / step).collect()
+                };
+                if let Some(spread) = &mut spread {
+                    let sd = self.scatter(&there, 0)?.sd();
+                    let column = rates(&sd, &spread.sd);
+                    spread.jacobian.column_mut(k).copy_from_slice(&column);
+                }
+                found = needed.then(|| rates(&there.values, &here.values));
             }
+            differences.push(found);
         }
+        let mut jacobian = DMatrix::zeros(rows, count);
         let mut row = 0;
         for goal in &tuning.goals {
             for own in &goal.rows {
                 for k in 0..count {
                     jacobian[(row, k)] = match &differences[k] {
                         Some(column) if !(self.is_exact[k] && goal.is_exact) => column[row],
-                        _ => own.change(&goal.of, &run, k),
+                        _ => own.change(&goal.of, &here.run, k),
                     };
                 }
                 row += 1;
             }
         }
-        jacobian
-            .iter()
-            .all(|entry| entry.is_finite())
-            .then(|| Evaluation {
-                x: x.to_vec(),
-                run,
-                values,
-                jacobian,
-            })
+        let is_finite = |matrix: &DMatrix<f64>| matrix.iter().all(|entry| entry.is_finite());
+        let is_whole =
+            is_finite(&jacobian) && spread.iter().all(|spread| is_finite(&spread.jacobian));
+        is_whole.then(|| Evaluation {
+            x: x.to_vec(),
+            run: here.run,
+            values: here.values,
+            jacobian,
+            spread,
+        })
     }
 
-    /// Returns the derivatives of all values with respect to unknown `k`, by a finite difference towards the more distant bound.
-    fn difference(&mut self, x: &[f64], k: usize, values: &[f64]) -> Option<Vec<f64>> {
+    /// Runs the tests on the deck of the study as it is, without derivatives. `None` as of [`Self::evaluate`].
+    pub(crate) fn as_it_is(&mut self) -> Option<Evaluation> {
+        let tuning = self.tuning;
+        let deck = tuning.dataset.source().clone();
+        self.runs += 1;
+        let spread = tuning.target.robust;
+        let here = tests_on(tuning, deck, (Vec::new(), spread), Vec::new()).ok()?;
+        let sd = if spread {
+            Some(self.scatter(&here, 0)?.sd())
+        } else {
+            None
+        };
+        let none = || DMatrix::zeros(here.values.len(), 0);
+        Some(Evaluation {
+            x: Vec::new(),
+            jacobian: none(),
+            spread: sd.map(|sd| Spread {
+                sd,
+                jacobian: none(),
+            }),
+            values: here.values,
+            run: here.run,
+        })
+    }
+
+    /// Runs the tests for coordinates of the unknowns, with the changes by the tolerances. `None` as of [`Self::evaluate`].
+    pub(crate) fn scattered(&mut self, x: &[f64]) -> Option<Scatter> {
+        let asked = Asked {
+            derivatives: false,
+            spread: true,
+        };
+        let here = self.tests(x, asked)?;
+        self.scatter(&here, 0)
+    }
+
+    /// Runs the tests of a deck whose tolerances are off by `z` standard deviations. `None` without an equilibrium.
+    pub(crate) fn drawn(
+        &mut self,
+        dataset: &Dataset,
+        tolerances: &[Tolerance],
+        z: &[f64],
+    ) -> Option<Vec<f64>> {
+        let mut numbers: BTreeMap<&Address, f64> = BTreeMap::new();
+        let mut turns: BTreeMap<usize, Vec3> = BTreeMap::new();
+        for (tolerance, z) in tolerances.iter().zip(z).filter(|(_, z)| **z != 0.0) {
+            for (address, change) in &tolerance.change.numbers {
+                let value = || dataset.value_at(address).unwrap_or_default();
+                *numbers.entry(address).or_insert_with(value) += z * change;
+            }
+            for (marker, turn) in &tolerance.change.turns {
+                *turns.entry(marker.0).or_default() += turn * *z;
+            }
+        }
+        let numbers: Vec<(Address, f64)> = numbers
+            .into_iter()
+            .map(|(address, value)| (address.clone(), value))
+            .collect();
+        let deck = rewritten(dataset, &numbers).ok()?;
+        let turns = turns.into_iter();
+        let turns = turns
+            .map(|(marker, turn)| (MarkerIx(marker), turn))
+            .collect();
+        self.runs += 1;
+        let found = tests_on(self.tuning, deck, (Vec::new(), false), turns).ok()?;
+        Some(found.values)
+    }
+
+    /// Returns the coordinates moved by the step of a difference, and the step. It goes to the side where there is more room to the bound.
+    fn moved(&self, x: &[f64], k: usize) -> (f64, Vec<f64>) {
         let [least, most] = self.tuning.unknowns[k].bounds;
         let step = DIFFERENCE_STEP * self.tuning.scale()[k];
         let step = if most - x[k] > x[k] - least {
@@ -107,28 +276,71 @@ impl<'a> Evaluator<'a> {
         };
         let mut moved = x.to_vec();
         moved[k] += step;
-        let (_, other) = self.tests(&moved, false)?;
-        let pairs = other.iter().zip(values);
-        Some(pairs.map(|(other, value)| (other - value) / step).collect())
+        (step, moved)
     }
 
-    fn tests(&mut self, x: &[f64], derivatives: bool) -> Option<(KcRun, Vec<f64>)> {
+    fn tests(&mut self, x: &[f64], asked: Asked) -> Option<Tested> {
         let tuning = self.tuning;
         let deck = tuning.deck(x).ok()?;
         self.runs += 1;
-        let along = |k: usize| -> Vec<(Address, f64)> { tuning.unknowns[k].rates(x[k]) };
-        let directions = if derivatives {
+        let along = |k: usize| DeckChange::of_numbers(tuning.unknowns[k].rates(x[k]));
+        let directions = if asked.derivatives {
             (0..x.len()).map(along).collect()
         } else {
             Vec::new()
         };
-        let found = tests_on(tuning, deck, directions).ok()?;
-        let values = values(tuning, &found);
-        values
-            .iter()
-            .all(|value| value.is_finite())
-            .then_some((found, values))
+        tests_on(tuning, deck, (directions, asked.spread), Vec::new()).ok()
     }
+
+    /// Returns the changes of all values by the tolerances. `first` is the index of the first tolerance among the directions of the run. What
+    /// the solver does not differentiate takes central differences over a standard deviation to both sides.
+    fn scatter(&mut self, here: &Tested, first: usize) -> Option<Scatter> {
+        let goals: &[Goal] = &self.tuning.goals;
+        let tolerances: Vec<Tolerance> =
+            here.tolerances.iter().map(|(own, _)| own.clone()).collect();
+        let mut columns = DMatrix::zeros(here.values.len(), tolerances.len());
+        for (k, (_, is_exact)) in here.tolerances.iter().enumerate() {
+            let mut difference = None;
+            if !is_exact || goals.iter().any(|goal| !goal.is_exact) {
+                let mut z = vec![0.0; tolerances.len()];
+                z[k] = 1.0;
+                let plus = self.drawn(&here.dataset, &tolerances, &z)?;
+                z[k] = -1.0;
+                let minus = self.drawn(&here.dataset, &tolerances, &z)?;
+                difference = Some((plus, minus));
+            }
+            let mut row = 0;
+            for goal in goals {
+                for own in &goal.rows {
+                    columns[(row, k)] = match &difference {
+                        Some((plus, minus)) if !(*is_exact && goal.is_exact) => {
+                            0.5 * (plus[row] - minus[row])
+                        }
+                        _ => own.change(&goal.of, &here.run, first + k),
+                    };
+                    row += 1;
+                }
+            }
+        }
+        columns
+            .iter()
+            .all(|entry| entry.is_finite())
+            .then(|| Scatter {
+                dataset: here.dataset.clone(),
+                values: here.values.clone(),
+                tolerances,
+                columns,
+            })
+    }
+}
+
+/// Returns true if the solver differentiates by all these numbers.
+fn have_derivatives<'n>(
+    bench: &mut Bench<'_>,
+    numbers: impl IntoIterator<Item = &'n Address>,
+) -> bool {
+    let mut numbers = numbers.into_iter();
+    numbers.all(|address| bench.has_derivative(address).unwrap_or(false))
 }
 
 /// Returns the values of all rows of all goals in a run.
@@ -139,12 +351,13 @@ pub(crate) fn values(tuning: &Tuning, run: &KcRun) -> Vec<f64> {
         .collect()
 }
 
-/// Runs the tests on a deck, with derivatives along these directions.
+/// Runs the tests on a deck with these markers turned, differentiated along these directions and, if asked for, along the tolerances.
 fn tests_on(
     tuning: &Tuning,
     deck: Source,
-    directions: Vec<Vec<(Address, f64)>>,
-) -> Result<KcRun, BenchError> {
+    (mut directions, spread): (Vec<DeckChange>, bool),
+    turned: Vec<(MarkerIx, Vec3)>,
+) -> Result<Tested, BenchError> {
     let dataset = Dataset::parse(deck).value;
     let lowered = Model::lower_with(&dataset, &tuning.files);
     let refused = |found: Vec<_>| BenchError::Deck(found);
@@ -154,38 +367,27 @@ fn tests_on(
     let model = lowered.value;
     let bench = Bench::new(&tuning.config, &dataset, &tuning.files, &model);
     let mut bench = bench.map_err(refused)?;
-    bench.differentiate(directions);
-    run(&mut bench, &model.units)
-}
-
-/// Returns the markers of the wheel centres and of the spin axes.
-fn wheel_markers(tuning: &Tuning) -> Vec<MarkerIx> {
-    let mut found = Vec::new();
-    for wheel in tuning.config.wheels.iter().flatten() {
-        for name in [&wheel.centre, &wheel.spin] {
-            let address = Address::parse(&name.text, &tuning.dataset).ok();
-            let address = address.filter(|address| address.kind == "MARKER");
-            found.extend(address.and_then(|address| tuning.model.marker(address.id?)));
+    let mut own = Vec::new();
+    if spread {
+        let settings = &tuning.study.tolerances;
+        for tolerance in tolerances(settings, &model, &tuning.rig) {
+            let numbers = tolerance.change.numbers.iter().map(|(address, _)| address);
+            let is_exact = !tolerance.moves_wheel && have_derivatives(&mut bench, numbers);
+            directions.push(tolerance.change.clone());
+            own.push((tolerance, is_exact));
         }
     }
-    found
-}
-
-/// Returns true if the numbers of an unknown move one of these markers, or a marker in whose frame one of them is given.
-fn moves_one_of(unknown: &DeckUnknown, wheels: &[MarkerIx], model: &Model) -> bool {
-    let numbers = unknown.numbers.iter();
-    let markers = numbers.filter(|number| number.address.kind == "MARKER");
-    let moved: Vec<MarkerIx> = markers
-        .filter_map(|number| model.marker(number.address.id?))
-        .collect();
-    let parts = |number: &&admire_identify::SetNumber| {
-        matches!(
-            number.address.argument.as_deref(),
-            Some("QG" | "REULER" | "ZG" | "XG")
-        ) && number.address.kind == "PART"
-    };
-    unknown.numbers.iter().any(|number| parts(&number))
-        || wheels
-            .iter()
-            .any(|wheel| moved.contains(wheel) || model.moves_with(*wheel, &moved))
+    bench.differentiate(directions);
+    bench.turn(turned);
+    let found = run(&mut bench, &model.units)?;
+    let values = values(tuning, &found);
+    if !values.iter().all(|value| value.is_finite()) {
+        return Err(refused(Vec::new()));
+    }
+    Ok(Tested {
+        run: found,
+        values,
+        tolerances: own,
+        dataset,
+    })
 }

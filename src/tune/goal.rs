@@ -1,5 +1,6 @@
 //! Goals: the samples of the tests that each goal reads, and the misses of its values.
 
+use crate::settings::LIMIT_SLACK;
 use admire_kc::{
     Branch, Config, Convention, KcRun, Reading, Sample, TestRun, driven_unit, has_reading_change,
     reading_change, shown, slope,
@@ -41,6 +42,8 @@ pub struct Goal {
     pub rows: Vec<Row>,
     /// True if the derivatives of the values are exact; otherwise they are differences.
     pub is_exact: bool,
+    /// Factor of the goal in the cost; 1 unless a Pareto front is sought.
+    pub weight: f64,
 }
 
 /// One value that a goal compares: a linear combination of samples.
@@ -70,6 +73,14 @@ impl Goal {
         };
         format!("{} {}{part}{limits}", self.test, self.of)
     }
+
+    /// Returns the miss up to which the goal is met, in its unit.
+    pub(crate) fn allowed(&self) -> f64 {
+        match self.kind {
+            GoalKind::Limit => LIMIT_SLACK * self.tolerance,
+            GoalKind::Squares | GoalKind::Minimax => self.tolerance,
+        }
+    }
 }
 
 impl Row {
@@ -84,6 +95,17 @@ impl Row {
             f64::NAN
         } else {
             0.0
+        }
+    }
+
+    /// Returns the largest size of a miss over all values that are off by `widening` at most, to both sides.
+    pub(crate) fn reach(&self, value: f64, widening: f64) -> f64 {
+        let [least, most] = self.wanted;
+        let beyond = (value + widening - most).max(least - (value - widening));
+        if beyond.is_nan() {
+            f64::NAN
+        } else {
+            beyond.max(0.0)
         }
     }
 
@@ -266,6 +288,7 @@ impl Reader<'_> {
             tolerance: goal.tolerance,
             rows,
             is_exact: has_reading_change(&goal.of.text) && !rubs,
+            weight: 1.0,
         })
     }
 

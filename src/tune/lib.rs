@@ -4,6 +4,9 @@
 //! study and from Sobol points within the bounds. [`Outcome`] states the moved numbers, the goals that are met, the conflicts, and the
 //! importance of each unknown.
 //!
+//! [`Tuning::robust`] says which share of axles is good if they differ by the tolerances of the study, and [`Tuning::front`] what one goal
+//! costs another.
+//!
 //! The misses of all goals form a least-squares problem, which the trust-region Gauss-Newton method of `admire-identify` solves within the
 //! bounds. The derivatives of positions, angles and wheel loads are exact. Limits and minimax goals are constraints, handled by the augmented
 //! Lagrangian method (method of multipliers).
@@ -16,20 +19,30 @@ mod analysis;
 #[cfg(test)]
 mod bench;
 mod cost;
+mod descent;
 mod evaluation;
 mod found;
+mod front;
 mod goal;
 mod outcome;
 mod problem;
+mod robust;
+#[cfg(test)]
+mod robust_bench;
 mod search;
 pub mod settings;
+#[cfg(test)]
+mod speed_bench;
+mod tolerance;
 mod tune_error;
 mod tuning;
 
 pub use analysis::Conflict;
-pub use evaluation::Evaluation;
+pub use evaluation::{Evaluation, Spread};
+pub use front::{Front, FrontPoint};
 pub use goal::{Goal, GoalKind, Row};
 pub use outcome::{GoalOutcome, NumberOutcome, Outcome, RowOutcome, StartOutcome, UnknownOutcome};
 pub use problem::Watch;
+pub use robust::{DrawnAxles, GoalSpread, Robust, ToleranceShare};
 pub use tune_error::TuneError;
 pub use tuning::{Refused, Tuning};

@@ -1,9 +1,12 @@
 use serde::Serialize;
 
 use crate::analysis::{self, Conflict};
+use crate::cost::largest_reach;
 use crate::evaluation::{Evaluation, Evaluator};
 use crate::found::Found;
+use crate::front::Front;
 use crate::goal::GoalKind;
+use crate::robust::Robust;
 use crate::settings::{AGREEING_COST, AGREEING_SHARE, AT_BOUND, LIMIT_SLACK};
 use crate::tune_error::TuneError;
 use crate::tuning::Tuning;
@@ -89,7 +92,7 @@ pub struct GoalOutcome {
     pub rms_after: f64,
     /// Largest miss of the tuned deck.
     pub largest_after: f64,
-    /// True if no miss is larger than the tolerance; a limit has no miss at all.
+    /// True if no miss is larger than the tolerance; a limit has no miss at all. A robust goal is met for the mean plus two standard deviations.
     pub is_met: bool,
     /// Sum of the multipliers of a limit or of a minimax goal: how strongly it holds the others back. Zero where it does not bind.
     pub multiplier: f64,
@@ -152,29 +155,21 @@ pub struct Outcome {
     pub conflicts: Vec<Conflict>,
     /// The searches, that of the study first.
     pub starts: Vec<StartOutcome>,
+    /// What the tolerances of the study make of the tuned deck; `None` without section `[tolerances]`, or before [`Tuning::robust`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robust: Option<Robust>,
+    /// Pareto front of two goals, if one was asked for with [`Tuning::front`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pareto: Option<Front>,
     /// Text of the tuned deck.
     #[serde(skip)]
     pub deck: Vec<u8>,
+    /// Coordinates of the unknowns in the tuned deck.
+    #[serde(skip)]
+    pub x: Vec<f64>,
     /// Results of the tests on the tuned deck.
     #[serde(skip)]
     pub after: KcRun,
-}
-
-impl Tuning {
-    /// Returns true if values of all rows meet all goals.
-    fn meets(&self, values: &[f64]) -> bool {
-        let mut values = values.iter();
-        self.goals.iter().all(|goal| {
-            let allowed = match goal.kind {
-                GoalKind::Limit => LIMIT_SLACK,
-                GoalKind::Squares | GoalKind::Minimax => 1.0,
-            };
-            // All values are taken, so that the next goal begins with its own.
-            let rows: Vec<_> = goal.rows.iter().zip(&mut values).collect();
-            rows.iter()
-                .all(|(row, value)| row.miss(**value).abs() <= allowed * goal.tolerance)
-        })
-    }
 }
 
 impl Outcome {
@@ -226,14 +221,12 @@ impl Outcome {
                 },
                 evaluations: own.evaluations,
                 converged: own.is_converged,
-                met: own
-                    .end
-                    .as_ref()
-                    .is_some_and(|end| tuning.meets(&end.values)),
+                met: own.end.as_ref().is_some_and(|end| tuning.meets(end)),
                 agrees: agrees(own),
             })
             .collect();
-        let before = tuning.values_before();
+        let deck_x: Vec<f64> = tuning.unknowns.iter().map(DeckUnknown::deck).collect();
+        let before = evaluator.as_it_is().ok_or_else(nowhere)?;
         let gradient = analysis::gradient(tuning, end, &best.pulls, &best.x);
         let matters = analysis::contributions(tuning, end, &best.x);
         let unknowns = tuning.unknowns.iter().enumerate().map(|(k, unknown)| {
@@ -262,27 +255,25 @@ impl Outcome {
         });
         Ok(Self {
             converged: best.is_converged,
-            met: tuning.meets(&end.values),
+            met: tuning.meets(end),
             violation: best.violation,
             keeps_limits: feasible(best),
-            cost_before: tuning.cost(&before, &vec_of_deck(tuning)),
+            cost_before: tuning.cost(&before, &deck_x),
             cost: best.cost,
             evaluations: found.iter().map(|own| own.evaluations).sum(),
-            runs: evaluator.runs + 1,
+            runs: evaluator.runs,
             agreeing: starts.iter().filter(|start| start.agrees).count(),
             unknowns: unknowns.collect(),
-            goals: goals(tuning, &before, best, end),
+            goals: goals(tuning, &before.values, best, end),
             conflicts: analysis::conflicts(tuning, end, &best.x),
             starts,
+            robust: None,
+            pareto: None,
             deck: deck.bytes().to_vec(),
+            x: best.x.clone(),
             after: end.run.clone(),
         })
     }
-}
-
-/// Returns the coordinates that leave the deck as it is.
-fn vec_of_deck(tuning: &Tuning) -> Vec<f64> {
-    tuning.unknowns.iter().map(DeckUnknown::deck).collect()
 }
 
 fn shown(tuning: &Tuning, x: &[f64]) -> Vec<f64> {
@@ -314,11 +305,8 @@ fn numbers(unknown: &DeckUnknown, deck: &admire_syntax::text::Source) -> Vec<Num
 }
 
 fn goals(tuning: &Tuning, before: &[f64], best: &Found, end: &Evaluation) -> Vec<GoalOutcome> {
-    let mut first = 0;
     let mut all = Vec::new();
-    for goal in &tuning.goals {
-        let range = first..first + goal.rows.len();
-        first = range.end;
+    for (goal, range) in tuning.ranges() {
         let (old, new) = (&before[range.clone()], &end.values[range.clone()]);
         let rms = |values: &[f64]| {
             let squares = goal.rows.iter().zip(values).map(|(row, value)| {
@@ -333,10 +321,10 @@ fn goals(tuning: &Tuning, before: &[f64], best: &Found, end: &Evaluation) -> Vec
             .zip(new)
             .map(|(row, value)| row.miss(*value).abs())
             .fold(0.0, f64::max);
-        let (allowed, kind) = match goal.kind {
-            GoalKind::Squares => (1.0, "squares"),
-            GoalKind::Minimax => (1.0, "minimax"),
-            GoalKind::Limit => (LIMIT_SLACK, "limit"),
+        let kind = match goal.kind {
+            GoalKind::Squares => "squares",
+            GoalKind::Minimax => "minimax",
+            GoalKind::Limit => "limit",
         };
         let rows = goal.rows.iter().zip(old).zip(new);
         let finite = |bound: f64| bound.is_finite().then_some(bound);
@@ -356,7 +344,7 @@ fn goals(tuning: &Tuning, before: &[f64], best: &Found, end: &Evaluation) -> Vec
             rms_before: rms(old),
             rms_after: rms(new),
             largest_after: largest,
-            is_met: largest <= allowed * goal.tolerance,
+            is_met: largest_reach(goal, range.clone(), end) <= goal.allowed(),
             multiplier: best
                 .pulls
                 .get(range.clone())

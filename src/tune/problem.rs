@@ -10,7 +10,8 @@ use nalgebra::{DMatrix, DVector};
 /// Callback that receives the number of evaluations from the current start. It returns false to stop the search.
 pub type Watch<'a> = dyn FnMut(usize) -> bool + 'a;
 
-/// A constraint `sign (value - bound) / tolerance - t <= 0` on a value; `t` is zero for limits and the largest miss of a minimax goal.
+/// A constraint `(sign (value - bound) + widening) / tolerance - t <= 0` on a value; `t` is zero for limits and the largest miss of a minimax
+/// goal. The widening is a multiple of the standard deviation by the tolerances, or zero.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
     /// Index of the value among all rows of all goals.
@@ -111,24 +112,24 @@ impl<'a, 'b> Problem<'a, 'b> {
         self.kept.last()
     }
 
-    /// Returns all constraint values for the values of all rows and the largest misses.
-    pub(crate) fn constraint_values(&self, values: &[f64], largest: &[f64]) -> Vec<f64> {
+    /// Returns all constraint values for an evaluation and the largest misses.
+    pub(crate) fn constraint_values(&self, at: &Evaluation, largest: &[f64]) -> Vec<f64> {
         let goals = &self.evaluator.tuning.goals;
         let of = |own: &Constraint| {
-            let miss = own.sign * (values[own.row] - own.bound) / goals[own.goal].tolerance;
-            miss - own.largest.map_or(0.0, |k| largest[k])
+            let miss = own.sign * (at.values[own.row] - own.bound) + at.widening(own.row);
+            miss / goals[own.goal].tolerance - own.largest.map_or(0.0, |k| largest[k])
         };
         self.constraints.iter().map(of).collect()
     }
 
     /// Returns the largest miss of each minimax goal, in units of its tolerance.
-    pub(crate) fn largest_misses(&self, values: &[f64]) -> Vec<f64> {
+    pub(crate) fn largest_misses(&self, at: &Evaluation) -> Vec<f64> {
         let mut found = vec![0.0; self.largest];
         let none = vec![0.0; self.largest];
         for (own, value) in self
             .constraints
             .iter()
-            .zip(self.constraint_values(values, &none))
+            .zip(self.constraint_values(at, &none))
         {
             if let Some(k) = own.largest {
                 found[k] = f64::max(found[k], value);
@@ -144,9 +145,14 @@ impl<'a, 'b> Problem<'a, 'b> {
             mean: unknown.mean,
             sd: unknown.sd,
         });
-        let largest = Prior { mean: 0.0, sd: 1.0 };
-        own.chain(std::iter::repeat_n(largest, self.largest))
-            .collect()
+        let goals = self.evaluator.tuning.goals.iter();
+        let largest = goals
+            .filter(|goal| goal.kind == GoalKind::Minimax)
+            .map(|goal| Prior {
+                mean: 0.0,
+                sd: 1.0 / goal.weight.sqrt(),
+            });
+        own.chain(largest).collect()
     }
 }
 
@@ -157,25 +163,35 @@ impl LeastSquares for Problem<'_, '_> {
         self.at(own)?;
         let found = self.kept.last()?;
         let goals = &self.evaluator.tuning.goals;
-        let constrained = self.constraint_values(&found.values, largest);
+        let constrained = self.constraint_values(found, largest);
         let squares = goals.iter().filter(|goal| goal.kind == GoalKind::Squares);
-        let height = squares.map(|goal| goal.rows.len()).sum::<usize>() + constrained.len();
+        let each = 1 + usize::from(found.spread.is_some());
+        let height = each * squares.map(|goal| goal.rows.len()).sum::<usize>() + constrained.len();
         let mut residual = DVector::zeros(height);
         let mut jacobian = DMatrix::zeros(height, if with_jacobian { x.len() } else { 0 });
         let (mut at, mut row) = (0, 0);
-        let mut fill = |at: usize, row: usize, factor: f64| {
+        // A row of the Jacobian is a combination of the derivatives of a value and of its widening.
+        let mut fill = |at: usize, row: usize, [value, widening]: [f64; 2]| {
             if with_jacobian {
-                let scaled = found.jacobian.row(row) * factor;
-                jacobian.view_mut((at, 0), (1, count)).copy_from(&scaled);
+                let mut sum = found.jacobian.row(row) * value;
+                if widening != 0.0 {
+                    sum += found.widening_change(row) * widening;
+                }
+                jacobian.view_mut((at, 0), (1, count)).copy_from(&sum);
             }
         };
         for goal in goals {
-            let factor = 1.0 / (goal.tolerance * (goal.rows.len() as f64).sqrt());
+            let factor = (goal.weight / goal.rows.len() as f64).sqrt() / goal.tolerance;
             for own in &goal.rows {
                 if goal.kind == GoalKind::Squares {
                     residual[at] = factor * own.miss(found.values[row]);
-                    fill(at, row, factor);
+                    fill(at, row, [factor, 0.0]);
                     at += 1;
+                    if found.spread.is_some() {
+                        residual[at] = factor * found.widening(row);
+                        fill(at, row, [0.0, factor]);
+                        at += 1;
+                    }
                 }
                 row += 1;
             }
@@ -191,7 +207,8 @@ impl LeastSquares for Problem<'_, '_> {
             let shifted = value + multiplier / self.penalty;
             if shifted > 0.0 {
                 residual[at] = root * shifted;
-                fill(at, own.row, root * own.sign / goals[own.goal].tolerance);
+                let factor = root / goals[own.goal].tolerance;
+                fill(at, own.row, [factor * own.sign, factor]);
                 pulls.extend(own.largest.map(|k| (at, count + k)));
             }
             at += 1;

@@ -27,4 +27,22 @@ admire_study::constants! {
     AT_BOUND: f64 = 1e-6, "";
     /// Cosine of the directions in which two goals are improved, below which they conflict.
     CONFLICT_COSINE: f64 = -0.3, "";
+    /// Distance below which a marker that joins no parts is at a hardpoint.
+    SAME_PLACE_M: f64 = 1e-6, "m";
+    /// Number of standard deviations of the tolerances for which a robust goal is met.
+    ROBUST_SD: f64 = 2.0, "sd";
+    /// Number of draws from the linear model of the tolerances.
+    LINEAR_DRAWS: usize = 20_000, "";
+    /// Seed of the draws from the tolerances.
+    TOLERANCE_SEED: u64 = 1, "";
+    /// Factor of the standard deviation of a tolerance that is tightened.
+    TIGHTENED: f64 = 0.5, "";
+    /// Number of points of a Pareto front.
+    FRONT_POINTS: usize = 11, "";
+    /// Weight of a goal at its end of a Pareto front, where the other goal has its usual weight of 1.
+    FRONT_END_WEIGHT: f64 = 1e4, "";
+    /// Distance of neighbours on a Pareto front below which no point is sought between them, in units of the extent of the front.
+    FRONT_SPACING: f64 = 0.01, "";
+    /// Miss by which a point of a Pareto front is worse than another and still counts as equal, in units of the extent of the front.
+    FRONT_SLACK: f64 = 1e-4, "";
 }

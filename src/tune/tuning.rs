@@ -1,12 +1,13 @@
 use std::path::Path;
 
 use crate::goal::{Goal, goals};
+use crate::tolerance::RigMarkers;
 use crate::tune_error::TuneError;
 use admire_identify::{DeckUnknown, Mirror, resolved, written_numbers};
 use admire_kc::{Bench, Config, KcRun, TestKind, run};
 use admire_session::{FilePolicy, folder_of, read_files};
 use admire_solver::mechanics::Vec3;
-use admire_solver::model::{MarkerIx, Model};
+use admire_solver::model::Model;
 use admire_study::{Study, TargetSettings};
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
 use admire_syntax::files::Files;
@@ -34,6 +35,8 @@ pub struct Tuning {
     pub goals: Vec<Goal>,
     /// Results of the tests on the deck of the study.
     pub before: KcRun,
+    /// Markers of `kc.toml`.
+    pub(crate) rig: RigMarkers,
 }
 
 /// Reason why a study with a target cannot be tuned.
@@ -98,12 +101,12 @@ impl Tuning {
         let mirror = Mirror {
             lateral: config.frame.to_deck(&Vec3::y()),
         };
-        let further = named_markers(&config, &dataset, &model);
+        let rig = rig_markers(&config, &dataset, &model);
         let unknowns = resolved(
             &target.unknowns,
             (&dataset, &model),
             &study.source,
-            (mirror, &further),
+            (mirror, &rig.named),
             out,
         );
         for unknown in &unknowns {
@@ -131,6 +134,15 @@ impl Tuning {
                 );
             }
         }
+        if target.robust && !study.tolerances.is_stated {
+            let message =
+                "a robust target needs the section [tolerances]: how much do axles differ?";
+            out.push(
+                Diagnostic::error(Code::MissingSetting, message)
+                    .label(study.source.name(), study.place(&["target", "robust"]), "")
+                    .help("`hardpoints = 0.3` there is a standard deviation in mm; `admire guide tune` shows one"),
+            );
+        }
         if has_errors(out) {
             return Err(Refused::Input);
         }
@@ -154,12 +166,59 @@ impl Tuning {
             unknowns,
             goals: found,
             before,
+            rig,
         })
     }
 
     /// Returns the coordinates at which the search of the study begins.
     pub fn start(&self) -> Vec<f64> {
         self.unknowns.iter().map(|unknown| unknown.start).collect()
+    }
+
+    /// Returns the place of a goal, by its name as the output has it or by its number, from 1 on.
+    ///
+    /// # Errors
+    /// A diagnostic with all names if no goal or several have this name.
+    pub fn goal_named(&self, word: &str) -> Result<usize, Box<Diagnostic>> {
+        let number = word.parse::<usize>().ok();
+        if let Some(k) = number.filter(|k| (1..=self.goals.len()).contains(k)) {
+            return Ok(k - 1);
+        }
+        let names: Vec<String> = self.goals.iter().map(Goal::name).collect();
+        let mut found = (0..names.len()).filter(|k| names[*k] == word);
+        if let (Some(k), None) = (found.next(), found.next()) {
+            return Ok(k);
+        }
+        let message = if names.iter().any(|name| name == word) {
+            format!("several goals are called `{word}`")
+        } else {
+            format!("`{word}` is no goal of this target")
+        };
+        let each = names.iter().enumerate();
+        let all: Vec<String> = each
+            .map(|(k, name)| format!("{} \"{name}\"", k + 1))
+            .collect();
+        let help = format!("name a goal or give its number: {}", all.join(", "));
+        Err(Box::new(
+            Diagnostic::error(Code::BadSetting, message).help(help),
+        ))
+    }
+
+    /// Returns the places of the two goals of a Pareto front.
+    ///
+    /// # Errors
+    /// As of [`Self::goal_named`], and if both are the same goal.
+    pub fn pair_named(&self, words: [&str; 2]) -> Result<[usize; 2], Box<Diagnostic>> {
+        let [first, second] = words;
+        let pair = [self.goal_named(first)?, self.goal_named(second)?];
+        if pair[0] == pair[1] {
+            let message = format!("`{first}` and `{second}` are the same goal");
+            let help = "a Pareto front is that of two goals".to_string();
+            return Err(Box::new(
+                Diagnostic::error(Code::BadSetting, message).help(help),
+            ));
+        }
+        Ok(pair)
     }
 
     /// Returns the natural size of each coordinate: half the width between its bounds, or the standard deviation of its prior if that is less.
@@ -177,34 +236,44 @@ impl Tuning {
     /// # Errors
     /// A diagnostic if a number cannot be written into the deck, such as a negative stiffness.
     pub fn deck(&self, x: &[f64]) -> Result<Source, Box<Diagnostic>> {
-        let numbers = written_numbers(&self.unknowns, x);
-        let beside = numbers.iter().map(|(address, _)| address).collect();
-        let old = |address: &Address| self.dataset.value_at(address);
-        let mut edits = Vec::new();
-        for (address, value) in &numbers {
-            let value = significant(*value);
-            // The digits of a number that stays are those of the user.
-            if old(address).is_none_or(|old| significant(old) != value) {
-                edits.extend(self.dataset.set_beside(address, value, &beside)?);
-            }
-        }
-        let name = self.dataset.source().name();
-        if let Ok(bytes) = apply_edits(self.dataset.bytes(), &edits) {
-            return Ok(Source::new(name, bytes));
-        }
-        // Missing arguments would all be inserted at the same place, so they are written one after the other.
-        let mut dataset = self.dataset.clone();
-        for (address, value) in &numbers {
-            let edits = dataset.set_beside(address, significant(*value), &beside)?;
-            dataset = dataset
-                .edited(&edits)
-                .map_err(|conflict| {
-                    Box::new(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
-                })?
-                .value;
-        }
-        Ok(dataset.source().clone())
+        rewritten(&self.dataset, &written_numbers(&self.unknowns, x))
     }
+}
+
+/// Returns the text of a deck with these numbers. Numbers that do not change keep their digits; others have twelve.
+///
+/// # Errors
+/// As of [`Tuning::deck`].
+pub(crate) fn rewritten(
+    dataset: &Dataset,
+    numbers: &[(Address, f64)],
+) -> Result<Source, Box<Diagnostic>> {
+    let beside = numbers.iter().map(|(address, _)| address).collect();
+    let old = |address: &Address| dataset.value_at(address);
+    let mut edits = Vec::new();
+    for (address, value) in numbers {
+        let value = significant(*value);
+        // The digits of a number that stays are those of the user.
+        if old(address).is_none_or(|old| significant(old) != value) {
+            edits.extend(dataset.set_beside(address, value, &beside)?);
+        }
+    }
+    let name = dataset.source().name();
+    if let Ok(bytes) = apply_edits(dataset.bytes(), &edits) {
+        return Ok(Source::new(name, bytes));
+    }
+    // Missing arguments would all be inserted at the same place, so they are written one after the other.
+    let mut dataset = dataset.clone();
+    for (address, value) in numbers {
+        let edits = dataset.set_beside(address, significant(*value), &beside)?;
+        dataset = dataset
+            .edited(&edits)
+            .map_err(|conflict| {
+                Box::new(Diagnostic::error(Code::CannotWrite, conflict.to_string()))
+            })?
+            .value;
+    }
+    Ok(dataset.source().clone())
 }
 
 /// Returns the tests that the goals name.
@@ -219,22 +288,22 @@ fn tests(target: &TargetSettings) -> Vec<TestKind> {
 }
 
 /// Returns the markers that `kc.toml` names for the wheels.
-fn named_markers(config: &Config, dataset: &Dataset, model: &Model) -> Vec<MarkerIx> {
-    let mut found = Vec::new();
+fn rig_markers(config: &Config, dataset: &Dataset, model: &Model) -> RigMarkers {
+    let (mut wheels, mut named) = (Vec::new(), Vec::new());
     for wheel in config.wheels.iter().flatten() {
-        let names = [
-            Some(&wheel.centre),
-            Some(&wheel.spin),
-            wheel.travel_lock.as_ref(),
-        ];
-        let axis = wheel.steer_axis.iter().flatten();
-        for name in names.into_iter().flatten().chain(axis) {
-            let address = Address::parse(&name.text, dataset).ok();
+        let marker = |name: &str| {
+            let address = Address::parse(name, dataset).ok();
             let address = address.filter(|address| address.kind == "MARKER");
-            found.extend(address.and_then(|address| model.marker(address.id?)));
-        }
+            address.and_then(|address| model.marker(address.id?))
+        };
+        let both = [&wheel.centre, &wheel.spin].into_iter();
+        wheels.extend(both.filter_map(|name| marker(&name.text)));
+        let others = wheel.travel_lock.iter();
+        let others = others.chain(wheel.steer_axis.iter().flatten());
+        named.extend(others.filter_map(|name| marker(&name.text)));
     }
-    found
+    named.extend(&wheels);
+    RigMarkers { wheels, named }
 }
 
 pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {

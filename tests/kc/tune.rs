@@ -93,7 +93,65 @@ fn the_page_shows_what_the_command_prints() {
     }
 }
 
-/// Checks the exit codes: 1 for a fault of the study, 2 for the command line. A file of the user is not replaced.
+/// Axles that differ and what one goal costs the other are in the output, in `tuning.json` and in the report.
+#[test]
+fn tolerances_and_fronts_are_in_every_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let shown = folder.path().join("front").display().to_string();
+    let base = [
+        "tune",
+        "corpus/double-wishbone",
+        "--restarts",
+        "0",
+        "--draws",
+        "30",
+        "--out",
+        &shown,
+    ];
+    let pair = ["--pareto", "1", "bounce camber_angle.left, gradient"];
+    let ran = admire(&[&base[..], &pair].concat());
+    assert_eq!(ran.status.code(), Some(0), "{}", text(&ran.stderr));
+    let said = text(&ran.stdout);
+    assert!(
+        said.starts_with("Pareto front, misses:\n  A  bounce toe_angle.left, rms [deg]\n"),
+        "{said}"
+    );
+    assert!(
+        said.contains("% of axles within the tolerances meet all goals"),
+        "{said}"
+    );
+    assert!(said.contains("drawn axles do"), "{said}");
+    let out = Path::new(&shown);
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("tuning.json")).unwrap()).unwrap();
+    let points = json["pareto"]["points"].as_array().unwrap();
+    // As many rows stand in the table, with its heads and the tuned deck.
+    let table = said
+        .lines()
+        .skip(3)
+        .take_while(|line| line.starts_with("  ") && !line.contains(" of "));
+    assert_eq!(table.count(), points.len() + 2, "{said}");
+    assert_eq!(json["robust"]["drawn"]["count"], 30);
+    assert_eq!(json["robust"]["goals"].as_array().unwrap().len(), 3);
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    for piece in [
+        "What one goal costs the other",
+        "Pareto front",
+        "good, drawn",
+        "good if halved",
+        "hardpoint MARKER/",
+    ] {
+        assert!(page.contains(piece), "the report has no {piece}");
+    }
+
+    let wrong = admire(&[&base[..], &["--pareto", "toe", "2", "--force"]].concat());
+    assert_eq!(wrong.status.code(), Some(2));
+    let said = text(&wrong.stderr);
+    assert!(said.contains("`toe` is no goal of this target"), "{said}");
+    assert!(said.contains("1 \"bounce toe_angle.left\""), "{said}");
+}
+
+/// Exit codes: 1 for a fault of the study, 2 for the command line, and a file of the user is not replaced.
 #[test]
 fn faults_have_their_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
@@ -147,4 +205,65 @@ fn a_study_with_a_target_alone_is_checked() {
     let said = text(&ran.stdout);
     assert!(said.contains("MARKER/941 is not in this dataset"), "{said}");
     assert!(said.contains("did you mean MARKER/141?"), "{said}");
+}
+
+/// Toe and camber of Adams/Car in its own lateral test are the target of the shipped axle, whose hardpoints were moved. The search brings its
+/// curves as near to the real ones as the unmoved deck has them, over the loads at which the real bushings are straight.
+#[test]
+fn real_curves_are_the_target_of_a_moved_axle() {
+    for run in crate::real::runs().iter().filter(|run| !run.rolls) {
+        let folder = tempfile::tempdir().unwrap();
+        let write =
+            |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        let axle = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/adams-car-axle");
+        let read = |name: &str| std::fs::read_to_string(axle.join(name)).unwrap();
+        let mut wanted = "value,toe_angle.left [deg],camber_angle.left [deg]\n".to_string();
+        run.each(|of, _| {
+            let force = -of("wheel_load_lateral.lateral_left");
+            let angles = ["toe_angle.left", "camber_angle.left"].map(|name| of(name).to_degrees());
+            wanted += &format!("{force},{},{}\n", angles[0], angles[1]);
+        });
+        write("wanted.csv", &wanted);
+        let kc = read("kc.toml").replace(
+            "range = [-4000, 4000]",
+            "range = [-1000, 1000]\npoints = 9\nhold = \"height\"",
+        );
+        write("kc.toml", &kc);
+        let goal = |of: &str| {
+            format!(
+                "[[target.goal]]\ntest = \"lateral\"\nof = \"{of}\"\ncurve = \"wanted.csv\"\ntolerance = 0.001\n"
+            )
+        };
+        let goals = goal("toe_angle.left") + &goal("camber_angle.left");
+        let unknown = "[[target.unknown]]\nnumbers = [\"MARKER/48.QP\", \"MARKER/54.QP\", \"MARKER/64.QP\"]\nbounds = [\"-15 mm\", \"15 mm\"]\nsd = \"50 mm\"\n";
+        let study =
+            format!("[model]\ndeck = \"model.adm\"\n[target]\nrestarts = 0\n{unknown}{goals}");
+        write("study.toml", &study);
+        write("model.adm", &read("model.adm"));
+        let target = || {
+            admire_tune::Tuning::read(folder.path())
+                .0
+                .expect("a target")
+        };
+        let own = target();
+        let deck = own
+            .deck(&[6.0, -5.0, 4.0, -3.0, 7.0, -6.0, 5.0, 4.0, -7.0])
+            .unwrap();
+        std::fs::write(folder.path().join("model.adm"), deck.bytes()).unwrap();
+        let found = target().search(&mut |_, _| true).unwrap();
+        for (goal, own_goal) in found.goals.iter().zip(&own.goals) {
+            let misses = own_goal
+                .rows
+                .iter()
+                .map(|row| row.miss(row.value(&own_goal.of, &own.before)));
+            let squares: f64 = misses.map(|miss| miss * miss).sum();
+            let unmoved = (squares / own_goal.rows.len() as f64).sqrt();
+            println!(
+                "{}: {:.2e}, moved {:.2e}, tuned {:.2e} deg rms",
+                goal.name, unmoved, goal.rms_before, goal.rms_after
+            );
+            assert!(goal.rms_before > 10.0 * unmoved && goal.rms_after <= unmoved.max(1e-4));
+        }
+        assert!(found.converged);
+    }
 }

@@ -253,7 +253,11 @@ impl VarianceComponents {
             ),
             (
                 EffectGroup::Axes,
-                Some(ScalePrior::new(AXIS_MEDIAN_DEG * degree, USUAL_LN_SD)),
+                of(
+                    s.axes_deg,
+                    degree,
+                    ScalePrior::new(AXIS_MEDIAN_DEG * degree, USUAL_LN_SD),
+                ),
             ),
             (
                 EffectGroup::LoadGains,
@@ -291,15 +295,25 @@ impl VarianceComponents {
             (EffectGroup::MountYield, mount),
             (
                 EffectGroup::Preloads,
-                Some(ScalePrior::new(PRELOAD_MEDIAN, NARROW_LN_SD).at_most(PRELOAD_MAX)),
+                of(
+                    s.preloads,
+                    1.0,
+                    ScalePrior::new(PRELOAD_MEDIAN, NARROW_LN_SD).at_most(PRELOAD_MAX),
+                ),
             ),
             (
                 EffectGroup::SpringRates,
-                Some(ScalePrior::new(SPRING_RATE_MEDIAN, NARROW_LN_SD).at_most(SPRING_RATE_MAX)),
+                of(
+                    s.spring_rates,
+                    1.0,
+                    ScalePrior::new(SPRING_RATE_MEDIAN, NARROW_LN_SD).at_most(SPRING_RATE_MAX),
+                ),
             ),
             (
                 EffectGroup::KnownStiffnesses,
-                Some(
+                of(
+                    s.stiffnesses,
+                    1.0,
                     ScalePrior::new(KNOWN_STIFFNESS_MEDIAN, NARROW_LN_SD)
                         .at_most(KNOWN_STIFFNESS_MAX),
                 ),

@@ -27,10 +27,14 @@ from ._study import (
     Repeated,
     Rival,
     Study,
+    TunedGoal,
+    TunedNumber,
+    Tuning,
     diagnose,
     identify,
     kc,
     plan,
+    tune,
 )
 from ._sweep import Sweep, merge, sweep
 from ._tools import Comparison, RigRun, View, compare, new, rig, view
@@ -61,6 +65,9 @@ __all__ = [
     "SolveError",
     "Study",
     "Sweep",
+    "TunedGoal",
+    "TunedNumber",
+    "Tuning",
     "Values",
     "View",
     "__version__",
@@ -75,5 +82,6 @@ __all__ = [
     "results",
     "rig",
     "sweep",
+    "tune",
     "view",
 ]

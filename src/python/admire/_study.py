@@ -1,4 +1,4 @@
-"""Studies: stiffnesses from measurements, and what a model gets wrong."""
+"""Studies: stiffnesses from measurements, what a model gets wrong, and design to a target."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from . import _admire
 from ._axle import AxleTests, framed
 from ._deck import Deck, read
 from ._errors import Complaint, complaints_of
-from ._frames import needed, plot_bars
+from ._frames import axes_for, needed, plot_bars
 from ._progress import Progress, shown
 
 if TYPE_CHECKING:
@@ -43,6 +43,17 @@ class Study:
     def deck(self) -> Deck:
         """Its deck, read anew."""
         return read(self._inner.deck())
+
+    def tune(
+        self,
+        *,
+        restarts: int | None = None,
+        draws: int | None = None,
+        pareto: tuple[str | int, str | int] | None = None,
+        progress: Progress = False,
+    ) -> "Tuning":
+        """Change numbers of the deck until its K&C characteristics are those of ``[target]``: :func:`tune` of this study."""
+        return tune(self, restarts=restarts, draws=draws, pareto=pareto, progress=progress)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Study, (self.folder,))
@@ -302,6 +313,124 @@ class Plan:
         return plot_bars([found.what for found in first], [found.score for found in first], None, "score", ax)
 
 
+@dataclass(frozen=True)
+class TunedNumber:
+    """An unknown of a search for a target. ``form`` says whether its values are changes, factors or values, in ``unit``.
+
+    ``at_bound`` is ``lower`` or ``upper`` if the bound stops the search there. ``numbers`` holds the address of each number of the deck
+    that it sets, with its value before and after.
+    """
+
+    name: str
+    form: str
+    unit: str
+    start: float
+    value: float
+    bounds: tuple[float, float]
+    at_bound: str | None
+    numbers: Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class TunedGoal:
+    """A goal of a search: its misses before and after in ``unit``, and whether it is met.
+
+    ``at`` holds the values of the test's variable in ``at_unit``; ``before``, ``after``, ``least`` and ``most`` the characteristic of the
+    deck, of the tuned deck and its limits there. ``least`` and ``most`` are equal where one value is wanted, and infinite without a limit.
+    ``share`` is the share of axles that meet the goal if they differ by the tolerances of the study, of the linear model.
+    """
+
+    name: str
+    unit: str
+    at_unit: str
+    tolerance: float
+    rms_before: float
+    rms_after: float
+    largest_after: float
+    is_met: bool
+    at: NDArray[np.float64] = field(repr=False, compare=False)
+    before: NDArray[np.float64] = field(repr=False, compare=False)
+    after: NDArray[np.float64] = field(repr=False, compare=False)
+    least: NDArray[np.float64] = field(repr=False, compare=False)
+    most: NDArray[np.float64] = field(repr=False, compare=False)
+    share: float | None = None
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """A deck with the wanted characteristics: what moved and what is met. ``json`` is ``tuning.json``; in Jupyter the report is shown.
+
+    ``agreeing`` is the number of starts whose end is as good as the best. ``front`` holds a row for each point of the Pareto front that was
+    asked for: the misses of both goals. ``share`` and ``share_drawn`` are the shares of axles that meet all goals with the tolerances of
+    the study, by the linear model and by axles that were drawn and solved.
+    """
+
+    unknowns: list[TunedNumber]
+    goals: list[TunedGoal]
+    converged: bool
+    met: bool
+    agreeing: int
+    summary: str
+    deck: Deck = field(repr=False)
+    json: dict[str, Any] = field(repr=False)
+    html: str = field(repr=False)
+    front: NDArray[np.float64] | None = field(repr=False, default=None, compare=False)
+    share: float | None = None
+    share_drawn: float | None = None
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return a frame with a row for each unknown; the column ``unit`` states its unit."""
+        pd = needed("pandas", "to_pandas", "pandas")
+        keys = ("name", "form", "unit", "start", "value", "at_bound")
+        rows = [{key: getattr(unknown, key) for key in keys} for unknown in self.unknowns]
+        table: "pandas.DataFrame" = pd.DataFrame(rows).set_index("name")
+        return table
+
+    def plot(self, goal: int | str = 0, *, ax: Any = None) -> Any:
+        """Plot the curve of a goal before and after, with what is wanted.
+
+        Parameters
+        ----------
+        goal : int or str
+            Place of the goal, from 0 on, or its name.
+        ax : matplotlib.axes.Axes, optional
+            Where to plot.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        KeyError
+            If no goal has this name.
+        ImportError
+            If matplotlib is not installed.
+        """
+        if isinstance(goal, str):
+            named = [own for own in self.goals if own.name == goal]
+            if not named:
+                raise KeyError(goal)
+            found = named[0]
+        else:
+            found = self.goals[goal]
+        own = axes_for(1, ax, "plot")[0]
+        own.plot(found.at, found.before, label="before", marker=".")
+        own.plot(found.at, found.after, label="tuned", marker=".")
+        for limit in (found.least, found.most):
+            if np.isfinite(limit).all():
+                own.plot(found.at, limit, color="grey", linestyle="--")
+            if (found.least == found.most).all():
+                break
+        own.set_xlabel(f"[{found.at_unit}]")
+        own.set_ylabel(f"{found.name} [{found.unit}]")
+        own.legend()
+        return own
+
+    def _repr_html_(self) -> str:
+        return framed(self.html)
+
+
 def _opened(study: Study | str | os.PathLike[str]) -> Study:
     opened = study if isinstance(study, Study) else Study(study)
     command = opened._inner.starts_program()
@@ -517,6 +646,111 @@ def plan(
         candidates,
         suggested,
         value,
+    )
+
+
+def tune(
+    study: Study | str | os.PathLike[str],
+    *,
+    restarts: int | None = None,
+    draws: int | None = None,
+    pareto: tuple[str | int, str | int] | None = None,
+    progress: Progress = False,
+) -> Tuning:
+    """Change numbers of a deck until its K&C characteristics are those of ``[target]``: what ``admire tune`` does, without files.
+
+    Parameters
+    ----------
+    study : Study or path
+        The study, or its folder.
+    restarts : int, optional
+        Number of further starts within the bounds, in place of the study's own.
+    draws : int, optional
+        Number of axles to draw with the tolerances of the study, in place of the study's own; 0 draws none.
+    pareto : pair of str or int, optional
+        Two goals whose Pareto front is sought, by their names or by their numbers as ``admire tune`` counts them, from 1 on.
+    progress : bool or callable
+        As of :func:`identify`.
+
+    Returns
+    -------
+    Tuning
+
+    Raises
+    ------
+    DeckError
+        If the study has errors or no target.
+    SolveError
+        If the axle has no equilibrium at any start.
+    AdmireError
+        If ``pareto`` names no goal.
+
+    Examples
+    --------
+    >>> import admire
+    >>> found = admire.tune("corpus/double-wishbone", restarts=0)
+    >>> found.met, found.goals[0].name
+    (True, 'bounce toe_angle.left')
+    """
+    opened = study if isinstance(study, Study) else Study(study)
+    pair = None if pareto is None else (str(pareto[0]), str(pareto[1]))
+    with shown(progress) as told:
+        text, summary, deck, html = opened._inner.tune(restarts, draws, pair, told)
+    value = json.loads(text)
+    robust = value.get("robust")
+    shares: list[float | None] = [None] * len(value["goals"])
+    if robust is not None:
+        shares = [goal["share"] for goal in robust["goals"]]
+    drawn = None if robust is None else robust["drawn"]
+    front = value.get("pareto")
+    return Tuning(
+        [_tuned_number(item) for item in value["unknowns"]],
+        [_tuned_goal(item, share) for item, share in zip(value["goals"], shares)],
+        value["converged"],
+        value["met"],
+        value["agreeing"],
+        summary,
+        Deck(_admire.Deck.parse(os.path.join(opened.folder, "tuned.adm"), deck)),
+        value,
+        html,
+        None if front is None else np.array([point["misses"] for point in front["points"]], dtype=np.float64),
+        None if robust is None else robust["share"],
+        None if drawn is None else drawn["share"],
+    )
+
+
+def _tuned_number(item: Mapping[str, Any]) -> TunedNumber:
+    return TunedNumber(
+        item["name"],
+        item["form"],
+        item["unit"],
+        item["start"],
+        item["value"],
+        (item["bounds"][0], item["bounds"][1]),
+        item["at_bound"],
+        {number["address"]: (number["before"], number["after"]) for number in item["numbers"]},
+    )
+
+
+def _tuned_goal(item: Mapping[str, Any], share: float | None) -> TunedGoal:
+    def column(key: str, without: float) -> NDArray[np.float64]:
+        return np.array([without if row[key] is None else row[key] for row in item["rows"]], dtype=np.float64)
+
+    return TunedGoal(
+        item["name"],
+        item["unit"],
+        item["at_unit"],
+        item["tolerance"],
+        item["rms_before"],
+        item["rms_after"],
+        item["largest_after"],
+        item["is_met"],
+        column("at", np.nan),
+        column("before", np.nan),
+        column("after", np.nan),
+        column("least", -np.inf),
+        column("most", np.inf),
+        share,
     )
 
 

@@ -1,0 +1,22 @@
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::MarkerIx;
+use admire_syntax::Address;
+
+/// Change of a deck per unit: numbers that change, and markers that turn on their parts.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct DeckChange {
+    /// Addresses of numbers, each with its change per unit. Angles are in radians.
+    pub numbers: Vec<(Address, f64)>,
+    /// Markers, each with its rotation vector per unit, in radians and in the axes of the marker.
+    pub turns: Vec<(MarkerIx, Vec3)>,
+}
+
+impl DeckChange {
+    /// Creates the change of numbers alone.
+    pub const fn of_numbers(numbers: Vec<(Address, f64)>) -> Self {
+        Self {
+            numbers,
+            turns: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Tolerances and Pareto front of a tuned deck, for the terminal and for its page.
+
+use super::tune_words::{DIGITS, rounded, with_unit};
+use super::{Align, Bars, Chart, DrawingError, Figure, Series, SeriesStyle, Table};
+use admire_syntax::units::short_unit;
+use admire_tune::{Front, Robust, ToleranceShare};
+
+/// Share of the tolerance of a goal below which its miss hardly changes along a front.
+const HARDLY: f64 = 0.1;
+/// Number of tolerances in the table and in the picture.
+const SHOWN: usize = 12;
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// Returns the drawn share with its standard deviation, in words.
+fn drawn(robust: &Robust) -> Option<String> {
+    let drawn = robust.drawn.as_ref()?;
+    let failed = match drawn.failed {
+        0 => String::new(),
+        count => format!("; {count} have no equilibrium"),
+    };
+    Some(format!(
+        "{:.1} ± {:.1} % of {} drawn axles do{failed}",
+        100.0 * drawn.share,
+        100.0 * drawn.share_sd,
+        drawn.count
+    ))
+}
+
+/// Returns what the tolerances make of the tuned deck, one sentence each: the share of good axles, goals that two standard deviations miss, and
+/// what to tighten first.
+pub(super) fn sentences(robust: &Robust) -> Vec<String> {
+    let mut first = format!(
+        "{} of axles within the tolerances meet all goals by the linear model",
+        percent(robust.share)
+    );
+    if let Some(drawn) = drawn(robust) {
+        first += &format!("; {drawn}");
+    }
+    let mut all = vec![first];
+    let missed = robust.goals.iter().filter(|goal| !goal.is_met_two_sd);
+    let missed: Vec<&str> = missed.map(|goal| goal.name.as_str()).collect();
+    all.push(if missed.is_empty() {
+        "the mean plus two standard deviations meets all goals".to_string()
+    } else {
+        let names = missed.join("; ");
+        format!("the mean plus two standard deviations misses {names}")
+    });
+    all.extend(tighten(robust));
+    all
+}
+
+/// Returns which tolerance to tighten first.
+fn tighten(robust: &Robust) -> Option<String> {
+    let first = robust.tolerances.first()?;
+    Some(if first.share_if_halved > robust.share {
+        format!(
+            "to tighten first: {}; half its tolerance of {} makes {} good",
+            first.name(),
+            with_unit(first.sd, &first.unit),
+            percent(first.share_if_halved)
+        )
+    } else if robust.share > 0.5 {
+        "no tolerance gains axles by being tightened".to_string()
+    } else {
+        "no tolerance gains axles by being tightened: the mean itself is off".to_string()
+    })
+}
+
+/// Returns the table of the goals with their shares.
+pub(super) fn goals(robust: &Robust) -> Table {
+    let mut table = Table::new(&[
+        ("goal", Align::Left),
+        ("good, linear", Align::Right),
+        ("good, drawn", Align::Right),
+        ("largest sd, linear", Align::Right),
+        ("largest sd, drawn", Align::Right),
+        ("miss of mean and two sd", Align::Right),
+        ("met", Align::Left),
+    ]);
+    let missing = String::new;
+    for goal in &robust.goals {
+        table.row([
+            goal.name.clone(),
+            percent(goal.share),
+            goal.share_drawn.map_or_else(missing, percent),
+            rounded(goal.sd, DIGITS),
+            goal.sd_drawn.map_or_else(missing, |sd| rounded(sd, DIGITS)),
+            rounded(goal.two_sd, DIGITS),
+            if goal.is_met_two_sd { "yes" } else { "no" }.to_string(),
+        ]);
+        table.mark(6, if goal.is_met_two_sd { "good" } else { "bad" });
+    }
+    let all = robust.drawn.as_ref();
+    table.row([
+        "all".to_string(),
+        percent(robust.share),
+        all.map_or_else(missing, |drawn| percent(drawn.share)),
+        missing(),
+        missing(),
+        missing(),
+        if robust.met_two_sd { "yes" } else { "no" }.to_string(),
+    ]);
+    table
+}
+
+/// Returns the table of the tolerances whose tightening gains most.
+pub(super) fn tolerances(robust: &Robust) -> Table {
+    let mut table = Table::new(&[
+        ("tolerance", Align::Left),
+        ("sd", Align::Right),
+        ("unit", Align::Left),
+        ("share of the variance", Align::Right),
+        ("good if halved", Align::Right),
+    ]);
+    for own in robust.tolerances.iter().take(SHOWN) {
+        table.row([
+            own.name(),
+            rounded(own.sd, DIGITS),
+            short_unit(&own.unit),
+            percent(own.variance),
+            percent(own.share_if_halved),
+        ]);
+    }
+    table
+}
+
+/// Draws which tolerances make the variance.
+pub(super) fn variances(robust: &Robust) -> Figure {
+    let mut largest: Vec<&ToleranceShare> = robust.tolerances.iter().collect();
+    largest.sort_by(|a, b| b.variance.total_cmp(&a.variance));
+    let rows = largest.into_iter().take(SHOWN);
+    let bars = Bars {
+        title: "Share of each tolerance in the variance of the goals".to_string(),
+        x: "share in percent".to_string(),
+        rows: rows
+            .map(|own| (own.name(), [0.0, 100.0 * own.variance]))
+            .collect(),
+        level: 0.0,
+    };
+    Figure::bars(&bars, "Shares of the variance, of the linear model.")
+}
+
+/// Returns the name of an axis: what the miss is, and its unit.
+fn axis(front: &Front, k: usize) -> String {
+    let unit = short_unit(&front.units[k]);
+    format!("{} miss of {} [{unit}]", front.measures[k], front.goals[k])
+}
+
+/// Draws a Pareto front, with the tuned deck.
+pub(super) fn front_chart(front: &Front) -> Result<Figure, DrawingError> {
+    let points = front.points.iter();
+    let chart = Chart {
+        title: "What one goal costs the other".to_string(),
+        x: axis(front, 0),
+        y: axis(front, 1),
+        series: vec![
+            Series::new(
+                "Pareto front",
+                SeriesStyle::LinePoints,
+                points.map(|point| point.misses.into()).collect(),
+            ),
+            Series::new("tuned", SeriesStyle::Points, vec![front.tuned.into()]),
+        ],
+        ..Chart::default()
+    };
+    Figure::chart(&chart, "")
+}
+
+/// Returns a Pareto front as a short table for the terminal.
+pub fn front_table(front: &Front) -> String {
+    let mut text = "Pareto front, misses:\n".to_string();
+    for (k, letter) in ["A", "B"].into_iter().enumerate() {
+        let unit = short_unit(&front.units[k]);
+        let (goal, measure) = (&front.goals[k], front.measures[k]);
+        text += &format!("  {letter}  {goal}, {measure} [{unit}]\n");
+    }
+    let mut row = |first: &str, second: &str, told: &str| {
+        text += format!("{first:>12}{second:>12}{told}").trim_end();
+        text += "\n";
+    };
+    row("A", "B", "");
+    for point in &front.points {
+        let told = if !point.keeps_limits {
+            "  misses a limit"
+        } else if !point.converged {
+            "  not converged"
+        } else {
+            ""
+        };
+        let [first, second] = point.misses.map(|miss| rounded(miss, DIGITS));
+        row(&first, &second, told);
+    }
+    let [first, second] = front.tuned.map(|miss| rounded(miss, DIGITS));
+    row(&first, &second, "  tuned");
+    for (k, letter) in ["A", "B"].into_iter().enumerate() {
+        let misses = front.points.iter().map(|point| point.misses[k]);
+        let (least, most) = misses.fold((f64::INFINITY, 0.0), |(least, most), miss| {
+            (f64::min(least, miss), f64::max(most, miss))
+        });
+        if most - least < HARDLY * front.tolerances[k] {
+            text += &format!(
+                "  {letter} differs by less than a tenth of its tolerance: the goals hardly conflict\n"
+            );
+            break;
+        }
+    }
+    text
+}
