@@ -579,7 +579,7 @@ functions measures
             ),
             (
                 SMALL.replace("oneof    I K", "oneof    I Q"),
-                "small.grammar:1: nothing is called `Q`",
+                "small.grammar:1: `Q` is not declared",
             ),
             (twice, "small.grammar:1: `K` is declared twice"),
             (

@@ -1,5 +1,6 @@
 use admire_design::propose;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use crate::front::car_files;
 use crate::front::fit_view::changed_lines;
@@ -46,6 +47,9 @@ pub(super) struct Arguments {
     /// Method for measuring the gain of the causes in load cases that were held out.
     #[arg(long, value_enum, default_value_t = CheckChoice::HeldOut)]
     check_gain: CheckChoice,
+    /// Time that the search may take, in seconds. It then ends with what was found so far.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    budget: Option<Duration>,
     #[command(flatten)]
     opening: Opening,
     #[command(flatten)]
@@ -63,6 +67,12 @@ enum CheckChoice {
     HeldOut,
     /// Also search without each group of the cross-validation; takes up to seven times as long.
     Folds,
+}
+
+/// Reads a time in seconds.
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number".to_string())?;
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
 /// Names of the output files.
@@ -96,7 +106,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let problem = loaded.problem();
     let held_out = held_out(&loaded.study, &loaded.measurement);
-    let watched = Watched::default();
+    let mut watched = Watched::default();
+    if let Some(time) = arguments.budget {
+        watched = watched.within(time);
+    }
     let seen = watched.clone();
     interrupt::listen();
     let bar = Progress::new("diagnosing", shell, move || {

@@ -485,7 +485,7 @@ mod tests {
         assert!(of(Kind::Load).all(|c| !CASES.contains(&[c.sequence()[0][0], c.sequence()[0][1]])));
         let names: Vec<&str> = of(Kind::Repeat).map(|c| c.what.as_str()).collect();
         assert_eq!(names.len(), 5);
-        assert_eq!(names[4], "case 5 again (there 2 times)");
+        assert_eq!(names[4], "case 5 again (measured 2 times so far)");
     }
 
     /// Loads in degrees are rounded in degrees.

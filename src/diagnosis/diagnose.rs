@@ -51,12 +51,14 @@ pub struct Outcome<'a> {
     pub places: usize,
     /// True if the search ended early: its budget was spent, or the user stopped it.
     pub cut_short: bool,
+    /// True if the time that the diagnosis may take was over before its end.
+    pub is_late: bool,
 }
 
 impl Outcome<'_> {
     /// Returns true if the user stopped the search. Returns false if the search was completed or spent its budget.
     pub fn is_stopped(&self) -> bool {
-        self.subject.progress().is_stopped()
+        self.subject.progress().is_interrupted()
     }
 }
 
@@ -234,8 +236,9 @@ pub fn diagnose_watched<'a>(
             predicted(&subject, &blind, sizes)
         });
     }
-    let cut_short =
-        selected.cut_short || unseen.as_ref().is_some_and(HoldOutSelection::is_cut_short);
+    let cut_short = selected.cut_short
+        || progress.is_late()
+        || unseen.as_ref().is_some_and(HoldOutSelection::is_cut_short);
     let mut listed = mark_findings(&subject);
     listed.append(&mut findings);
     let baseline_rms = match &unseen {
@@ -273,6 +276,7 @@ pub fn diagnose_watched<'a>(
         corrected: corrected(problem, &none, &leading),
         places: selected.places,
         cut_short,
+        is_late: progress.is_late(),
         plain: DeckOnlyPrediction::new(&subject, &leading).ok_or_else(no_cases)?,
         baseline: none,
         extended: leading,

@@ -1,6 +1,7 @@
 use crate::settings::MAX_SWEEPS;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Progress of a diagnosis, readable from another thread.
 #[derive(Clone, Debug)]
@@ -8,6 +9,8 @@ pub struct Progress {
     sweeps: Arc<AtomicUsize>,
     budget: Arc<AtomicUsize>,
     stage: Arc<Mutex<&'static str>>,
+    /// Time at which the diagnosis ends with what it has; `None` without a limit.
+    deadline: Option<Instant>,
 }
 
 impl Default for Progress {
@@ -16,11 +19,21 @@ impl Default for Progress {
             sweeps: Arc::default(),
             budget: Arc::new(AtomicUsize::new(MAX_SWEEPS)),
             stage: Arc::default(),
+            deadline: None,
         }
     }
 }
 
 impl Progress {
+    /// Limits the time of the diagnosis, from now on. After this time it ends as if the user had stopped it.
+    #[must_use]
+    pub fn within(self, time: Duration) -> Self {
+        Self {
+            deadline: Instant::now().checked_add(time),
+            ..self
+        }
+    }
+
     /// Returns the number of sweeps so far. One sweep solves all load cases once.
     pub fn sweeps(&self) -> usize {
         self.sweeps.load(Ordering::Relaxed)
@@ -42,9 +55,20 @@ impl Progress {
         self.budget.store(0, Ordering::Relaxed);
     }
 
-    /// Returns true if the diagnosis was stopped.
-    pub fn is_stopped(&self) -> bool {
+    /// Returns true if the user stopped the diagnosis.
+    pub fn is_interrupted(&self) -> bool {
         self.budget() == 0
+    }
+
+    /// Returns true if the time of the diagnosis is over.
+    pub fn is_late(&self) -> bool {
+        self.deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// Returns true if the user stopped the diagnosis, or its time is over.
+    pub fn is_stopped(&self) -> bool {
+        self.is_interrupted() || self.is_late()
     }
 
     /// Starts a stage with this name.
@@ -59,11 +83,14 @@ impl Progress {
 
     /// Returns true if the budget is spent, so that no further round of a search starts.
     pub(super) fn is_spent(&self) -> bool {
-        self.sweeps() >= self.budget()
+        self.sweeps() >= self.budget() || self.is_late()
     }
 
     /// Grants a further search a new full budget. Returns false, without a grant, if the previous search was stopped or spent its budget.
     pub(super) fn extend(&self) -> bool {
+        if self.is_late() {
+            return false;
+        }
         let further = self.sweeps() + MAX_SWEEPS;
         let grant = |budget: usize| (budget > self.sweeps()).then_some(further);
         let order = Ordering::Relaxed;

@@ -433,6 +433,9 @@ impl Selector<'_, '_> {
                 marginal: 0,
                 set,
             };
+            if !self.may_continue() {
+                break;
+            }
             let known = self.fits[&ids].ln_posterior();
             self.confirm(&ids, &estimate, BecomesPoint::IfProbable);
             if self.fits[&ids].ln_posterior() < known + CONVERGED_NATS {

@@ -50,7 +50,7 @@ pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
     let study = &loaded.study;
     let (message, keys, help) = if study.identify.method != Method::GaussNewton {
         let message = format!(
-            "bootstrap and posterior need method = \"gauss-newton\", not of \"{}\"",
+            "bootstrap and posterior need method = \"gauss-newton\", not \"{}\"",
             study.identify.method.as_str()
         );
         (

@@ -43,6 +43,8 @@ fn verdict(outcome: &Outcome<'_>) -> String {
     };
     let mut text = if outcome.is_stopped() {
         format!("interrupted, so far {verdict}")
+    } else if outcome.is_late {
+        format!("ended by its budget of time, so far {verdict}")
     } else {
         verdict
     };
@@ -140,6 +142,9 @@ impl Text<'_> {
         let diagnosis = &self.outcome.diagnosis;
         if self.outcome.is_stopped() {
             return vec!["the same command without an interruption".to_string()];
+        }
+        if self.outcome.is_late {
+            return vec!["the same command with a larger `--budget`".to_string()];
         }
         let mut steps = Vec::new();
         match (diagnosis.verdict, &diagnosis.unexplained.remainder) {

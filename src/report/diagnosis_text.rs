@@ -68,6 +68,8 @@ impl Text<'_> {
         out.extend(self.remains());
         if self.outcome.is_stopped() {
             out.push("The search was interrupted. Further causes, and rivals of those found, were not looked for.".to_string());
+        } else if self.outcome.is_late {
+            out.push("The search was ended by the time that `--budget` allows. Further causes, and rivals of those found, were not looked for.".to_string());
         } else if self.outcome.cut_short {
             let sweeps = self.outcome.subject.sweeps();
             out.push(format!(

@@ -76,6 +76,7 @@ pub(crate) fn tolerances(
         programme: &LoadProgramme::default(),
         load_errors: false,
         is_sought: &|_| false,
+        is_sought_change: &|_| false,
     });
     let metre = 1.0 / model.units.length.si;
     let sizes = VarianceComponents::new(settings, 0.0, [0.0; 2], 1e-3 * metre);

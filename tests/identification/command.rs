@@ -157,6 +157,34 @@ fn an_interrupted_diagnosis_writes_what_it_has() {
     assert!(out.join("extended.adm").exists());
 }
 
+/// Checks that `--budget` ends a diagnosis with what it has, and that the answer, the JSON and the page say so. A budget that is no time is
+/// refused.
+#[test]
+fn a_diagnosis_keeps_its_budget_of_time() {
+    let study = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/kc-experiment");
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let run = |budget: &str| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_admire"))
+            .args(["diagnose", "--budget", budget, "--out"])
+            .args([&out, &study])
+            .output()
+            .unwrap()
+    };
+    let ended = run("0.2");
+    let said = String::from_utf8_lossy(&ended.stdout);
+    assert_eq!(ended.status.code(), Some(0), "{said}");
+    assert!(said.starts_with("ended by its budget of time, so far "), "{said}");
+    assert!(said.contains("a larger `--budget`"), "{said}");
+    let json = std::fs::read_to_string(out.join("diagnosis.json")).unwrap();
+    assert!(json.contains("\"interrupted\": true"), "{json}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Ended by its budget of time; this is what was found so far."));
+    for wrong in ["soon", "-1"] {
+        assert_eq!(run(wrong).status.code(), Some(2), "{wrong}");
+    }
+}
+
 /// Checks that Ctrl-C ends a run after its current step. The run keeps its results, reports the interruption, and exits with 130 as shells do.
 #[test]
 #[cfg(unix)]

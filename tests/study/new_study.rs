@@ -340,7 +340,7 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
     std::fs::write(&marks, lines.join("\n") + "\n").unwrap();
     let said = told();
     assert!(
-        said.contains("sit alike (1") && said.contains("deck's frame"),
+        said.contains("displaced alike, by (1") && said.contains("deck's frame"),
         "{said}"
     );
     let refused = admire(folder.path(), &["identify", "study", "--out", "told"]);
