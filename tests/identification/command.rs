@@ -174,7 +174,10 @@ fn a_diagnosis_keeps_its_budget_of_time() {
     let ended = run("0.2");
     let said = String::from_utf8_lossy(&ended.stdout);
     assert_eq!(ended.status.code(), Some(0), "{said}");
-    assert!(said.starts_with("ended by its budget of time, so far "), "{said}");
+    assert!(
+        said.starts_with("ended by its budget of time, so far "),
+        "{said}"
+    );
     assert!(said.contains("a larger `--budget`"), "{said}");
     let json = std::fs::read_to_string(out.join("diagnosis.json")).unwrap();
     assert!(json.contains("\"interrupted\": true"), "{json}");
