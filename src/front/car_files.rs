@@ -98,7 +98,7 @@ pub(crate) fn diagnosed(
             Cause::ProgressiveStiffness => match subject.learned(finding, outcome) {
                 Some((id, term)) => laws.entry(id).or_default().push(term),
                 None => {
-                    not_written.push(refused("its bushing is not in the subsystem".to_string()))
+                    not_written.push(refused("its bushing is not in the subsystem".to_string()));
                 }
             },
             // In the extended deck, the offset of a bushing is a preload, and a wrong stiffness is a changed stiffness.

@@ -136,7 +136,8 @@ fn logarithm(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'sta
         .iter()
         .all(|number| number.factor == 1.0 && number.deck == first.deck);
     // Equal numbers are known by their value, others by their factor.
-    let is_factor = !is_value && !(is_equal && first.deck > 0.0);
+    let is_number = is_equal && first.deck > 0.0;
+    let is_factor = !(is_value || is_number);
     let deck = if is_factor { 1.0 } else { first.deck };
     let ln = |x: f64| match own.form {
         UnknownForm::Factor => x + libm::log(deck),

@@ -183,7 +183,7 @@ impl Unknown {
     pub fn value_in(&self, number: impl Fn(&Address) -> Option<f64>) -> Option<f64> {
         let (mut above, mut below) = (0.0, 0.0);
         match &self.assignment {
-            Assignment::Equal(_) => return number(&self.address),
+            Assignment::Equal(_) => number(&self.address),
             Assignment::Factor(numbers) => {
                 for own in numbers {
                     let ratio = number(&own.address)? / own.deck;
