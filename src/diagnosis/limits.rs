@@ -41,13 +41,17 @@ pub fn detection_limits(
             let d = outstanding(fitted, member, (tau, slab), libm::log(odds))? / millimetre;
             (d < MAX_HARDPOINT_LIMIT_MM).then_some(d)
         };
-        let axes = subject.layer.at(EffectGroup::Hardpoints, &members[0]);
-        let mm: Vec<Option<f64>> = axes.map(limit).collect();
-        if let [x, y, z] = mm[..] {
+        let mut mm = [None; 3];
+        let mut is_any = false;
+        for member in subject.layer.at(EffectGroup::Hardpoints, &members[0]) {
+            mm[subject.layer.members[member].axis] = limit(member);
+            is_any = true;
+        }
+        if is_any {
             out.push(DetectionLimit {
                 address: members[0].clone(),
                 members,
-                mm: [x, y, z],
+                mm,
             });
         }
     }

@@ -83,20 +83,9 @@ impl SiteModel {
         let cross = transposed(jacobian, &effect);
         let absorbed = transposed(&posterior.covariance, &cross);
         let held = transposed(&effect, &effect);
-        let is_apart = (0..held.ncols()).all(|k| {
-            let column = held.column(k);
-            (0..held.nrows()).all(|row| row == k || column[row] == 0.0)
-        });
-        let is_smaller = 2 * cross.nrows() < held.ncols();
-        let parts = (is_apart && is_smaller)
-            .then(|| posterior.covariance.clone().cholesky())
-            .flatten()
-            .map(|root| {
-                (
-                    held.diagonal(),
-                    root.l_dirty().lower_triangle().tr_mul(&cross),
-                )
-            });
+        let parts = (2 * cross.nrows() < held.ncols())
+            .then(|| information_parts(&held, &posterior.covariance, &cross))
+            .flatten();
         Self {
             information: held - transposed(&cross, &absorbed),
             parts,
@@ -131,6 +120,21 @@ impl SiteModel {
             None => pattern.dot(&(&self.information * pattern)),
         }
     }
+}
+
+/// Splits the information matrix `held - cross' covariance cross` into the diagonal of `held` and a matrix `B` with `B'B = cross' covariance
+/// cross`. Returns `None` if `held` is not diagonal, because cases share rows, or if the covariance is not positive definite.
+fn information_parts(
+    held: &DMatrix<f64>,
+    covariance: &DMatrix<f64>,
+    cross: &DMatrix<f64>,
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let is_diagonal = (0..held.ncols()).all(|k| {
+        let column = held.column(k);
+        (0..held.nrows()).all(|row| row == k || column[row] == 0.0)
+    });
+    let root = is_diagonal.then(|| covariance.clone().cholesky())??.l();
+    Some((held.diagonal(), root.tr_mul(cross)))
 }
 
 /// Linear model of a fit without some of its effects: posterior, and whitened residual and Jacobian, at the fit's variance components.
@@ -249,4 +253,37 @@ pub(crate) fn sites(survey: &OperatingPoints<'_>) -> Vec<Site> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The information of a pattern is the same from the parts as from the whole matrix. Cases that share rows have no parts.
+    #[test]
+    fn the_parts_of_the_information_give_what_the_matrix_gives() {
+        let (unknowns, cases) = (3, 9);
+        let wave = |seed: f64| move |i: usize, k: usize| (seed * (1 + i + 7 * k) as f64).sin();
+        let cross = DMatrix::from_fn(unknowns, cases, wave(0.7));
+        let half = DMatrix::from_fn(unknowns, unknowns, wave(1.3));
+        let covariance = &half * half.transpose() + DMatrix::identity(unknowns, unknowns);
+        let held = DMatrix::from_diagonal(&DVector::from_fn(cases, |k, _| 20.0 + k as f64));
+        let information = &held - cross.transpose() * &covariance * &cross;
+        let gradient = DVector::from_fn(cases, |k, _| k as f64);
+        let mut site = SiteModel::of_readings(information, gradient);
+        let pattern = DVector::from_fn(cases, |k, _| (0.4 * k as f64).cos());
+        let whole = [site.information_of(&pattern), site.ln_likelihood(&pattern)];
+        site.parts = information_parts(&held, &covariance, &cross);
+        assert!(site.parts.is_some());
+        let parts = [site.information_of(&pattern), site.ln_likelihood(&pattern)];
+        for (whole, parts) in whole.iter().zip(parts) {
+            assert!(
+                (whole - parts).abs() < 1e-11 * whole.abs(),
+                "{whole} {parts}"
+            );
+        }
+        let mut shared = held;
+        (shared[(0, 1)], shared[(1, 0)]) = (0.5, 0.5);
+        assert!(information_parts(&shared, &covariance, &cross).is_none());
+    }
 }

@@ -10,8 +10,7 @@ use nalgebra::DVector;
 
 use super::site::SiteModel;
 use crate::settings::{
-    LAW_GRID, LAW_GRID_DECADES, LAW_MAX_LIMIT_SD, LAW_REFINEMENTS, NEGLIGIBLE_GAIN_NATS,
-    START_SLIP_LENGTH,
+    LAW_GRID, LAW_GRID_DECADES, LAW_MAX_LIMIT_SD, LAW_REFINEMENTS, START_SLIP_LENGTH,
 };
 
 /// Priors of a friction law: half-normal scale of the limit, then median and log standard deviation of the slip length.
@@ -226,8 +225,7 @@ fn moved(slider: &Slider, parameter: usize, step: f64) -> Slider {
     out
 }
 
-/// Maximises `value` by steps along single parameters. Steps of one length are repeated while they gain more than a negligible amount, and then
-/// halved. Returns the maximum, its location, and the curvature
+/// Maximises `value` by steps along single parameters. Steps of one length are repeated while they raise the value, and then halved. Returns the maximum, its location, and the curvature
 /// along each parameter. The curvature is computed from differences over the shortest step by which the value falls by half a nat.
 fn refined(
     value: &dyn Fn(&Slider) -> f64,
@@ -250,7 +248,7 @@ fn refined(
                     }
                 }
             }
-            if best < before + NEGLIGIBLE_GAIN_NATS {
+            if best <= before {
                 break;
             }
         }

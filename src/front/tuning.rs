@@ -27,7 +27,7 @@ pub struct TuningOptions {
 /// Result of a search for a target.
 #[derive(Clone, Debug)]
 pub struct TuningAnswer {
-    /// Contents of `tuning.json`: what moved, what is met, and what stands against it.
+    /// Contents of `tuning.json`: what moved, which goals are met, and which conflict.
     pub json: String,
     /// Result in one or two sentences.
     pub summary: String,

@@ -78,8 +78,12 @@ admire_study::constants! {
     HOMOTOPY_STEP: f64 = 1e-2, "";
     /// Probability that Gaussian noise alone produces at least one reading of a study that is taken for an outlier.
     OUTLIER_FALSE_ALARM: f64 = 1e-3, "";
-    /// Distance from a stated bound at which an identified parameter counts as being there, as a share of the distance of the bounds.
+    /// Distance from a stated bound at which an identified parameter counts as being there: a share of the distance of the bounds, at most of
+    /// one unit of the coordinate.
     AT_BOUND_SHARE: f64 = 1e-6, "1";
+    /// Relative difference below which an unknown and an error of the axle change the deck in the same direction: round-off of the axes of
+    /// markers.
+    SAME_CHANGE_ROUND_OFF: f64 = 1e-9, "1";
     /// Distance of ln K from its prior mean at which an identified parameter K counts as being at a bound.
     BOUND_LN_DISTANCE: f64 = 14.0, "ln";
     /// Difference between the direct solution and the fit above which a remark is made, in standard deviations of the direct solution.

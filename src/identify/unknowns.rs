@@ -1,14 +1,11 @@
 use crate::SetNumber;
-use crate::settings::{AT_BOUND_SHARE, BOUND_LN_DISTANCE};
+use crate::settings::{AT_BOUND_SHARE, BOUND_LN_DISTANCE, SAME_CHANGE_ROUND_OFF};
 use admire_solver::model::Model;
 use admire_study::settings::{IdentifySettings, Initial, Symmetry};
 use admire_study::{Study, did_you_mean};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
-
-/// Relative difference below which two changes of the deck have the same direction: round-off of the axes of markers.
-const SAME_DIRECTION: f64 = 1e-9;
 
 /// Location of an unknown in the deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -120,7 +117,8 @@ impl Unknown {
     /// Returns true if a coordinate lies at a bound that the study states, or so far from the mean of its prior that it is no number of an axle.
     pub fn is_at_bound(&self, x: f64, mean: f64) -> bool {
         let is_stated = self.bounds.is_some_and(|bounds| {
-            let near = AT_BOUND_SHARE * (bounds[1] - bounds[0]);
+            // A lower bound of zero has no logarithm: the distance of the bounds is infinite.
+            let near = AT_BOUND_SHARE * (bounds[1] - bounds[0]).min(1.0);
             bounds.iter().any(|bound| (x - bound).abs() <= near)
         });
         is_stated || (self.is_logarithm() && (x - mean).abs() >= BOUND_LN_DISTANCE)
@@ -174,7 +172,7 @@ impl Unknown {
         let Some(Some(first)) = ratios.next() else {
             return false;
         };
-        let near = |ratio: f64| (ratio / first - 1.0).abs() < SAME_DIRECTION;
+        let near = |ratio: f64| (ratio / first - 1.0).abs() < SAME_CHANGE_ROUND_OFF;
         ratios.all(|ratio| ratio.is_some_and(near))
     }
 

@@ -19,11 +19,15 @@ pub struct Bars {
 /// Width of the chart and height of one bar with its margin, in pixels.
 const SIZE: (f64, f64) = (560.0, 26.0);
 /// Margins in pixels: right, top, and bottom (for the axis).
-const ROOM: [f64; 3] = [14.0, 8.0, 46.0];
-/// Room for the names of the bars on the left, in pixels: per character, beside the longest name, and at least.
-const NAMES: [f64; 3] = [6.3, 16.0, 120.0];
+const MARGINS_PX: [f64; 3] = [14.0, 8.0, 46.0];
+/// Mean width of a character in pixels.
+const CHARACTER_PX: f64 = 6.3;
+/// Margin around the names of the bars in pixels.
+const NAME_MARGIN_PX: f64 = 16.0;
+/// Minimum width of the column of names in pixels.
+const MIN_NAMES_PX: f64 = 120.0;
 /// Maximum number of characters shown of a bar's name.
-const LETTERS: usize = 44;
+const MAX_NAME_CHARACTERS: usize = 44;
 
 impl Bars {
     /// Draws the chart as an `<svg>` element. The page's style sheet defines the colours.
@@ -31,10 +35,9 @@ impl Bars {
         let ends = self.rows.iter().flat_map(|(_, ends)| ends.iter().copied());
         let axis = Axis::over(ends.chain([self.level]), false, 6);
         let letters = self.rows.iter().map(|(name, _)| name.chars().count());
-        let longest = letters.max().unwrap_or(0).min(LETTERS) as f64;
-        let [each, beside, least] = NAMES;
-        let left = (each * longest + beside).max(least);
-        let [right, top, bottom] = ROOM;
+        let longest = letters.max().unwrap_or(0).min(MAX_NAME_CHARACTERS) as f64;
+        let left = (CHARACTER_PX * longest + NAME_MARGIN_PX).max(MIN_NAMES_PX);
+        let [right, top, bottom] = MARGINS_PX;
         let wide = SIZE.0 - left - right;
         let tall = SIZE.1 * self.rows.len() as f64;
         let height = top + tall + bottom;
@@ -58,8 +61,8 @@ impl Bars {
         }
         for (k, (name, ends)) in self.rows.iter().enumerate() {
             let y = top + SIZE.1 * k as f64;
-            let shown: String = if name.chars().count() > LETTERS {
-                let kept: String = name.chars().take(LETTERS - 1).collect();
+            let shown: String = if name.chars().count() > MAX_NAME_CHARACTERS {
+                let kept: String = name.chars().take(MAX_NAME_CHARACTERS - 1).collect();
                 format!("{kept}\u{2026}")
             } else {
                 name.clone()

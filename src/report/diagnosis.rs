@@ -130,7 +130,7 @@ impl DiagnosisReport<'_> {
         page.detail("Noise and tolerances");
         page.table(&self.tolerances());
         page.note(
-            "Standard deviations estimated from the readings, beside the usual ones. A cause is a member of a group that stands out from \
+            "Standard deviations estimated from the readings, and the usual ones. A cause is a member of a group that stands out from \
              its group.",
         );
         if !diagnosis.detection_limits.is_empty() {

@@ -5,10 +5,10 @@ use super::{Align, Bars, Chart, DrawingError, Figure, Series, SeriesStyle, Table
 use admire_syntax::units::short_unit;
 use admire_tune::{Front, Robust, ToleranceShare};
 
-/// Share of the tolerance of a goal below which its miss hardly changes along a front.
-const HARDLY: f64 = 0.1;
-/// Number of tolerances in the table and in the picture.
-const SHOWN: usize = 12;
+/// Range of a goal's miss along a front, as a share of its tolerance, below which the report says that the goals hardly conflict.
+const FLAT_FRONT_SHARE: f64 = 0.1;
+/// Largest number of tolerances in the table and in the picture.
+const MAX_TOLERANCES: usize = 12;
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
@@ -115,7 +115,7 @@ pub(super) fn tolerances(robust: &Robust) -> Table {
         ("share of the variance", Align::Right),
         ("good if halved", Align::Right),
     ]);
-    for own in robust.tolerances.iter().take(SHOWN) {
+    for own in robust.tolerances.iter().take(MAX_TOLERANCES) {
         table.row([
             own.name(),
             rounded(own.sd, DIGITS),
@@ -131,7 +131,7 @@ pub(super) fn tolerances(robust: &Robust) -> Table {
 pub(super) fn variances(robust: &Robust) -> Figure {
     let mut largest: Vec<&ToleranceShare> = robust.tolerances.iter().collect();
     largest.sort_by(|a, b| b.variance.total_cmp(&a.variance));
-    let rows = largest.into_iter().take(SHOWN);
+    let rows = largest.into_iter().take(MAX_TOLERANCES);
     let bars = Bars {
         title: "Share of each tolerance in the variance of the goals".to_string(),
         x: "share in percent".to_string(),
@@ -177,13 +177,13 @@ pub fn front_table(front: &Front) -> String {
         let (goal, measure) = (&front.goals[k], front.measures[k]);
         text += &format!("  {letter}  {goal}, {measure} [{unit}]\n");
     }
-    let mut row = |first: &str, second: &str, told: &str| {
-        text += format!("{first:>12}{second:>12}{told}").trim_end();
+    let mut row = |first: &str, second: &str, remark: &str| {
+        text += format!("{first:>12}{second:>12}{remark}").trim_end();
         text += "\n";
     };
     row("A", "B", "");
     for point in &front.points {
-        let told = if !point.keeps_limits {
+        let remark = if !point.keeps_limits {
             "  misses a limit"
         } else if !point.converged {
             "  not converged"
@@ -191,7 +191,7 @@ pub fn front_table(front: &Front) -> String {
             ""
         };
         let [first, second] = point.misses.map(|miss| rounded(miss, DIGITS));
-        row(&first, &second, told);
+        row(&first, &second, remark);
     }
     let [first, second] = front.tuned.map(|miss| rounded(miss, DIGITS));
     row(&first, &second, "  tuned");
@@ -200,7 +200,7 @@ pub fn front_table(front: &Front) -> String {
         let (least, most) = misses.fold((f64::INFINITY, 0.0), |(least, most), miss| {
             (f64::min(least, miss), f64::max(most, miss))
         });
-        if most - least < HARDLY * front.tolerances[k] {
+        if most - least < FLAT_FRONT_SHARE * front.tolerances[k] {
             text += &format!(
                 "  {letter} differs by less than a tenth of its tolerance: the goals hardly conflict\n"
             );

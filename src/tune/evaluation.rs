@@ -21,7 +21,7 @@ pub struct Evaluation {
     pub run: KcRun,
     /// Values of all rows of all goals, in their order.
     pub values: Vec<f64>,
-    /// Derivatives of the values, one column for each unknown; no columns if they were not asked for.
+    /// Derivatives of the values, one column for each unknown; no columns if they were not requested.
     pub jacobian: DMatrix<f64>,
     /// Standard deviations of the values by the tolerances, of a robust target.
     pub spread: Option<Spread>,
@@ -32,12 +32,12 @@ pub struct Evaluation {
 pub struct Spread {
     /// Standard deviation of each value.
     pub sd: Vec<f64>,
-    /// Derivatives of the standard deviations, one column for each unknown; no columns if they were not asked for.
+    /// Derivatives of the standard deviations, one column for each unknown; no columns if they were not requested.
     pub jacobian: DMatrix<f64>,
 }
 
 impl Evaluation {
-    /// Returns what a robust goal must have to spare beside the value of each row: a multiple of its standard deviation. Zero unless the
+    /// Returns the margin that a robust goal adds to the miss of a row: a multiple of the standard deviation of its value. Zero unless the
     /// target is robust.
     pub(crate) fn widening(&self, row: usize) -> f64 {
         let spread = self.spread.as_ref();
@@ -88,7 +88,7 @@ struct Tested {
     dataset: Dataset,
     run: KcRun,
     values: Vec<f64>,
-    /// Tolerances of the car, each with whether the run has its derivatives; empty unless they were asked for.
+    /// Tolerances of the car, each with whether the run has its derivatives; empty unless they were requested.
     tolerances: Vec<(Tolerance, bool)>,
 }
 
@@ -351,7 +351,7 @@ pub(crate) fn values(tuning: &Tuning, run: &KcRun) -> Vec<f64> {
         .collect()
 }
 
-/// Runs the tests on a deck with these markers turned, differentiated along these directions and, if asked for, along the tolerances.
+/// Runs the tests on a deck with these markers turned, differentiated along these directions and, on request, along the tolerances.
 fn tests_on(
     tuning: &Tuning,
     deck: Source,

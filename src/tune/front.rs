@@ -56,8 +56,8 @@ struct Tried {
 impl Tuning {
     /// Returns the Pareto front of two goals, by their places. The searches begin at the coordinates `x` of a solution.
     ///
-    /// Each point minimises the cost with other weights of the two goals. After both ends, the next point lies in the widest gap. A limit
-    /// gives way: its largest miss becomes the goal.
+    /// Each point minimises the cost with other weights of the two goals. After both ends, the next point lies in the widest gap. For a
+    /// limit, the largest miss is minimised.
     ///
     /// `watch` receives the number of points and of evaluations so far, and returns false to stop.
     ///
@@ -169,7 +169,7 @@ fn widest_gap(tried: &[Tried]) -> Option<(f64, Vec<f64>)> {
     let pairs = tried.windows(2);
     let widest = pairs.max_by(|a, b| gap(a).total_cmp(&gap(b)))?;
     let ratio = 0.5 * (widest[0].ratio + widest[1].ratio);
-    // Weights that no number tells apart leave a gap as it is: the front has a jump.
+    // If no weight lies between those of two neighbours, the front has a jump there.
     let is_apart = widest[0].ratio < ratio && ratio < widest[1].ratio;
     (gap(widest) > FRONT_SPACING && is_apart).then(|| (ratio, widest[0].x.clone()))
 }

@@ -158,7 +158,7 @@ pub struct Outcome {
     /// What the tolerances of the study make of the tuned deck; `None` without section `[tolerances]`, or before [`Tuning::robust`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust: Option<Robust>,
-    /// Pareto front of two goals, if one was asked for with [`Tuning::front`].
+    /// Pareto front of two goals, if one was requested with [`Tuning::front`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pareto: Option<Front>,
     /// Text of the tuned deck.

@@ -17,7 +17,7 @@ use serde::Serialize;
 pub struct Robust {
     /// Share of axles that meet all goals, of the linear model.
     pub share: f64,
-    /// Axles that were drawn and solved; `None` if none were asked for.
+    /// Axles that were drawn and solved; `None` if none were requested.
     pub drawn: Option<DrawnAxles>,
     /// True if all goals are met for the mean plus two standard deviations, of the linear model.
     pub met_two_sd: bool,
@@ -260,7 +260,7 @@ impl Tuning {
         found
     }
 
-    /// Solves axles with drawn tolerances. `None` if none are asked for.
+    /// Solves axles with drawn tolerances. `None` if none are requested.
     fn draw(
         &self,
         evaluator: &mut Evaluator<'_>,

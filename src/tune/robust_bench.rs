@@ -112,7 +112,7 @@ fn shares_of_several_values_are_drawn() {
     assert_drawn(found.share, share_between(46.0, 54.0, 52.0, 2.6), 20_000);
 }
 
-/// A robust limit is kept by the mean less two standard deviations, which grow with the number; a robust goal gives way to its spread.
+/// A robust limit is kept by the mean less two standard deviations, which grow with the number. A robust goal is traded against its spread.
 #[test]
 fn a_robust_search_keeps_two_standard_deviations() {
     // K - 2 (0.05 K) = 45, while another goal pulls down.
@@ -230,7 +230,7 @@ fn the_front_of_two_values_of_one_number_is_a_line() {
         misses.windows(2).all(|pair| pair[1] - pair[0] < 2.5),
         "{misses:?}"
     );
-    // A limit gives way: the front of a limit and a goal is the same line.
+    // On a front, a limit becomes a goal, so the front of a limit and a goal is the same line.
     let goals = goal("gradient = 50\ntolerance = 1")
         + &goal("least = 60\nlimits = \"gradient\"\ntolerance = 3");
     let (_folder, tuning) = spring(&format!("{RATE}{goals}"));
@@ -341,7 +341,7 @@ fn changes_by_tolerances_are_those_of_solved_decks() {
     }
 }
 
-/// Where a limit stands beside the two goals, every point of the front keeps it.
+/// Every point of the front keeps a limit that is neither of its two goals.
 #[test]
 fn a_front_keeps_the_other_limits() {
     let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/../../corpus/double-wishbone");

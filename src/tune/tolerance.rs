@@ -64,7 +64,7 @@ impl RigMarkers {
 }
 
 /// Returns the tolerances of a car: hardpoints, offsets and axes of bushings and joints, spring forces, spring rates and stiffnesses. Groups
-/// without a stated size have the usual one. Errors of marks, loads and measuring frames are none of the car. Axes of joints at a marker of
+/// without a stated size have the usual one. Errors of marks, loads and measuring frames are left out. Axes of joints at a marker of
 /// a wheel are left out: they turn the wheel itself, which the rig sets.
 pub(crate) fn tolerances(
     settings: &ToleranceSettings,

@@ -86,7 +86,7 @@ def main():
     parser.add_argument("--most", type=int, default=50)
     options = parser.parse_args()
     original = admire.read(ROOT / "corpus" / "double-wishbone" / "model.adm")
-    told = []
+    results = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "kc.toml").write_text(KC)
@@ -126,14 +126,14 @@ def main():
             except Met:
                 pass
             theirs = time.perf_counter() - began
-            told.append((found.json["evaluations"], ours, rms, runs, theirs, left))
+            results.append((found.json["evaluations"], ours, rms, runs, theirs, left))
             print(
                 f"draw {draw}: admire {found.json['evaluations']} evaluations with derivatives, {ours:.2f} s, rms {rms:.1e} deg; "
                 f"scipy {runs} runs, {theirs:.2f} s, rms {left:.1e} deg",
                 flush=True,
             )
     for k, what in ((0, "admire, evaluations"), (1, "admire, s"), (3, "scipy, runs"), (4, "scipy, s")):
-        print(f"{what}: median {statistics.median(row[k] for row in told):.3g}")
+        print(f"{what}: median {statistics.median(row[k] for row in results):.3g}")
 
 
 if __name__ == "__main__":

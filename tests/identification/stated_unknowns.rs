@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use admire_diagnosis::SharedProgress;
 use admire_diagnosis::study_fit::identify;
+use admire_diagnosis::{Cause, SharedProgress, diagnose, held_out};
 use admire_identify::{Fit, LoadedStudy, ParameterFit, Status};
 use admire_session::backend::NativeBackend;
 use admire_sweep::{Stream, normal};
@@ -203,6 +203,46 @@ fn a_bound_holds_a_change() {
     let found = &fit.parameters[0];
     assert_eq!(found.status, Status::Bound, "{found:?}");
     assert!((found.value + 2.0).abs() < 1e-6, "{found:?}");
+}
+
+/// A lower bound of zero has no logarithm. It is no reason to report a number far from both bounds as held by one.
+#[test]
+fn a_value_between_zero_and_a_bound_is_free() {
+    let folder = tempfile::tempdir().unwrap();
+    let loads = [-900.0, 0.0, 900.0];
+    let settings = "[tolerances]\nload_gain = 0.001\n[[identify.unknown]]\nnumbers = [\"SPRINGDAMPER/1.K\"]\nform = \"value\"\nbounds = [0, \"100 N/mm\"]\n";
+    let place = |mark: [f64; 3], push: f64| [mark[0], mark[1], mark[2] + (push + 200.0) / 75.0];
+    write(folder.path(), (SPRINGS, &loads), place, settings);
+    let (_, fit) = fitted(folder.path());
+    is_near(&fit.parameters[0], 25.0, 2.0);
+}
+
+/// A study that identifies one coordinate of a hardpoint leaves the other two to the diagnosis, each under its own name: in the finding of a
+/// hardpoint that is too low, and in the detection limits.
+#[test]
+fn the_other_coordinates_of_a_hardpoint_are_left_to_the_diagnosis() {
+    let folder = tempfile::tempdir().unwrap();
+    let loads = [-90.0, -60.0, -30.0, 0.0, 30.0, 60.0, 90.0];
+    let settings = "[tolerances]\nhardpoints = 0.1\nload_gain = 0.001\n[[identify.unknown]]\nnumbers = [\"MARKER/1.QP.1\"]\nsd = \"5 mm\"\n";
+    let place = |mark, push| pendulum(mark, push, [0.0, 0.0, -3.0]);
+    write(folder.path(), (PENDULUM, &loads), place, settings);
+    let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+    let problem = loaded.problem();
+    let held_out = held_out(&loaded.study, &loaded.measurement);
+    let found = diagnose(&problem, held_out).unwrap().diagnosis;
+    let mut findings = found.findings.iter();
+    let hardpoint = findings.find(|own| own.cause == Cause::HardpointError);
+    let hardpoint = hardpoint.unwrap_or_else(|| panic!("{:?}", found.findings));
+    let [Some(z), x] = ["z", "x"].map(|axis| hardpoint.parameters.get(axis)) else {
+        panic!("{hardpoint:?}")
+    };
+    assert!((z + 3.0).abs() < 0.3 && x.is_none(), "{hardpoint:?}");
+    let limits = &found.detection_limits;
+    let own = limits
+        .iter()
+        .find(|own| own.members.iter().any(|name| name == "MARKER/1"));
+    let own = own.unwrap_or_else(|| panic!("{limits:?}"));
+    assert!(own.mm[0].is_none() && own.mm[2].is_some(), "{own:?}");
 }
 
 /// A change without a size, and a method that has no changes, are refused at the table.

@@ -5,6 +5,7 @@ import importlib
 import importlib.util
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -131,3 +132,18 @@ def test_the_walk_through_the_tutorial_runs() -> None:
     script = Path(__file__).with_name("tutorial.py")
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_change_is_not_taken_for_a_number(tmp_path: Path) -> None:
+    study = tmp_path / "study"
+    shutil.copytree("corpus/pseudo-mcpherson", study)
+    with (study / "study.toml").open("a") as settings:
+        settings.write('\n[[identify.unknown]]\nnumbers = ["MARKER/16.QP.3"]\nsd = "3 mm"\n')
+    found = admire.identify(str(study))
+    change = found["MARKER/16.QP.3"]
+    assert change.form == "change" and change.initial == 0.0 and found["BUSHING/1.K.1"].form is None
+    assert "MARKER/16.QP.3" in change.numbers and len(change.numbers) > 1
+    for address, (before, after) in change.numbers.items():
+        assert after != before and found.deck[address] == pytest.approx(after)
+    before, after = change.numbers["MARKER/16.QP.3"]
+    assert after - before == pytest.approx(change.value)

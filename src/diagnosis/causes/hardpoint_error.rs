@@ -38,8 +38,10 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 });
             }
         };
-        for (axis, form) in ["along x", "along y", "along z"].into_iter().enumerate() {
-            put(form, members.get(axis).cloned().into_iter().collect());
+        // A coordinate that the study identifies is not among the members.
+        for own in &members {
+            let axis = survey.subject.layer.members[own.0].axis;
+            put(["along x", "along y", "along z"][axis], vec![own.clone()]);
         }
         put("", members);
     }

@@ -82,7 +82,9 @@ class Repeated:
 class Parameter:
     """An identified number, in the deck's units (KT per radian). A side of ``interval95`` without a bound is ``None``.
 
-    ``profile95`` is the interval by profile likelihood where the fit was repeated, ``bootstrap`` and ``posterior`` what came of it.
+    ``form`` is ``change`` or ``factor`` if that of numbers in the deck is identified, and ``None`` for a number itself. ``numbers`` then maps
+    each address to its values before and after. ``profile95`` is the interval by profile likelihood if the fit was repeated, ``bootstrap``
+    and ``posterior`` are the intervals of the repetitions.
     """
 
     address: str
@@ -96,6 +98,8 @@ class Parameter:
     profile95: tuple[float | None, float | None] | None = None
     bootstrap: Repeated | None = None
     posterior: Repeated | None = None
+    form: str | None = None
+    numbers: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -149,7 +153,7 @@ class Identification:
         ImportError
             If matplotlib is not installed.
         """
-        shown = [parameter for parameter in self.parameters if parameter.initial]
+        shown = [own for own in self.parameters if own.initial and own.form != "change"]
         values = [parameter.value / parameter.initial for parameter in shown]
 
         def error(parameter: Parameter, side: int) -> float:
@@ -496,9 +500,9 @@ def identify(
     'newton/mm'
     """
     opened = _opened(study)
-    with shown(progress) as told:
+    with shown(progress) as observer:
         text, lead, deck, html, remarks, tables = opened._inner.identify(
-            method, force, (bootstrap, posterior, seed, jobs), told, allow_command
+            method, force, (bootstrap, posterior, seed, jobs), observer, allow_command
         )
     value = json.loads(text)
     parameters = [
@@ -514,6 +518,8 @@ def identify(
             tuple(item["profile95"]) if "profile95" in item else None,
             _repeated(item.get("bootstrap")),
             _repeated(item.get("posterior")),
+            item.get("form"),
+            {own["address"]: (own["before"], own["after"]) for own in item.get("numbers", ())},
         )
         for item in value["parameters"]
     ]
@@ -555,8 +561,8 @@ def diagnose(
     Diagnosis
     """
     opened = _opened(study)
-    with shown(progress) as told:
-        text, sentences, deck, commands, html, remarks = opened._inner.diagnose(force, check_gain, told, allow_command)
+    with shown(progress) as observer:
+        text, sentences, deck, commands, html, remarks = opened._inner.diagnose(force, check_gain, observer, allow_command)
     value = json.loads(text)
     name = os.path.join(opened.folder, "extended.adm")
     return Diagnosis(
@@ -622,8 +628,8 @@ def plan(
     True
     """
     opened = study if isinstance(study, Study) else Study(study)
-    with shown(progress) as told:
-        text, suggested = opened._inner.plan(aim, count, force, told)
+    with shown(progress) as observer:
+        text, suggested = opened._inner.plan(aim, count, force, observer)
     value = json.loads(text)
     candidates = [
         Candidate(
@@ -694,8 +700,8 @@ def tune(
     """
     opened = study if isinstance(study, Study) else Study(study)
     pair = None if pareto is None else (str(pareto[0]), str(pareto[1]))
-    with shown(progress) as told:
-        text, summary, deck, html = opened._inner.tune(restarts, draws, pair, told)
+    with shown(progress) as observer:
+        text, summary, deck, html = opened._inner.tune(restarts, draws, pair, observer)
     value = json.loads(text)
     robust = value.get("robust")
     shares: list[float | None] = [None] * len(value["goals"])
