@@ -187,7 +187,7 @@ fn does_not_last(motion: Option<&str>) -> Diagnostic {
 
 fn moves(motion: Option<&str>) -> String {
     format!(
-        "at the slightest push {}",
+        "after the slightest disturbance {}",
         motion.unwrap_or("the parts leave it")
     )
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::mirror::{Mirror, place};
+use crate::smooth_points::smooth_changes;
 use crate::tolerance::{Effect, points, shift};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
@@ -49,6 +50,8 @@ pub struct DeckUnknown {
     pub mean: f64,
     /// Standard deviation of the prior; infinite without a prior.
     pub sd: f64,
+    /// Unit of the coordinate of a fit: `sd`, but for the rest of a smooth change the standard deviation of its whole point.
+    pub unit_sd: f64,
     /// Position of the table in `study.toml`.
     pub span: Span,
 }
@@ -208,6 +211,9 @@ impl Deck<'_> {
                 }
             }
         }
+        if settings.smooth.is_some() {
+            return self.smooth(settings, found);
+        }
         let factors = match &settings.factors {
             None => vec![1.0; found.len()],
             Some(factors) if settings.together && factors.len() == found.len() => factors.clone(),
@@ -230,6 +236,76 @@ impl Deck<'_> {
             .into_iter()
             .map(|group| self.unknown(settings, group))
             .collect()
+    }
+
+    /// Makes the unknowns of points of SPLINEs whose change is smooth along x.
+    fn smooth(
+        &self,
+        settings: &UnknownSettings,
+        found: Vec<Found>,
+    ) -> Result<Vec<DeckUnknown>, Box<Diagnostic>> {
+        let refuse = |message: String| self.complain(settings.span, Code::BadSetting, message);
+        let others = [
+            ("form", settings.form != UnknownForm::Change),
+            ("together", settings.together),
+            ("factors", settings.factors.is_some()),
+            ("symmetric", settings.symmetric),
+            ("start", settings.start.is_some()),
+            ("mean", settings.mean.is_some()),
+        ];
+        if let Some((key, _)) = others.iter().find(|(_, is_set)| *is_set) {
+            return Err(refuse(format!("`smooth` excludes `{key}`")));
+        }
+        if settings.sd.is_none() {
+            let message = "`smooth` needs `sd`, the standard deviation of each point".to_string();
+            return Err(refuse(message));
+        }
+        let mut splines: BTreeMap<Option<u32>, (Vec<f64>, Vec<Found>)> = BTreeMap::new();
+        for point in found {
+            let Some(x) = self.spline_x(&point.address) else {
+                let message = format!("{} is not a point of a SPLINE", point.address);
+                return Err(refuse(message));
+            };
+            let (places, points) = splines.entry(point.address.id).or_default();
+            places.push(x);
+            points.push(point);
+        }
+        let mut all = Vec::new();
+        for (x, points) in splines.into_values() {
+            for own in smooth_changes(&x, settings.smooth.unwrap_or(f64::INFINITY)) {
+                let named = &points[own.point];
+                let numbers = points.iter().zip(&own.factors);
+                let change = Found {
+                    name: named.name.clone(),
+                    address: named.address.clone(),
+                    numbers: numbers
+                        .filter(|(_, factor)| **factor != 0.0)
+                        .map(|(point, factor)| (point.address.clone(), *factor))
+                        .collect(),
+                    markers: Vec::new(),
+                    dimension: named.dimension,
+                };
+                let mut unknown = self.unknown(settings, vec![(change, 1.0)])?;
+                unknown.sd *= own.share;
+                all.push(unknown);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Returns the x of the point whose y has this address; `None` if the number is not the y of a curve.
+    fn spline_x(&self, address: &Address) -> Option<f64> {
+        if address.kind != "SPLINE" || address.argument.as_deref() != Some("Y") {
+            return None;
+        }
+        let statement = self.dataset.find(address)?;
+        let values = |name: &str| -> Vec<f64> {
+            let all = statement.all(name).flat_map(Argument::numbers);
+            all.map(|number| number.value).collect()
+        };
+        let x = values("X");
+        let is_curve = values("Y").len() == x.len();
+        x.get(address.index? - 1).copied().filter(|_| is_curve)
     }
 
     /// Groups the numbers of a table into unknowns: all numbers together, or for hardpoints one group per axis.
@@ -298,7 +374,7 @@ impl Deck<'_> {
     ) -> Result<Found, Box<Diagnostic>> {
         let axis = address.index.unwrap_or(1) - 1;
         let missing = || {
-            let message = format!("{address} is not a coordinate of a marker with a place");
+            let message = format!("{address} is not a coordinate of a marker with a position");
             self.complain(span, Code::WrongType, message)
         };
         let marker = address.id.and_then(|id| self.model.marker(id));
@@ -401,6 +477,10 @@ impl Deck<'_> {
             for (address, own) in &one.numbers {
                 let deck = self.dataset.value_at(address).unwrap_or_default();
                 if form == UnknownForm::Factor && deck == 0.0 {
+                    // A factor leaves a zero among several numbers as it is, such as the origin of a curve.
+                    if settings.together {
+                        continue;
+                    }
                     let message = format!("{address} is 0, so a factor cannot change it");
                     return Err(self.complain(settings.span, Code::BadSetting, message));
                 }
@@ -410,6 +490,10 @@ impl Deck<'_> {
                     deck,
                 });
             }
+        }
+        if numbers.is_empty() {
+            let message = format!("all numbers of {name} are 0, so a factor cannot change them");
+            return Err(self.complain(settings.span, Code::BadSetting, message));
         }
         if numbers.iter().any(|number| number.factor == 0.0) {
             let message = "a factor of 0 sets no number".to_string();
@@ -447,6 +531,7 @@ impl Deck<'_> {
             bounds: [f64::NEG_INFINITY, f64::INFINITY],
             mean: 0.0,
             sd: f64::INFINITY,
+            unit_sd: f64::INFINITY,
             span: settings.span,
         };
         unknown.start = unknown.deck();
@@ -474,6 +559,7 @@ impl Deck<'_> {
         // The standard deviation of a factor refers to its logarithm. If it is small, it equals the relative standard deviation.
         if let Some(sd) = &settings.sd {
             unknown.sd = plain(sd)?;
+            unknown.unit_sd = unknown.sd;
         }
         Ok(unknown)
     }

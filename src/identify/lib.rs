@@ -31,6 +31,7 @@ pub mod regression;
 mod repeated;
 pub mod settings;
 pub mod slips;
+mod smooth_points;
 mod stated_unknowns;
 pub mod tolerance;
 mod unknowns;

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::stated_unknowns::add_stated;
-use super::unknowns::assigned;
+use super::unknowns::{assigned, values_in};
 use super::{Problem, Unknown, unknowns};
 use admire_session::backend::{FreeMotions, LoadProgramme, Loads};
 use admire_session::{FilePolicy, folder_of, read_files};
@@ -151,11 +151,10 @@ impl LoadedStudy {
 
     /// Returns the value of each unknown in the reference deck; `None` without a reference deck or without a value there.
     pub fn reference_values(&self) -> Vec<Option<f64>> {
-        let of = |unknown: &Unknown| {
-            let reference = self.reference.as_ref()?;
-            unknown.value_in(|address| reference.value_at(address))
-        };
-        self.unknowns.iter().map(of).collect()
+        match &self.reference {
+            None => vec![None; self.unknowns.len()],
+            Some(reference) => values_in(&self.unknowns, |address| reference.value_at(address)),
+        }
     }
 
     /// Returns the bytes of the deck with these values of the unknowns, as edits of the user's own file. All other text is unchanged.

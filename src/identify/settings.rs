@@ -84,6 +84,9 @@ admire_study::constants! {
     /// Relative difference below which an unknown and an error of the axle change the deck in the same direction: round-off of the axes of
     /// markers.
     SAME_CHANGE_ROUND_OFF: f64 = 1e-9, "1";
+    /// Standard deviation of a point of a SPLINE beyond what smoothness gives, as a share of that of each point, below which the point has no
+    /// unknown of its own: a thousandth is within any reading.
+    SMALLEST_SMOOTH_SHARE: f64 = 1e-3, "1";
     /// Distance of ln K from its prior mean at which an identified parameter K counts as being at a bound.
     BOUND_LN_DISTANCE: f64 = 14.0, "ln";
     /// Difference between the direct solution and the fit above which a remark is made, in standard deviations of the direct solution.

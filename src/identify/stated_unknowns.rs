@@ -80,7 +80,7 @@ fn of_table(
     Ok(unknown)
 }
 
-/// Makes an unknown whose coordinate is a change in units of its prior's standard deviation.
+/// Makes an unknown whose coordinate is a change in units of the prior's standard deviation of its number.
 fn change(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static str)> {
     let [least, most] = own.bounds;
     // Between two bounds alone, all values are equally probable.
@@ -103,21 +103,22 @@ fn change(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static
     } else {
         f64::midpoint(least, most)
     };
+    let unit = own.unit_sd.min(uniform);
     Ok(Unknown {
         address: own.address.clone(),
         assignment: Assignment::Change {
             numbers: own.numbers.clone(),
-            sd,
+            sd: unit,
         },
         place: Place::Number,
         unit: model.units.name(own.dimension),
         initial: own.start,
         deck: 0.0,
-        mean: Some(mean / sd),
-        sd: Some(1.0),
+        mean: Some(mean / unit),
+        sd: Some(sd / unit),
         bounds: uniform
             .is_finite()
-            .then(|| own.bounds.map(|bound| bound / sd)),
+            .then(|| own.bounds.map(|bound| bound / unit)),
     })
 }
 

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use crate::SetNumber;
 use crate::settings::{AT_BOUND_SHARE, BOUND_LN_DISTANCE, SAME_CHANGE_ROUND_OFF};
 use admire_solver::model::Model;
@@ -6,6 +8,7 @@ use admire_study::{Study, did_you_mean};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
+use nalgebra::{DMatrix, DVector};
 
 /// Location of an unknown in the deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -30,12 +33,11 @@ pub enum Assignment {
     /// Each number is its value in the deck times a power of the unknown, whose exponent is the factor of the number. The coordinate is the
     /// logarithm of the value.
     Factor(Vec<SetNumber>),
-    /// Each number is its value in the deck plus the unknown times the factor of the number. The coordinate is the value in units of the
-    /// prior's standard deviation, `sd`.
+    /// Each number is its value in the deck plus the unknown times the factor of the number. The coordinate is the value in units of `sd`.
     Change {
         /// Numbers that the unknown sets.
         numbers: Vec<SetNumber>,
-        /// Standard deviation of the prior, in the unit of the unknown.
+        /// Standard deviation of the number in the prior, in the unit of the unknown.
         sd: f64,
     },
 }
@@ -176,33 +178,6 @@ impl Unknown {
         ratios.all(|ratio| ratio.is_some_and(near))
     }
 
-    /// Returns the value of the unknown that sets the numbers of another deck best, in the sense of least squares; `None` if the deck lacks
-    /// a number, or the unknown has no such value.
-    pub fn value_in(&self, number: impl Fn(&Address) -> Option<f64>) -> Option<f64> {
-        let (mut above, mut below) = (0.0, 0.0);
-        match &self.assignment {
-            Assignment::Equal(_) => number(&self.address),
-            Assignment::Factor(numbers) => {
-                for own in numbers {
-                    let ratio = number(&own.address)? / own.deck;
-                    if ratio <= 0.0 {
-                        return None;
-                    }
-                    above += own.factor * libm::log(ratio);
-                    below += own.factor * own.factor;
-                }
-                Some(libm::exp(above / below))
-            }
-            Assignment::Change { numbers, .. } => {
-                for own in numbers {
-                    above += own.factor * (number(&own.address)? - own.deck);
-                    below += own.factor * own.factor;
-                }
-                Some(above / below)
-            }
-        }
-    }
-
     /// Returns the bushing stiffnesses that this unknown sets, as (bushing, axis) pairs. There are two pairs if x and y are tied, otherwise
     /// one. The list is empty for a parameter that is not a bushing stiffness.
     pub fn axes(&self) -> Vec<(usize, usize)> {
@@ -236,6 +211,84 @@ pub(crate) fn assigned(
         }
     }
     all
+}
+
+/// Returns the values of the unknowns that set the numbers of another deck best, in the sense of least squares. The value is `None` if the
+/// deck lacks a number of the unknown, or no value gives the sign of the deck.
+pub(crate) fn values_in(
+    unknowns: &[Unknown],
+    number: impl Fn(&Address) -> Option<f64>,
+) -> Vec<Option<f64>> {
+    // Several unknowns may change one number.
+    let mut places: BTreeMap<&Address, usize> = BTreeMap::new();
+    let (mut changes, mut moved) = (Vec::new(), Vec::new());
+    let mut values: Vec<Option<f64>> = Vec::new();
+    for unknown in unknowns {
+        values.push(match &unknown.assignment {
+            Assignment::Equal(_) => number(&unknown.address),
+            Assignment::Factor(numbers) => factor_in(numbers, &number),
+            Assignment::Change { .. } => None,
+        });
+        if let Assignment::Change { numbers, .. } = &unknown.assignment {
+            let is_known = numbers.iter().all(|own| number(&own.address).is_some());
+            for own in numbers.iter().filter(|_| is_known) {
+                places.entry(&own.address).or_insert_with(|| {
+                    moved.push(number(&own.address).unwrap_or_default() - own.deck);
+                    moved.len() - 1
+                });
+            }
+            if is_known {
+                changes.push((values.len() - 1, numbers));
+            }
+        }
+    }
+    if changes.is_empty() {
+        return values;
+    }
+    let mut factors = DMatrix::zeros(moved.len(), changes.len());
+    for (column, (_, numbers)) in changes.iter().enumerate() {
+        for own in *numbers {
+            factors[(places[&own.address], column)] += own.factor;
+        }
+    }
+    let round_off = f64::EPSILON * factors.norm() * factors.nrows() as f64;
+    let solved = factors
+        .svd(true, true)
+        .solve(&DVector::from_vec(moved), round_off);
+    if let Ok(solved) = solved {
+        for ((at, _), value) in changes.iter().zip(solved.iter()) {
+            values[*at] = Some(*value);
+        }
+    }
+    values
+}
+
+/// Returns the common factor that sets the numbers of another deck best.
+fn factor_in(numbers: &[SetNumber], number: impl Fn(&Address) -> Option<f64>) -> Option<f64> {
+    let (mut above, mut below) = (0.0, 0.0);
+    for own in numbers {
+        let ratio = number(&own.address)? / own.deck;
+        if ratio <= 0.0 {
+            return None;
+        }
+        above += own.factor * libm::log(ratio);
+        below += own.factor * own.factor;
+    }
+    Some(libm::exp(above / below))
+}
+
+/// Returns true if several unknowns change the points of one SPLINE, as those of a smooth change do.
+pub(crate) fn share_a_spline(unknowns: &[Unknown]) -> bool {
+    let is_shared =
+        |unknown: &Unknown| unknown.address.kind == "SPLINE" && unknown.changed_numbers().len() > 1;
+    let mut ids: Vec<Option<u32>> = Vec::new();
+    for unknown in unknowns.iter().filter(|unknown| is_shared(unknown)) {
+        if ids.contains(&unknown.address.id) {
+            return true;
+        }
+        ids.push(unknown.address.id);
+    }
+    false
 }
 
 /// Returns the address of a bushing parameter. The first of `words` is the argument for axes 0 to 2, the second for axes 3 to 5.

@@ -319,7 +319,7 @@ impl Session<'_> {
         let stiffness = exponent(softest.stiffness, 4);
         loaded.said_unstable.push(part);
         let text = format!(
-            "The equilibrium at time {time} is UNSTABLE.\nAt the slightest push {motion}.\nThe smallest stiffness is {stiffness} force per length."
+            "The equilibrium at time {time} is UNSTABLE.\nAfter the slightest disturbance {motion}.\nThe smallest stiffness is {stiffness} force per length."
         );
         self.messages.frame("WARNING", &text);
     }

@@ -193,7 +193,7 @@ impl Row<'_> {
 
     fn curve(&self, cell: &Cell) -> Result<Curve, Diagnostic> {
         Curve::named(&cell.text).ok_or_else(|| {
-            let message = format!("`{}` is no curve", cell.text);
+            let message = format!("`{}` is not a curve", cell.text);
             let help = format!("one of {}", Curve::words().join(", "));
             self.wrong(cell, message, help)
         })

@@ -45,6 +45,8 @@ pub struct UnknownSettings {
     pub symmetric: bool,
     /// True if a marker moves on its own part alone, without the other markers at the same point.
     pub alone: bool,
+    /// Distance along x over which the change of a SPLINE varies, in the unit of x; `None` for points that change independently.
+    pub smooth: Option<f64>,
     /// Initial value of the search.
     pub start: Option<Quantity>,
     /// Lower and upper bound.
@@ -88,6 +90,7 @@ impl UnknownSettings {
             factors: table.numbers("factors", out),
             symmetric: table.flag("symmetric", out),
             alone: table.flag("alone", out),
+            smooth: table.optional_number("smooth", f64::MIN_POSITIVE..=f64::INFINITY, out),
             start: table.quantity("start", out),
             bounds: table.bounds("bounds", out),
             mean: table.quantity("mean", out),

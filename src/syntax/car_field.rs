@@ -226,7 +226,7 @@ impl CarField {
             }
             let (x, y) = curve(self.curves[axis])?;
             if x.len() < 2 || x.len() != y.len() {
-                return Some(format!("the SPLINE of `{name}` is no curve"));
+                return Some(format!("the SPLINE of `{name}` is not a curve"));
             }
             let is_odd = opposite(&x) && opposite(&y);
             (axis < 2 && !is_odd).then(|| {

@@ -49,7 +49,7 @@ COLUMNS = ["toe_angle.left [deg]", "camber_angle.left [deg]"]
 
 
 class Met(Exception):
-    """The curves are those that are wanted."""
+    """the curves are as wanted."""
 
 
 def curves(deck, config):

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use admire_rig::Scatter;
-use admire_solver::function::{EvaluationMemory, ExpressionCompiler};
+use admire_solver::function::{EvaluationMemory, ExpressionCompiler, ProgramNumbers};
 use admire_solver::model::Model;
 use admire_syntax::expression::Node;
 use admire_syntax::text::Source;
@@ -52,19 +52,25 @@ pub fn expression(bytes: &[u8]) {
     };
     assert_eq!(values(&again), values(&read), "{}", read.text);
     assert_eq!(again.text, read.text);
-    let Ok(program) = ExpressionCompiler::new(model).compile(&read) else {
+    let compiler = ExpressionCompiler::new(model);
+    let Ok(program) = compiler.compile(&read) else {
         return;
     };
     let literals: Vec<f64> = read.literals.iter().map(|number| number.value).collect();
+    let curves = compiler.curves();
+    let numbers = ProgramNumbers {
+        literals: &literals,
+        curves: &curves,
+    };
     let mut scratch = EvaluationMemory::default();
     let (mut by_input, mut by_literal) =
         (vec![0.0; program.inputs.len()], vec![0.0; literals.len()]);
     for at in [0.0, 0.3, -1e300, f64::MIN_POSITIVE, f64::NAN] {
         let inputs = vec![at; program.inputs.len()];
-        let value = program.eval(&inputs, &literals, &mut scratch);
+        let value = program.eval(&inputs, numbers, &mut scratch);
         let with = program.eval_with_derivatives(
             &inputs,
-            &literals,
+            numbers,
             &mut scratch,
             &mut by_input,
             &mut by_literal,

@@ -320,7 +320,7 @@ fn a_wrong_table_is_told_where() {
         words.join("; ")
     };
     for (from, to, told) in [
-        ("toe bounce,toe", "toe bounce,tow", "`tow` is no curve"),
+        ("toe bounce,toe", "toe bounce,tow", "`tow` is not a curve"),
         (
             "gradient,travel",
             "slope,travel",

@@ -41,6 +41,22 @@ SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=3, J=1, FUNCTION=0.0
 END
 ";
 
+/// A part that slides along z against a curve of forces, which is pushed along z.
+const CURVE: &str = "curve
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1, QP=0,0,0
+PART/2, MASS=10, CM=3, IP=1E5,1E5,1E5
+MARKER/2, PART=2, QP=0,0,0
+MARKER/3, PART=2, QP=0,0,0
+JOINT/1, TRANSLATIONAL, I=2, J=1
+SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=3, J=1, FUNCTION=0.0
+SFORCE/2, TRANSLATIONAL, ACTIONONLY, I=2, J=1, FUNCTION=-AKISPL(DZ(2,1,1),0,3)
+SPLINE/3, X=-20,-15,-10,-5,0,5,10,15,20
+, Y=-800,-600,-400,-200,0,200,400,600,800
+END
+";
+
 /// Places of the marks on PART/2, in mm.
 const MARKS: [[f64; 3]; 4] = [
     [40.0, 30.0, 20.0],
@@ -191,6 +207,109 @@ fn a_common_factor_and_a_preload_are_found() {
     assert!((number("SPRINGDAMPER/1.FORCE") / (200.0 + preload.value) - 1.0).abs() < 1e-9);
 }
 
+/// A rig that neither yields nor moves its frame, and markers at their places. Otherwise these cannot be told from a rate and an offset.
+const STIFF_RIG: &str =
+    "[tolerances]\nload_gain = 0.001\nalignment = 0\nmount = 0\nhardpoints = 0\n";
+
+/// Loads on the part that slides, in N.
+fn pushes() -> Vec<f64> {
+    (-9..=9).map(|k| 80.0 * f64::from(k)).collect()
+}
+
+/// A curve of forces with a common factor, and with an offset: the closed forms of a straight line.
+#[test]
+fn a_spline_is_scaled_and_shifted() {
+    let settings = |form: &str| {
+        format!(
+            "{STIFF_RIG}[[identify.unknown]]\nnumbers = [\"SPLINE/3.Y\"]\ntogether = true\n{form}\n"
+        )
+    };
+    let curves: [(&str, f64, &dyn Fn(f64) -> f64); 2] = [
+        ("form = \"factor\"", 1.3, &|push| push / (1.3 * 40.0)),
+        ("sd = 100", -70.0, &|push| (push + 70.0) / 40.0),
+    ];
+    for (form, truth, up) in curves {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |mark: [f64; 3], push: f64| [mark[0], mark[1], mark[2] + up(push)];
+        write(folder.path(), (CURVE, &pushes()), place, &settings(form));
+        let (_, fit) = fitted(folder.path());
+        let [found] = &fit.parameters[..] else {
+            panic!("{:?}", fit.parameters)
+        };
+        is_near(found, truth, 1.0);
+        // A factor leaves the origin of the curve where it is.
+        let points = if form.contains("factor") { 8 } else { 9 };
+        assert_eq!(found.numbers.len(), points, "{found:?}");
+    }
+}
+
+/// Points whose change varies smoothly follow a curve that is no spline, also between two points; beyond the readings they are uncertain.
+#[test]
+fn a_smooth_change_of_a_spline_follows_the_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = |z: f64| 40.0 * z + 0.03 * z.powi(3) - 0.4 * z * z;
+    let place = |mark: [f64; 3], push: f64| {
+        let (mut low, mut high) = (-30.0, 30.0);
+        while high - low > 1e-10 {
+            let middle = f64::midpoint(low, high);
+            if law(middle) < push {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        [mark[0], mark[1], mark[2] + low]
+    };
+    let settings = format!(
+        "{STIFF_RIG}[reference]\ndeck = \"truth.adm\"\n[[identify.unknown]]\nnumbers = [\"SPLINE/3.Y\"]\nsd = 200\nsmooth = 12\n"
+    );
+    let points = |of: &dyn Fn(f64) -> f64| {
+        let each = (-4..=4).map(|k| format!("{}", of(5.0 * f64::from(k))));
+        each.collect::<Vec<_>>().join(",")
+    };
+    let truth = CURVE.replace(&points(&|z| 40.0 * z), &points(&law));
+    assert_ne!(truth, CURVE);
+    std::fs::write(folder.path().join("truth.adm"), truth).unwrap();
+    write(folder.path(), (CURVE, &pushes()), place, &settings);
+    let (loaded, fit) = fitted(folder.path());
+    let curve = |values: &[f64]| -> Vec<f64> {
+        let deck = loaded.identified_deck(values).unwrap();
+        let found = admire_syntax::Dataset::parse(admire_syntax::text::Source::new("d", deck));
+        let number = |k: usize| {
+            let address = format!("SPLINE/3.Y.{k}");
+            let address = admire_syntax::Address::parse(&address, &found.value).unwrap();
+            found.value.value_at(&address).unwrap()
+        };
+        (1..=9).map(number).collect()
+    };
+    let reference: Vec<f64> = loaded.reference_values().into_iter().flatten().collect();
+    assert_eq!(reference.len(), fit.parameters.len());
+    for (k, (found, exact)) in curve(&fit.values())
+        .into_iter()
+        .zip(curve(&reference))
+        .enumerate()
+    {
+        let z = 5.0 * (k as f64 - 4.0);
+        assert!((exact - law(z)).abs() < 0.5, "{z}: {exact}");
+        // The pushes reach from -14 to 17 mm.
+        if z.abs() <= 10.0 {
+            assert!((found - law(z)).abs() < 5.0, "{z}: {found} {}", law(z));
+        }
+    }
+    for own in &fit.parameters {
+        assert_eq!(own.status, Status::Identified, "{own:?}");
+    }
+    let at = |name: &str| {
+        let mut all = fit.parameters.iter();
+        all.find(|own| own.address == name)
+            .and_then(|own| own.std_error)
+    };
+    let (Some(end), Some(middle)) = (at("SPLINE/3.Y.1"), at("SPLINE/3.Y.9")) else {
+        panic!("{:?}", fit.parameters)
+    };
+    assert!(end > 5.0 && middle < end, "{:?}", fit.parameters);
+}
+
 /// Between two bounds alone every value is equally probable; a number that the readings push beyond its bound is there, and it is said.
 #[test]
 fn a_bound_holds_a_change() {
@@ -261,6 +380,10 @@ fn what_a_fit_cannot_seek_is_refused_at_its_place() {
         (
             "[[identify.unknown]]\nnumbers = [\"PART/2.IP.1\"]\nform = \"factor\"\n".to_string(),
             "the solver keeps PART/2.IP.1 constant",
+        ),
+        (
+            format!("{table}sd = \"5 mm\"\nsmooth = 10\n"),
+            "MARKER/1.QP.1 is not a point of a SPLINE",
         ),
     ] {
         let folder = tempfile::tempdir().unwrap();

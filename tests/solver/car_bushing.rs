@@ -1,6 +1,6 @@
 //! FIELDs of Adams/Car: closed forms, the same law as a GFORCE, derivatives of the equilibrium, and refusals.
 
-use admire_solver::model::Model;
+use admire_solver::model::{Model, PartIx};
 use admire_solver::statics::{Solver, Tangent};
 use admire_solver::system::System;
 use admire_syntax::diagnostic::Diagnostic;
@@ -117,6 +117,53 @@ fn derivatives_of_the_equilibrium_agree_with_differences() {
                 assert!(error < 1e-5, "{address}: {error:e}");
             }
         }
+    }
+}
+
+/// The points of a SPLINE change the equilibrium alike through the FIELD and through the FUNCTIONs of a GFORCE, and as differences say.
+#[test]
+fn derivatives_by_the_points_of_curves_agree_with_differences() {
+    for load in &LOADS[1..] {
+        let own = solve(&car(&GENERAL, *load));
+        let by_functions = solve(&[part(*load), splines(), gforce(&GENERAL)].concat());
+        let column = |of: &Solved, spline: u32, point: usize| {
+            let address = Address {
+                kind: "SPLINE".into(),
+                id: Some(spline),
+                argument: Some("Y".into()),
+                index: Some(point),
+            };
+            let (system, parameters, state) = (&of.system, &of.parameters, &of.state);
+            let slot = system.catalogue().slot(&address).unwrap();
+            let mut tangent = Tangent::new(system, parameters, state).unwrap();
+            let mut solver = Solver::new(system);
+            let error = check_slot(system, &mut solver, parameters, state, slot, &mut tangent);
+            assert!(error < 1e-5, "{load:?} {address}: {error:e}");
+            let column = tangent.by_slot(system, parameters, state, slot).unwrap();
+            column[system.part_unknowns(PartIx(1))].to_vec()
+        };
+        let mut moved = 0;
+        for spline in 31..=36 {
+            for point in 1..=7 {
+                let (a, b) = (
+                    column(&own, spline, point),
+                    column(&by_functions, spline, point),
+                );
+                // A radial curve is read relative to its value at zero.
+                if point == 4 && spline <= 32 {
+                    continue;
+                }
+                let size = a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+                moved += usize::from(size > 0.0);
+                for (a, b) in a.iter().zip(&b) {
+                    assert!(
+                        (a - b).abs() <= 1e-5 * size + 1e-14,
+                        "{spline} {point}: {a} {b}"
+                    );
+                }
+            }
+        }
+        assert!(moved >= 15, "{moved}");
     }
 }
 

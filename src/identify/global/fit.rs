@@ -20,6 +20,7 @@ use crate::settings::{
     FAR_FIT_RMS_SIGMA, NORMAL_QUANTILE_975, OUTLIER_FALSE_ALARM, POOR_NORMAL_LN_SD,
     UNIDENTIFIABLE_LN_SD,
 };
+use crate::unknowns::share_a_spline;
 use crate::{
     Fit, IdentifyError, Marks, NOT_CONVERGED, NumberFit, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
@@ -338,6 +339,12 @@ fn answer(
         .collect();
     let converged = minimum.ending == Ending::Converged;
     let mut remarks = Vec::new();
+    if share_a_spline(&problem.unknowns) {
+        remarks.push(
+            "Each smooth change of a SPLINE counts beyond the changes above it; the identified deck holds the curve."
+                .to_string(),
+        );
+    }
     match minimum.ending {
         Ending::Converged => {}
         Ending::Stopped => {

@@ -2,8 +2,8 @@
 //! [`super::damping`].
 
 use super::deflection::Deflection;
-use super::{Degenerate, Law, Wrench};
-use crate::function::Interpolant;
+use super::{Degenerate, Wrench};
+use crate::function::Curves;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 use admire_syntax::car_field::CarAxis;
 
@@ -25,17 +25,76 @@ const ROUND_OFF_RELATIVE: f64 = 1e-12;
 /// Source: 505 states of a real axle without offsets; offsets and scales as in the compatible bushings of MotionView (AutoBush).
 #[derive(Debug)]
 pub(crate) struct CarBushing {
-    curves: [Interpolant; 6],
+    /// Index of the curve of each axis in [`Curves`].
+    curves: [usize; 6],
+}
+
+/// Numbers that the law reads.
+#[derive(Clone, Copy)]
+pub(crate) struct CarNumbers<'a> {
+    /// The eleven values of each array, axis by axis.
+    pub(crate) theta: &'a [f64],
+    /// Curves of the SPLINEs.
+    pub(crate) curves: &'a Curves,
+}
+
+impl CarNumbers<'_> {
+    /// Returns scale (0), preload (1), offset (2) or stretch (3) of an axis.
+    fn of(&self, axis: usize, which: usize) -> f64 {
+        self.theta[CarAxis::LENGTH * axis + CarAxis::PLACES[which]]
+    }
+
+    /// Returns the arguments of the curves, and the radial deflection.
+    fn arguments(&self, deflection: &Deflection) -> (Vec6, f64) {
+        let d = deflection.coordinates();
+        let q = Vec6::from_fn(|k, _| self.of(k, 3) * d[k] - self.of(k, 2));
+        (q, libm::hypot(q[0], q[1]))
+    }
 }
 
 impl CarBushing {
-    pub(crate) fn new(curves: [Interpolant; 6]) -> Self {
+    pub(crate) fn new(curves: [usize; 6]) -> Self {
         Self { curves }
     }
 
+    /// Returns whether an axis reads a SPLINE, given by its index in the model.
+    pub(crate) fn reads_spline(&self, curves: &Curves, spline: usize) -> bool {
+        self.curves.iter().any(|curve| curves.is_of(*curve, spline))
+    }
+
+    /// Returns the derivative of the wrench on I, in J axes, with respect to the y value of a knot of a SPLINE.
+    ///
+    /// # Errors
+    /// Returns [`Degenerate`] where the law is undefined at this motion.
+    pub(crate) fn by_knot(
+        &self,
+        motion: &RelativeMotion,
+        numbers: CarNumbers<'_>,
+        (spline, knot): (usize, usize),
+    ) -> Result<Vec6, Degenerate> {
+        let d = Deflection::of(motion)?;
+        let (q, r) = numbers.arguments(&d);
+        let mut sum = Vec6::zeros();
+        for (axis, &index) in self.curves.iter().enumerate() {
+            if !numbers.curves.is_of(index, spline) {
+                continue;
+            }
+            let curve = numbers.curves.get(index);
+            let change = if axis >= 2 {
+                curve.by_knot(knot, q[axis], 0)
+            } else if r <= ROUND_OFF_RELATIVE * curve.reach() {
+                curve.by_knot(knot, 0.0, 1) * q[axis]
+            } else {
+                (curve.by_knot(knot, r, 0) - curve.by_knot(knot, 0.0, 0)) / r * q[axis]
+            };
+            sum[axis] = -numbers.of(axis, 0) * change;
+        }
+        Ok(sum)
+    }
+
     /// Returns X(r)/r and its derivative with respect to r, for a radial axis.
-    fn secant(&self, axis: usize, r: f64) -> (f64, f64) {
-        let curve = &self.curves[axis];
+    fn secant(&self, curves: &Curves, axis: usize, r: f64) -> (f64, f64) {
+        let curve = curves.get(self.curves[axis]);
         let (at_zero, [tangent, _]) = curve.at(0.0, 0.0, 0);
         if r <= ROUND_OFF_RELATIVE * curve.reach() {
             return (tangent, 0.0);
@@ -47,29 +106,27 @@ impl CarBushing {
     }
 }
 
-impl Law for CarBushing {
-    fn parameter_count(&self) -> usize {
-        6 * CarAxis::LENGTH
-    }
-
-    fn evaluate(
+impl CarBushing {
+    /// Computes the wrench on I, in J axes, like [`super::Law::evaluate`].
+    ///
+    /// # Errors
+    /// Returns [`Degenerate`] where the law is undefined at this motion; `out` is then unspecified.
+    pub(crate) fn evaluate(
         &self,
         motion: &RelativeMotion,
-        theta: &[f64],
+        numbers: CarNumbers<'_>,
         with_parameters: bool,
         out: &mut Wrench,
     ) -> Result<(), Degenerate> {
         let d = Deflection::of(motion)?;
-        let number =
-            |axis: usize, which: usize| theta[CarAxis::LENGTH * axis + CarAxis::PLACES[which]];
+        let number = |axis: usize, which: usize| numbers.of(axis, which);
         let d6 = d.coordinates();
-        let q = Vec6::from_fn(|k, _| number(k, 3) * d6[k] - number(k, 2));
+        let (q, r) = numbers.arguments(&d);
         // c contains the values of the curves, and by_q their derivatives with respect to q.
         let mut c = Vec6::zeros();
         let mut by_q = Mat6::zeros();
-        let r = libm::hypot(q[0], q[1]);
         for k in 0..2 {
-            let (secant, change) = self.secant(k, r);
+            let (secant, change) = self.secant(numbers.curves, k, r);
             c[k] = secant * q[k];
             by_q[(k, k)] = secant;
             for m in 0..2 {
@@ -79,7 +136,7 @@ impl Law for CarBushing {
             }
         }
         for k in 2..6 {
-            let (value, [slope, _]) = self.curves[k].at(q[k], 0.0, 0);
+            let (value, [slope, _]) = numbers.curves.get(self.curves[k]).at(q[k], 0.0, 0);
             c[k] = value;
             by_q[(k, k)] = slope;
         }
@@ -118,31 +175,36 @@ mod tests {
     use super::*;
     use crate::mechanics::testing::{advanced, number};
     use crate::mechanics::{Pose, Vec3, exp};
-    use crate::model::Spline;
+    use crate::model::{Header, Spline};
 
     /// Symmetric knots of the test curves, in round numbers.
     const X: [f64; 7] = [-6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0];
 
-    fn curve(y: impl Fn(f64) -> f64, unit: f64) -> Interpolant {
-        let spline = Spline {
-            header: crate::model::Header::default(),
+    fn spline(y: impl Fn(f64) -> f64, unit: f64) -> Spline {
+        Spline {
+            header: Header::default(),
             x: X.iter().map(|x| x * unit).collect(),
             z: vec![0.0],
             y: vec![X.iter().map(|x| y(x * unit)).collect()],
             linear_extrapolate: false,
-        };
-        Interpolant::akima_line(&spline).expect("a curve")
+            is_of_file: false,
+        }
+    }
+
+    /// Returns the curves of the test bushing, one SPLINE per axis.
+    fn curves() -> Curves {
+        Curves::of_bushing(&[
+            spline(|x| 300.0 * x + 20.0 * x * x * x, 1.0),
+            spline(|x| 500.0 * x + 5.0 * x * x * x, 1.0),
+            spline(|x| 80.0 * x + 30.0 * x * x, 1.0),
+            spline(|x| 9e4 * x + 1e6 * x * x * x, 0.05),
+            spline(|x| 7e4 * x, 0.05),
+            spline(|x| 2e4 * x + 3e6 * x * x * x, 0.05),
+        ])
     }
 
     fn law() -> CarBushing {
-        CarBushing::new([
-            curve(|x| 300.0 * x + 20.0 * x * x * x, 1.0),
-            curve(|x| 500.0 * x + 5.0 * x * x * x, 1.0),
-            curve(|x| 80.0 * x + 30.0 * x * x, 1.0),
-            curve(|x| 9e4 * x + 1e6 * x * x * x, 0.05),
-            curve(|x| 7e4 * x, 0.05),
-            curve(|x| 2e4 * x + 3e6 * x * x * x, 0.05),
-        ])
+        CarBushing::new([0, 1, 2, 3, 4, 5])
     }
 
     /// Returns the arrays of all axes, with the given scale, preload, offset and stretch of each axis.
@@ -174,12 +236,16 @@ mod tests {
         RelativeMotion::between(&frame(p.into(), turn.into()), &ground, &Vec3::zeros())
     }
 
-    fn wrench(theta: &[f64], motion: &RelativeMotion) -> Wrench {
+    fn wrench_with(curves: &Curves, theta: &[f64], motion: &RelativeMotion) -> Wrench {
         let mut out = Wrench::default();
         law()
-            .evaluate(motion, theta, true, &mut out)
+            .evaluate(motion, CarNumbers { theta, curves }, true, &mut out)
             .expect("regular");
         out
+    }
+
+    fn wrench(theta: &[f64], motion: &RelativeMotion) -> Wrench {
+        wrench_with(&curves(), theta, motion)
     }
 
     /// Returns motions with deflections inside the curves, beyond them, near the origin, and on an axis.
@@ -282,6 +348,47 @@ mod tests {
                 assert!(!acts || column.norm() > 0.0 || at_rest(&motion), "{n}");
             }
         }
+    }
+
+    #[test]
+    fn derivatives_by_the_points_of_the_curves_agree_with_differences() {
+        let theta = general();
+        let curves = curves();
+        let mut compared = 0;
+        for motion in motions() {
+            for axis in 0..6 {
+                for knot in 0..X.len() {
+                    let by_knot = |curves: &Curves| {
+                        let numbers = CarNumbers {
+                            theta: &theta,
+                            curves,
+                        };
+                        let found = law().by_knot(&motion, numbers, (axis, knot));
+                        found.expect("regular")
+                    };
+                    let exact = by_knot(&curves);
+                    let x = X[knot] * [1.0, 0.05][axis / 3];
+                    let y = curves.get(axis).at(x, 0.0, 0).0;
+                    let h = 1e-6 * y.abs().max(1.0);
+                    let moved = |h: f64| {
+                        let mut moved = curves.clone();
+                        moved.set(axis, knot, y + h);
+                        let value = wrench_with(&moved, &theta, &motion).value;
+                        (value, by_knot(&moved))
+                    };
+                    let (above, below) = (moved(h), moved(-h));
+                    let difference = (above.0 - below.0) / (2.0 * h);
+                    // A straight line is a kink of Akima's rule.
+                    let is_smooth = |side: Vec6| (side - exact).norm() < 1e-3;
+                    if is_smooth(above.1) && is_smooth(below.1) {
+                        compared += 1;
+                        let apart = (exact - difference).norm();
+                        assert!(apart < 1e-6, "{axis} {knot}: {apart:e}");
+                    }
+                }
+            }
+        }
+        assert!(compared > 100, "{compared}");
     }
 
     /// At r = 0, the stiffness equals the slopes of the curves, for any direction of a small deflection.

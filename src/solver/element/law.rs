@@ -66,21 +66,3 @@ pub(crate) trait Law: std::fmt::Debug + Send + Sync {
         None
     }
 }
-
-/// Law of an element: shared by all elements of its kind, or made for one element because it holds curves.
-#[derive(Debug)]
-pub(crate) enum ElementLaw {
-    Shared(&'static dyn Law),
-    Own(Box<dyn Law>),
-}
-
-impl std::ops::Deref for ElementLaw {
-    type Target = dyn Law;
-
-    fn deref(&self) -> &Self::Target {
-        match self {
-            Self::Shared(law) => *law,
-            Self::Own(law) => law.as_ref(),
-        }
-    }
-}

@@ -1,11 +1,9 @@
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use super::breaks::linear;
 use super::call::{refusal, vector_refusal};
 use super::compiler::ExpressionCompiler;
-use super::interpolant::Interpolant;
-use super::program::{Instruction, Kind, NO_SWITCH, Program};
+use super::program::{Instruction, Kind, Lookup, NO_SWITCH, Program, ProgramNumbers};
 use super::{EvaluationMemory, Input};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
@@ -32,7 +30,7 @@ pub(super) struct Build<'a> {
     /// Steps of the program. During compilation, their target slots are numbered from 0.
     steps: Vec<Instruction>,
     operands: Vec<ValueSlot>,
-    pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
+    pub(super) lookups: Vec<Lookup>,
     targets: usize,
     branches: bool,
     /// For each switch (a step whose piece can be held fixed), whether its piece depends on time alone.
@@ -52,7 +50,7 @@ impl<'a> Build<'a> {
             constants: Vec::new(),
             steps: Vec::new(),
             operands: Vec::new(),
-            interpolants: Vec::new(),
+            lookups: Vec::new(),
             targets: 0,
             branches: false,
             switches: Vec::new(),
@@ -196,8 +194,10 @@ impl<'a> Build<'a> {
                 _ => None,
             })
             .collect();
+        // The points of a SPLINE can change.
         if constants.len() == operands.len()
-            && let Some(value) = fold(kind, &constants, &self.interpolants)
+            && !matches!(kind, Kind::Interpolate(..))
+            && let Some(value) = fold(kind, &constants)
         {
             return ValueSlot::Constant(value);
         }
@@ -246,7 +246,7 @@ impl<'a> Build<'a> {
             constants: self.constants,
             steps: self.steps,
             operands,
-            interpolants: self.interpolants,
+            lookups: self.lookups,
             result,
             branches: self.branches,
             switches: self.switches,
@@ -255,7 +255,7 @@ impl<'a> Build<'a> {
 }
 
 /// Returns the value of a step whose operands are all constants, or `None` if the step is undefined for them.
-fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)]) -> Option<f64> {
+fn fold(kind: Kind, constants: &[f64]) -> Option<f64> {
     let count = constants.len() as u32;
     let program = Program {
         inputs: Vec::new(),
@@ -269,13 +269,13 @@ fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)
             switch: NO_SWITCH,
         }],
         operands: (0..count).collect(),
-        interpolants: interpolants.to_vec(),
+        lookups: Vec::new(),
         slots: constants.len() + 1,
         result: count,
         branches: false,
         switches: Vec::new(),
     };
     program
-        .eval(&[], &[], &mut EvaluationMemory::default())
+        .eval(&[], ProgramNumbers::NONE, &mut EvaluationMemory::default())
         .ok()
 }

@@ -2,9 +2,10 @@ use super::breaks::linear;
 use super::build::{Build, ValueSlot};
 use super::called::{between_component, measure_kind, plain_kind, rate_of, rate_places};
 use super::compiler::Space;
+use super::curves::CurveForm;
 use super::input::FRICTION_NUMBERS;
 use super::interpolant::Method;
-use super::program::Kind;
+use super::program::{Kind, Lookup};
 use super::{
     ForceComponent, ForceMeasure, Input, Measure, MeasureKind, MeasuredElement, RateMeasure,
     RotationSequence,
@@ -197,7 +198,7 @@ impl Build<'_> {
         } else {
             0
         };
-        let Some(interpolant) = self.compiler.interpolant(spline, method) else {
+        let Some(curve) = self.compiler.curve(spline, CurveForm::By(method)) else {
             return Err(wrong(
                 function,
                 format!("SPLINE/{id} has no strictly increasing x values with one y each"),
@@ -209,14 +210,14 @@ impl Build<'_> {
                 format!("the order of the derivative is {order}, not 0, 1 or 2"),
             ));
         }
-        if order > 0 && interpolant.is_surface() {
+        if order > 0 && self.compiler.model.splines[spline].is_surface() {
             return Err(wrong(
                 function,
                 format!("SPLINE/{id} is a surface, which has no derivatives here"),
             ));
         }
-        self.interpolants.push((interpolant, order));
-        let index = self.interpolants.len() as u32 - 1;
+        self.lookups.push(Lookup { curve, order });
+        let index = self.lookups.len() as u32 - 1;
         Ok(self.step(Kind::Interpolate(index, function.name), operands))
     }
 

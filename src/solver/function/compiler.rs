@@ -1,10 +1,9 @@
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use super::Program;
 use super::build::Build;
-use super::interpolant::{Interpolant, Method};
+use super::curves::{CurveForm, Curves};
 use crate::model::{ArrayKind, Model, Spline, VectorForceKind};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
@@ -15,7 +14,7 @@ pub struct ExpressionCompiler<'m> {
     pub(super) model: &'m Model,
     ids: [OnceCell<BTreeMap<u32, usize>>; Space::COUNT],
     pair_forces: OnceCell<BTreeMap<(&'static str, u32), usize>>,
-    interpolants: RefCell<BTreeMap<(usize, Method), Arc<Interpolant>>>,
+    curves: RefCell<Curves>,
 }
 
 /// Group of model objects whose ids are unique within the group.
@@ -129,7 +128,7 @@ impl<'m> ExpressionCompiler<'m> {
             model,
             ids: std::array::from_fn(|_| OnceCell::new()),
             pair_forces: OnceCell::new(),
-            interpolants: RefCell::default(),
+            curves: RefCell::default(),
         }
     }
 
@@ -175,13 +174,19 @@ impl<'m> ExpressionCompiler<'m> {
         Some(&self.model.splines[self.find(Space::Spline, id)?])
     }
 
-    pub(super) fn interpolant(&self, spline: usize, method: Method) -> Option<Arc<Interpolant>> {
-        let mut prepared = self.interpolants.borrow_mut();
-        if let Some(found) = prepared.get(&(spline, method)) {
-            return Some(Arc::clone(found));
-        }
-        let made = Arc::new(Interpolant::new(&self.model.splines[spline], method)?);
-        prepared.insert((spline, method), Arc::clone(&made));
-        Some(made)
+    /// Returns the index of a SPLINE in [`Self::curves`], prepared for a form; `None` if its data define no curve.
+    pub(super) fn curve(&self, spline: usize, form: CurveForm) -> Option<usize> {
+        let mut curves = self.curves.borrow_mut();
+        curves.enter((spline, &self.model.splines[spline]), form)
+    }
+
+    /// Returns the index in [`Self::curves`] of a SPLINE that a bushing of Adams/Car reads; `None` if there is no such curve.
+    pub(crate) fn bushing_curve(&self, id: u32) -> Option<usize> {
+        self.curve(self.find(Space::Spline, id)?, CurveForm::AkimaLine)
+    }
+
+    /// Returns the SPLINEs that the compiled expressions read, with the y values of the model.
+    pub fn curves(&self) -> Curves {
+        self.curves.borrow().clone()
     }
 }

@@ -2,7 +2,7 @@ use super::{akima, cubic};
 use crate::model::Spline;
 
 /// Method of interpolating a SPLINE in x.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Method {
     /// Akima's method: AKISPL.
     Akima,
@@ -12,9 +12,31 @@ pub(super) enum Method {
     Linear,
 }
 
+impl Method {
+    /// Returns the slopes at the knots; none for linear interpolation.
+    fn slopes(self, x: &[f64], y: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Akima => akima::slopes(x, y),
+            Self::Cubic => cubic::slopes(x, y),
+            Self::Linear => Vec::new(),
+        }
+    }
+
+    /// Returns the derivatives of the slopes along a change of the y values.
+    fn slopes_along(self, x: &[f64], y: &[f64], along: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Akima => akima::slopes_along(x, y, along),
+            // The slopes of a cubic spline are linear in y.
+            Self::Cubic => cubic::slopes(x, along),
+            Self::Linear => Vec::new(),
+        }
+    }
+}
+
 /// SPLINE data prepared for interpolation, with the slopes at the knots of every row of y values. There is one row per z value.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Interpolant {
+    method: Method,
     x: Vec<f64>,
     z: Vec<f64>,
     rows: Vec<Coefficients>,
@@ -41,6 +63,7 @@ impl Interpolant {
             && rising(&spline.z)
             && spline.y.iter().all(|row| row.len() == n);
         sound.then(|| Self {
+            method,
             x: spline.x.clone(),
             z: spline.z.clone(),
             rows: spline
@@ -48,11 +71,7 @@ impl Interpolant {
                 .iter()
                 .map(|y| Coefficients {
                     y: y.clone(),
-                    slopes: match method {
-                        Method::Akima => akima::slopes(&spline.x, y),
-                        Method::Cubic => cubic::slopes(&spline.x, y),
-                        Method::Linear => Vec::new(),
-                    },
+                    slopes: method.slopes(&spline.x, y),
                 })
                 .collect(),
             linear_extrapolate: spline.linear_extrapolate,
@@ -65,6 +84,23 @@ impl Interpolant {
         let mut curve = Self::new(spline, Method::Akima).filter(|curve| !curve.is_surface())?;
         curve.linear_extrapolate = true;
         Some(curve)
+    }
+
+    /// Sets the y value of a knot of a curve.
+    pub(super) fn set(&mut self, knot: usize, y: f64) {
+        let row = &mut self.rows[0];
+        row.y[knot] = y;
+        row.slopes = self.method.slopes(&self.x, &row.y);
+    }
+
+    /// Returns the derivative of the value of [`Self::at`] with respect to the y value of a knot of a curve.
+    pub(crate) fn by_knot(&self, knot: usize, x: f64, order: usize) -> f64 {
+        let mut along = vec![0.0; self.x.len()];
+        along[knot] = 1.0;
+        let slopes = self.method.slopes_along(&self.x, &self.rows[0].y, &along);
+        // The polynomials are linear in the y values and slopes together.
+        let row = Coefficients { y: along, slopes };
+        self.locate(x).derivatives(&row)[order]
     }
 
     /// Returns the largest magnitude of the x values.

@@ -11,6 +11,7 @@ mod call;
 mod called;
 mod compiler;
 mod cubic;
+mod curves;
 mod degree;
 mod error;
 mod euler;
@@ -30,6 +31,7 @@ mod tests;
 
 pub(crate) use breaks::time_breaks;
 pub use compiler::ExpressionCompiler;
+pub use curves::Curves;
 pub(crate) use degree::Degree;
 pub(crate) use error::{EvalError, Fault};
 pub(crate) use input::{
@@ -37,9 +39,8 @@ pub(crate) use input::{
     RotationSequence,
 };
 pub use input::{Input, Measure};
-pub(crate) use interpolant::Interpolant;
 pub use measure::Reference;
-pub use program::EvaluationMemory;
 pub(crate) use program::Program;
+pub use program::{EvaluationMemory, ProgramNumbers};
 pub(crate) use rate::MovingFrame;
 pub(crate) use switch::{Piece, SwitchState, between, half_width};

@@ -1,13 +1,10 @@
-use std::sync::Arc;
-
-use super::interpolant::Interpolant;
 use super::intrinsic::{self, Binary, Unary};
 use super::step::{Shape, step};
 use super::switch::{
     Piece, SwitchState, Switched, abs_on, dim_on, extreme_on, half_width, modulo_on, part_of,
     sign_on, stop_on, whole_on,
 };
-use super::{EvalError, Fault, Input, impact, series};
+use super::{Curves, EvalError, Fault, Input, impact, series};
 
 /// FUNCTION expression compiled to a flat list of steps over numbered slots.
 ///
@@ -23,12 +20,30 @@ pub struct Program {
     pub(super) constants: Vec<f64>,
     pub(super) steps: Vec<Instruction>,
     pub(super) operands: Vec<u32>,
-    pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
+    pub(super) lookups: Vec<Lookup>,
     pub(super) slots: usize,
     pub(super) result: u32,
     pub(super) branches: bool,
     /// For each switch (a step whose piece can be held fixed), whether its piece depends on time alone.
     pub(super) switches: Vec<bool>,
+}
+
+/// Numbers that a program reads besides its inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct ProgramNumbers<'a> {
+    /// All literals of the expression, angles in radians.
+    pub literals: &'a [f64],
+    /// Curves of the compiler that made the program.
+    pub curves: &'a Curves,
+}
+
+/// Use of a SPLINE in a program.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Lookup {
+    /// Index in [`Curves`].
+    pub(super) curve: usize,
+    /// Order of the derivative.
+    pub(super) order: usize,
 }
 
 /// Value of [`Instruction::switch`] for a step that is not a switch.
@@ -68,7 +83,7 @@ pub(super) enum Kind {
     Forsin,
     Cheby,
     Sweep,
-    /// Spline interpolation: index of the interpolant in the program, and the function name.
+    /// Spline interpolation: index of the lookup in the program, and the function name.
     Interpolate(u32, &'static str),
     /// Conditional jump: continues with the next step if the operand is negative, otherwise jumps to `zero` or `positive`.
     Branch {
@@ -164,6 +179,14 @@ struct Blend {
     negative: f64,
 }
 
+impl ProgramNumbers<'static> {
+    /// No literals and no curves.
+    pub(super) const NONE: Self = Self {
+        literals: &[],
+        curves: &Curves::NONE,
+    };
+}
+
 impl EvaluationMemory {
     /// Returns the observed switch states of the last evaluation with held pieces.
     pub(crate) fn seen(&self) -> &[SwitchState] {
@@ -208,20 +231,20 @@ impl Program {
         })
     }
 
-    /// Returns the value for the given inputs (in the order of `inputs`) and literals (all literals of the expression, angles in radians).
+    /// Returns the value for the given inputs (in the order of `inputs`).
     ///
     /// # Errors
     /// Returns [`EvalError`] with the function that has no value for these inputs, and the reason.
     pub fn eval(
         &self,
         inputs: &[f64],
-        literals: &[f64],
+        numbers: ProgramNumbers<'_>,
         scratch: &mut EvaluationMemory,
     ) -> Result<f64, EvalError> {
         if self.steps.is_empty() {
-            return Ok(self.plain(inputs, literals));
+            return Ok(self.plain(inputs, numbers.literals));
         }
-        self.forward(inputs, literals, &[], scratch)
+        self.forward(inputs, numbers, &[], scratch)
     }
 
     /// Returns the value and its derivatives with respect to each input and each literal. For a literal in degrees, the derivative is per
@@ -234,12 +257,12 @@ impl Program {
     pub fn eval_with_derivatives(
         &self,
         inputs: &[f64],
-        literals: &[f64],
+        numbers: ProgramNumbers<'_>,
         scratch: &mut EvaluationMemory,
         by_input: &mut [f64],
         by_literal: &mut [f64],
     ) -> Result<f64, EvalError> {
-        self.eval_on_pieces(inputs, literals, &[], scratch, by_input, by_literal)
+        self.eval_on_pieces(inputs, numbers, &[], scratch, by_input, by_literal)
     }
 
     /// Returns the value and the derivatives like [`Self::eval_with_derivatives`], but holds each switch on its entry of `pieces`. If
@@ -250,7 +273,7 @@ impl Program {
     pub(crate) fn eval_on_pieces(
         &self,
         inputs: &[f64],
-        literals: &[f64],
+        numbers: ProgramNumbers<'_>,
         pieces: &[Piece],
         scratch: &mut EvaluationMemory,
         by_input: &mut [f64],
@@ -265,9 +288,9 @@ impl Program {
             } else if let Some(&literal) = self.parameters.get(slot - self.inputs.len()) {
                 by_literal[literal] = 1.0;
             }
-            return Ok(self.plain(inputs, literals));
+            return Ok(self.plain(inputs, numbers.literals));
         }
-        let value = self.forward(inputs, literals, pieces, scratch)?;
+        let value = self.forward(inputs, numbers, pieces, scratch)?;
         self.backward(scratch);
         by_input.copy_from_slice(&scratch.adjoints[..self.inputs.len()]);
         for (k, &literal) in self.parameters.iter().enumerate() {
@@ -292,7 +315,7 @@ impl Program {
     fn forward(
         &self,
         inputs: &[f64],
-        literals: &[f64],
+        numbers: ProgramNumbers<'_>,
         pieces: &[Piece],
         scratch: &mut EvaluationMemory,
     ) -> Result<f64, EvalError> {
@@ -314,7 +337,7 @@ impl Program {
         let (n, m) = (self.inputs.len(), self.parameters.len());
         values[..n].copy_from_slice(inputs);
         for (value, &literal) in values[n..n + m].iter_mut().zip(&self.parameters) {
-            *value = literals[literal];
+            *value = numbers.literals[literal];
         }
         values[n + m..n + m + self.constants.len()].copy_from_slice(&self.constants);
         let mut at = 0;
@@ -412,7 +435,7 @@ impl Program {
                 _ => {
                     arguments.clear();
                     arguments.extend(operands.iter().map(|&slot| values[slot as usize]));
-                    self.call(step.kind, arguments, by)
+                    self.call(step.kind, arguments, numbers.curves, by)
                         .map_err(|fault| step.kind.failed(fault))?
                 }
             };
@@ -430,7 +453,7 @@ impl Program {
     }
 
     /// Evaluates a function that takes its arguments as a slice.
-    fn call(&self, kind: Kind, a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
+    fn call(&self, kind: Kind, a: &[f64], curves: &Curves, by: &mut [f64]) -> Result<f64, Fault> {
         Ok(match kind {
             Kind::Max => intrinsic::extreme(true, a, by),
             Kind::Min => intrinsic::extreme(false, a, by),
@@ -444,14 +467,45 @@ impl Program {
             Kind::Cheby => series::cheby(a, by),
             Kind::Sweep => series::sweep(a, by)?,
             Kind::Interpolate(index, _) => {
-                let (interpolant, order) = &self.interpolants[index as usize];
-                let (value, slopes) =
-                    interpolant.at(a[0], a.get(1).copied().unwrap_or(0.0), *order);
+                let Lookup { curve, order } = self.lookups[index as usize];
+                let z = a.get(1).copied().unwrap_or(0.0);
+                let (value, slopes) = curves.get(curve).at(a[0], z, order);
                 by.copy_from_slice(&slopes[..by.len()]);
                 value
             }
             _ => unreachable!("steps of one and two operands are evaluated in place"),
         })
+    }
+
+    /// Returns whether the program reads a SPLINE, given by its index in the model.
+    pub(crate) fn reads_spline(&self, curves: &Curves, spline: usize) -> bool {
+        let mut lookups = self.lookups.iter();
+        lookups.any(|lookup| curves.is_of(lookup.curve, spline))
+    }
+
+    /// Returns the derivative of the value with respect to the y value of a knot of a SPLINE, given by its index in the model. This program
+    /// must have been evaluated with derivatives before, with the same curves and scratch.
+    pub(crate) fn by_knot(
+        &self,
+        curves: &Curves,
+        (spline, knot): (usize, usize),
+        scratch: &EvaluationMemory,
+    ) -> f64 {
+        let mut sum = 0.0;
+        for step in &self.steps {
+            // Steps that do not run have the adjoint zero.
+            let adjoint = scratch.adjoints[step.target as usize];
+            if let Kind::Interpolate(index, _) = step.kind
+                && adjoint != 0.0
+            {
+                let Lookup { curve, order } = self.lookups[index as usize];
+                if curves.is_of(curve, spline) {
+                    let x = scratch.values[self.operands[step.first as usize] as usize];
+                    sum += adjoint * curves.get(curve).by_knot(knot, x, order);
+                }
+            }
+        }
+        sum
     }
 
     /// Computes the adjoints of all slots from the partial derivatives of the executed steps.

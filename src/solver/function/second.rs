@@ -1,21 +1,22 @@
 //! Second time derivatives of programs, given the time derivatives of their inputs.
 
 use super::intrinsic::{Binary, Unary};
-use super::program::{EvaluationMemory, Kind, Program};
-use super::series;
+use super::program::{EvaluationMemory, Kind, Lookup, Program};
+use super::{Curves, series};
 
 /// First and second time derivative of a quantity.
 pub(crate) type TimeRates = [f64; 2];
 
 impl Program {
     /// Returns the exact first and second time derivatives of the value, given the time derivatives of the inputs. This program must have
-    /// been evaluated before with the same scratch.
+    /// been evaluated before with the same curves and scratch.
     ///
     /// For a step `f(a, b, ..)` the time derivatives are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink, they
     /// belong to the side whose derivatives the evaluation returned. Returns `None` where a step has no second derivatives.
     pub(crate) fn rates_along(
         &self,
         inputs: &[TimeRates],
+        curves: &Curves,
         scratch: &mut EvaluationMemory,
     ) -> Option<TimeRates> {
         if self.steps.is_empty() {
@@ -51,7 +52,7 @@ impl Program {
                 }
             }
             if arguments.iter().any(|(_, [first, _])| *first != 0.0) {
-                match self.second_order_term(step.kind, &arguments) {
+                match self.second_order_term(step.kind, curves, &arguments) {
                     Some(bend) => rates[1] += bend,
                     None => found = false,
                 }
@@ -70,7 +71,12 @@ impl Program {
     }
 
     /// Returns `f_aa a' a' + 2 f_ab a' b' + ..` of a step, from the values and time derivatives of its arguments.
-    fn second_order_term(&self, kind: Kind, arguments: &[(f64, TimeRates)]) -> Option<f64> {
+    fn second_order_term(
+        &self,
+        kind: Kind,
+        curves: &Curves,
+        arguments: &[(f64, TimeRates)],
+    ) -> Option<f64> {
         let (x, [dx, _]) = arguments[0];
         let (y, [dy, _]) = arguments.get(1).copied().unwrap_or_default();
         // True if all arguments after the first are constant in time.
@@ -139,8 +145,8 @@ impl Program {
                 return of_first(-a * w * w * libm::sin(w * (x - y) - phi));
             }
             Kind::Interpolate(index, _) => {
-                let (interpolant, order) = &self.interpolants[index as usize];
-                let (_, [by_x, by_z]) = interpolant.at(x, y, order + 1);
+                let Lookup { curve, order } = self.lookups[index as usize];
+                let (_, [by_x, by_z]) = curves.get(curve).at(x, y, order + 1);
                 by_x * dx * dx + 2.0 * by_z * dx * dy
             }
             Kind::Sweep => return of_first(series::sweep_second(&values())),

@@ -1,6 +1,8 @@
 //! Tests of every function against closed-form values and central differences.
 
-use super::{EvalError, EvaluationMemory, ExpressionCompiler, Fault, Input, Program};
+use super::{
+    Curves, EvalError, EvaluationMemory, ExpressionCompiler, Fault, Input, Program, ProgramNumbers,
+};
 use crate::mechanics::{Mat3, Vec3};
 use crate::model::{
     ArrayData, ArrayKind, Bushing, Header, Marker, MarkerIx, Model, Orientation, PartIx, Spline,
@@ -28,6 +30,7 @@ fn spline(id: u32, x: &[f64], z: &[f64], y: &[&[f64]], linear_extrapolate: bool)
         z: z.to_vec(),
         y: y.iter().map(|row| row.to_vec()).collect(),
         linear_extrapolate,
+        is_of_file: false,
     }
 }
 
@@ -121,21 +124,31 @@ fn model() -> Model {
 struct Case {
     program: Program,
     literals: Vec<f64>,
+    curves: Curves,
     text: String,
 }
 
 fn compile(text: &str) -> Case {
     let expression = Expression::parse_str(text).unwrap_or_else(|e| panic!("{text}: {e:?}"));
+    let model = model();
+    let compiler = ExpressionCompiler::new(&model);
+    let program = compiler.compile(&expression);
     Case {
-        program: ExpressionCompiler::new(&model())
-            .compile(&expression)
-            .unwrap_or_else(|e| panic!("{text}: {}", e.message)),
+        program: program.unwrap_or_else(|e| panic!("{text}: {}", e.message)),
+        curves: compiler.curves(),
         literals: expression.literals.iter().map(|l| l.value).collect(),
         text: text.to_string(),
     }
 }
 
 impl Case {
+    fn numbers(&self) -> ProgramNumbers<'_> {
+        ProgramNumbers {
+            literals: &self.literals,
+            curves: &self.curves,
+        }
+    }
+
     /// Returns the inputs for given values of VARIABLE/1, 2, 3 and TIME.
     fn inputs(&self, state: [f64; 4]) -> Vec<f64> {
         self.program
@@ -152,7 +165,7 @@ impl Case {
     fn at(&self, state: [f64; 4]) -> Result<f64, EvalError> {
         self.program.eval(
             &self.inputs(state),
-            &self.literals,
+            self.numbers(),
             &mut EvaluationMemory::default(),
         )
     }
@@ -339,7 +352,7 @@ fn only_the_chosen_branch_is_evaluated() {
     let case = compile("IF(MODE-5:0,7,0)");
     let modes = |mode: f64| {
         case.program
-            .eval(&[mode], &case.literals, &mut EvaluationMemory::default())
+            .eval(&[mode], case.numbers(), &mut EvaluationMemory::default())
     };
     assert_eq!(case.program.inputs, [Input::Mode]);
     assert_eq!((modes(5.0), modes(4.0)), (Ok(7.0), Ok(0.0)));
@@ -464,7 +477,7 @@ fn constants_follow_their_literals() {
     let mut by = [0.0];
     let found = case.program.eval_with_derivatives(
         &[],
-        &[42.0],
+        case.numbers(),
         &mut EvaluationMemory::default(),
         &mut [],
         &mut by,
@@ -499,7 +512,7 @@ fn a_function_of_a_real_deck_reads_as_meant() {
             .map(|input| if *input == Input::Time { time } else { angle })
             .collect();
         case.program
-            .eval(&inputs, &case.literals, &mut EvaluationMemory::default())
+            .eval(&inputs, case.numbers(), &mut EvaluationMemory::default())
             .unwrap()
     };
     assert!((at(0.1, 0.5) - 14.285).abs() < 1e-12);

@@ -93,6 +93,15 @@ pub struct Spline {
     pub y: Vec<Vec<f64>>,
     /// Whether the spline is extrapolated linearly, LINEAR_EXTRAPOLATE.
     pub linear_extrapolate: bool,
+    /// Whether the points come from a property file, FILE, and not from the statement.
+    pub is_of_file: bool,
+}
+
+impl Spline {
+    /// Returns whether the spline is a surface: it has more than one row of y values.
+    pub(crate) fn is_surface(&self) -> bool {
+        self.y.len() > 1
+    }
 }
 
 /// STRING statement.

@@ -54,9 +54,9 @@ pub(super) const FREE: Words = Words {
 };
 
 const WEAK: Words = Words {
-    along: "is held but weakly along",
-    about: "is held but weakly about",
-    screw: "is held but weakly in a screw about",
+    along: "is held only weakly along",
+    about: "is held only weakly about",
+    screw: "is held only weakly in a screw motion about",
     share: 1e-6,
 };
 

@@ -24,6 +24,8 @@ pub(crate) enum Role {
     Mass(usize),
     /// Components of gravity, ACCGRAV.
     Gravity,
+    /// y values of the points of a SPLINE, given by its index in the model.
+    Spline(usize),
     /// Literals of a function.
     Literals(usize),
     /// Constant that replaces a whole function.

@@ -10,9 +10,10 @@ use super::compiled_function::Source;
 use super::contribution::{Of, halves};
 use super::forces::DerivativeRequest;
 use super::parameters::PER_MARKER;
-use super::scratch::Seed;
+use super::scratch::{FunctionNumber, Seed};
 use super::structure::{Action, Element, ParameterSource, StateRhs};
 use super::{Configuration, Parameters, Scratch, Slot, State, System};
+use crate::element::{CarNumbers, ElementLaw};
 use crate::linear::Sink;
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::MarkerIx;
@@ -166,8 +167,13 @@ impl Configuration<'_> {
                     }
                 }
             }
-            Role::Literals(function) => self.by_number_of(function, Some(offset), dg)?,
-            Role::Override(function) => self.by_number_of(function, None, dg)?,
+            Role::Spline(spline) => self.by_knot((spline, offset), dg)?,
+            Role::Literals(function) => {
+                self.by_number_of(function, FunctionNumber::Literal(offset), dg)?;
+            }
+            Role::Override(function) => {
+                self.by_number_of(function, FunctionNumber::Value, dg)?;
+            }
         }
         Ok(())
     }
@@ -181,12 +187,46 @@ impl Configuration<'_> {
         }
     }
 
-    /// Computes the derivative of the residual with respect to a literal of a function, or with respect to the function value if `literal`
-    /// is `None`.
+    /// Adds the derivative of the residual with respect to the y value of a point of a SPLINE: that of each function and element that reads
+    /// the SPLINE.
+    fn by_knot(&mut self, point: (usize, usize), dg: &mut [f64]) -> Result<(), NoValue> {
+        let (system, parameters) = (self.system, self.parameters);
+        let curves = parameters.curves();
+        for (number, function) in system.functions.iter().enumerate() {
+            let program = function.program.as_ref();
+            if program.is_some_and(|program| program.reads_spline(curves, point.0)) {
+                let number_of_function = FunctionNumber::Knot(point.0, point.1);
+                self.by_number_of(number, number_of_function, dg)?;
+            }
+        }
+        for (number, element) in system.elements.iter().enumerate() {
+            if let Action::Law(ElementLaw::Car(car), ParameterSource::Theta(range)) =
+                &element.action
+                && element.active
+                && car.reads_spline(curves, point.0)
+            {
+                self.element(number, DerivativeRequest::Tangent)?;
+                let motion = self.motion(element.i, element.j, element.pair, true);
+                let numbers = CarNumbers {
+                    theta: &parameters.theta()[range.clone()],
+                    curves,
+                };
+                let w = car.by_knot(&motion, numbers, point);
+                let w = w.map_err(|reason| NoValue {
+                    element: element.name.clone(),
+                    reason: reason.into(),
+                })?;
+                self.scratch.contribution.spread_local(&w, dg);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the derivative of the residual with respect to a number of a function.
     fn by_number_of(
         &mut self,
         function: usize,
-        literal: Option<usize>,
+        number: FunctionNumber,
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
         let (system, state) = (self.system, self.state);
@@ -194,16 +234,16 @@ impl Configuration<'_> {
             return Ok(());
         }
         if !system.passes_on(function) {
-            let rate = match literal {
-                Some(literal) => self.function_by_literal(function, literal)?,
-                None => 1.0,
+            let rate = match number {
+                FunctionNumber::Value => 1.0,
+                number => self.function_by_number(function, number)?,
             };
             return self.by_function((function, rate), dg);
         }
         let column = system.first_seed();
         let seed = Seed {
             function,
-            literal,
+            number,
             column,
         };
         let mut sink = Seeded {
@@ -215,7 +255,9 @@ impl Configuration<'_> {
         let done = system.assemble(self.parameters, state, self.scratch, &mut g, &mut sink);
         self.scratch.seeds.clear();
         done?;
-        dg.copy_from_slice(&sink.columns[0]);
+        for (sum, own) in dg.iter_mut().zip(&sink.columns[0]) {
+            *sum += own;
+        }
         self.evaluate()
     }
 
@@ -313,15 +355,18 @@ impl Configuration<'_> {
         }
     }
 
-    /// Returns the derivative of a function with respect to one of its literals, at constant unknowns.
-    fn function_by_literal(&mut self, function: usize, literal: usize) -> Result<f64, NoValue> {
-        let replacement = self.system.functions[function].replacement;
-        if !self.parameters.theta()[replacement].is_nan() {
+    /// Returns the derivative of a function with respect to one of its numbers, at constant unknowns.
+    fn function_by_number(
+        &mut self,
+        function: usize,
+        number: FunctionNumber,
+    ) -> Result<f64, NoValue> {
+        let compiled = &self.system.functions[function];
+        if !self.parameters.theta()[compiled.replacement].is_nan() {
             return Ok(0.0);
         }
         self.evaluate_function(function)?;
-        let by = self.scratch.by_literal.get(literal);
-        Ok(by.copied().unwrap_or(0.0))
+        Ok(self.by_number(compiled.program.as_ref(), number))
     }
 
     /// Returns the value of a parameter. For the parameter that replaces a whole function, returns the function value unless the function
@@ -398,9 +443,13 @@ impl System {
 
     fn function_reads(&self, function: usize, role: Role) -> bool {
         let reads = self.reads();
-        if let Role::Literals(own) | Role::Override(own) = role
-            && reads.through_variables(function, false).contains(&own)
-        {
+        let is_own = |read: usize| match role {
+            Role::Literals(own) | Role::Override(own) => read == own,
+            Role::Spline(spline) => self.function_reads_spline(read, spline),
+            _ => false,
+        };
+        let mut through = reads.through_variables(function, false).into_iter();
+        if through.any(is_own) {
             return true;
         }
         let is = |m: &Option<MarkerIx>| m.is_some_and(|m| self.moves_marker(role, m.0));
@@ -449,12 +498,31 @@ impl System {
                 sources().any(|source| matches!(source, Source::Force(_)))
             }
             Role::Literals(function) | Role::Override(function) => {
-                // A function read by a GCON also changes the direction of the GCON's reaction.
-                let conditions = self.conditions.iter().map(|c| c.function);
-                let mut read = self.reads().components(conditions).into_iter().flatten();
-                read.any(|f| f == function)
+                self.acts_through_condition(|read| read == function)
+            }
+            Role::Spline(spline) => {
+                let curves = self.parameters.curves();
+                let drives_element = self.elements.iter().any(|element| {
+                    matches!(&element.action, Action::Law(law, _) if law.reads_spline(curves, spline))
+                });
+                let is_measured = || sources().any(|source| matches!(source, Source::Force(_)));
+                (drives_element && is_measured())
+                    || self.acts_through_condition(|read| self.function_reads_spline(read, spline))
             }
         }
+    }
+
+    /// Returns whether a GCON reads one of the functions that `is_it` selects. Such a function also changes the direction of the GCON's reaction.
+    fn acts_through_condition(&self, is_it: impl Fn(usize) -> bool) -> bool {
+        let conditions = self.conditions.iter().map(|c| c.function);
+        let mut read = self.reads().components(conditions).into_iter().flatten();
+        read.any(is_it)
+    }
+
+    /// Returns whether a function itself reads a SPLINE.
+    fn function_reads_spline(&self, function: usize, spline: usize) -> bool {
+        let program = self.functions[function].program.as_ref();
+        program.is_some_and(|program| program.reads_spline(self.parameters.curves(), spline))
     }
 
     /// Returns the first column after the columns of the unknowns, of their first and second time derivatives, and of the time.

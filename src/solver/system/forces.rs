@@ -4,7 +4,7 @@ use super::chain::turn;
 use super::contribution::{ByRate, Of, WrenchEnds};
 use super::structure::{Action, Element, ParameterSource};
 use super::{Configuration, NoValue};
-use crate::element::Wrench;
+use crate::element::{CarNumbers, Wrench};
 use crate::mechanics::{Mat6, Vec6};
 
 /// Derivatives to be computed with a wrench.
@@ -127,7 +127,11 @@ impl Configuration<'_> {
             _ => None,
         };
         let wrench: &mut Wrench = &mut self.scratch.wrench;
-        law.evaluate(&motion, theta, with_parameters, wrench)
+        let numbers = CarNumbers {
+            theta,
+            curves: self.parameters.curves(),
+        };
+        law.evaluate(&motion, numbers, with_parameters, wrench)
             .map_err(|reason| NoValue {
                 element: element.name.clone(),
                 reason: reason.into(),

@@ -7,8 +7,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::compiled_function::{CompiledFunction, Source};
 use super::contribution::FunctionValue;
-use super::{Configuration, NoValue, NoValueReason, Scratch, State, System};
-use crate::function::{Measure, Piece, Program, RateMeasure, Reference, measure, rate};
+use super::scratch::FunctionNumber;
+use super::{Configuration, NoValue, NoValueReason, Parameters, Scratch, State, System};
+use crate::function::{
+    Measure, Piece, Program, ProgramNumbers, RateMeasure, Reference, measure, rate,
+};
 use crate::mechanics::{Pose, Vec3, Vec6};
 
 impl CompiledFunction {
@@ -25,14 +28,17 @@ impl CompiledFunction {
     pub(super) fn run(
         &self,
         program: &Program,
-        theta: &[f64],
+        parameters: &Parameters,
         pieces: &[Piece],
         scratch: &mut Scratch,
     ) -> Result<f64, NoValue> {
         self.forget(program, scratch);
         let value = program.eval_on_pieces(
             &scratch.inputs,
-            &theta[self.literals.clone()],
+            ProgramNumbers {
+                literals: &parameters.theta()[self.literals.clone()],
+                curves: parameters.curves(),
+            },
             pieces,
             &mut scratch.program,
             &mut scratch.by_input,
@@ -212,7 +218,7 @@ impl Configuration<'_> {
             } else {
                 let pieces = self.state.pieces.get(function.switches.clone());
                 let pieces = pieces.unwrap_or_default();
-                match function.run(program, self.parameters.theta(), pieces, scratch) {
+                match function.run(program, self.parameters, pieces, scratch) {
                     Ok(found) => value = found,
                     Err(why) => {
                         let Some(lacking) = &mut scratch.lacking else {
@@ -243,10 +249,10 @@ impl Configuration<'_> {
             if seed.function != number {
                 continue;
             }
-            let by = match seed.literal {
-                None => 1.0,
-                Some(_) if replaced => 0.0,
-                Some(literal) => self.scratch.by_literal.get(literal).copied().unwrap_or(0.0),
+            let by = match seed.number {
+                FunctionNumber::Value => 1.0,
+                _ if replaced => 0.0,
+                number => self.by_number(function.program.as_ref(), number),
             };
             self.scratch.gradient.push((seed.column, by));
         }
@@ -256,6 +262,21 @@ impl Configuration<'_> {
             last: self.scratch.gradient.len(),
         };
         Ok(())
+    }
+
+    /// Returns the derivative of the function evaluated last with respect to one of its numbers, at constant inputs.
+    pub(super) fn by_number(&self, program: Option<&Program>, number: FunctionNumber) -> f64 {
+        match (number, program) {
+            (FunctionNumber::Value, _) => 1.0,
+            (FunctionNumber::Literal(k), _) => {
+                self.scratch.by_literal.get(k).copied().unwrap_or(0.0)
+            }
+            (FunctionNumber::Knot(..), None) => 0.0,
+            (FunctionNumber::Knot(spline, knot), Some(program)) => {
+                let curves = self.parameters.curves();
+                program.by_knot(curves, (spline, knot), &self.scratch.program)
+            }
+        }
     }
 
     /// Returns value and derivatives of a function at `time`. Returns `None` unless the function depends, also through VARIABLEs, only on
@@ -315,11 +336,13 @@ impl Configuration<'_> {
                 .extend(inputs.iter().map(|input| input.value));
             let pieces = state.pieces.get(function.switches.clone());
             let pieces = pieces.filter(|_| on_pieces).unwrap_or_default();
-            let value = function.run(program, self.parameters.theta(), pieces, scratch)?;
+            let value = function.run(program, self.parameters, pieces, scratch)?;
             let slopes = inputs.iter().zip(&scratch.by_input);
             let slope = slopes.map(|(input, by)| input.slope * by).sum();
             let rates: Option<Vec<[f64; 2]>> = inputs.iter().map(|input| input.rates).collect();
-            let rates = rates.and_then(|rates| program.rates_along(&rates, &mut scratch.program));
+            let rates = rates.and_then(|rates| {
+                program.rates_along(&rates, self.parameters.curves(), &mut scratch.program)
+            });
             found.insert(
                 read,
                 InTime {

@@ -1,7 +1,7 @@
 //! Linearisation of VARIABLEs: derivatives of their values, and derivatives with respect to inputs added to them.
 
 use super::derivative::Seeded;
-use super::scratch::Seed;
+use super::scratch::{FunctionNumber, Seed};
 use super::{NoValue, Parameters, Scratch, State, System};
 
 /// Entry of a linearisation: row, column, level (0, 1, 2 for the unknown, its first or its second time derivative) and value.
@@ -28,7 +28,7 @@ impl System {
         scratch.seeds = all
             .map(|(k, variable)| Seed {
                 function: variable.function,
-                literal: None,
+                number: FunctionNumber::Value,
                 column: first + k,
             })
             .collect();

@@ -1,7 +1,9 @@
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::Slot;
 use super::carried::{Carried, Moved};
+use crate::function::Curves;
 use crate::mechanics::{Mat3, Pose, Vec3, euler313, exp, psi_theta_phi};
 
 /// Number of parameters per marker at the start of theta: three of QP and three of REULER.
@@ -20,6 +22,18 @@ pub struct Parameters {
     /// Rotation of each marker that is defined by ZP and XP points; REULER cannot change it. `None` for other markers.
     by_points: Vec<Option<Mat3>>,
     carried: Arc<Carried>,
+    /// Curves of the SPLINEs with their y values in theta.
+    curves: Arc<Curves>,
+    splines: Arc<[SplineSlots]>,
+}
+
+/// Slots of the y values of a SPLINE.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct SplineSlots {
+    /// Index of the SPLINE in the model.
+    pub spline: usize,
+    /// Slots in theta, one per point.
+    pub slots: Range<usize>,
 }
 
 impl Parameters {
@@ -27,12 +41,15 @@ impl Parameters {
         theta: Vec<f64>,
         by_points: Vec<Option<Mat3>>,
         carried: Arc<Carried>,
+        (curves, splines): (Curves, Vec<SplineSlots>),
     ) -> Self {
         let mut new = Self {
             theta,
             markers: vec![Pose::identity(); by_points.len()],
             by_points,
             carried,
+            curves: Arc::new(curves),
+            splines: splines.into(),
         };
         for marker in 0..new.markers.len() {
             if !new.carried.is_carried(marker) {
@@ -47,13 +64,26 @@ impl Parameters {
         self.theta[slot.0]
     }
 
-    /// Sets a parameter and updates the marker frames that depend on it.
+    /// Sets a parameter and updates the marker frames or the curves that depend on it.
     pub fn set(&mut self, slot: Slot, value: f64) {
         self.theta[slot.0] = value;
         let marker = slot.0 / PER_MARKER;
         if marker < self.markers.len() {
             self.refresh(marker);
+            return;
         }
+        let after = self.splines.partition_point(|of| of.slots.end <= slot.0);
+        if let Some(of) = self.splines.get(after)
+            && of.slots.contains(&slot.0)
+        {
+            let (spline, knot) = (of.spline, slot.0 - of.slots.start);
+            Arc::make_mut(&mut self.curves).set(spline, knot, value);
+        }
+    }
+
+    /// Returns the curves of the SPLINEs.
+    pub(crate) fn curves(&self) -> &Curves {
+        &self.curves
     }
 
     /// Returns all parameters.

@@ -149,6 +149,9 @@ impl System {
                     (Action::Law(_, ParameterSource::Theta(_)), Role::Marker(_)) => {
                         self.moves_marker(role, element.i) || self.moves_marker(role, element.j)
                     }
+                    (Action::Law(law, ParameterSource::Theta(_)), Role::Spline(spline)) => {
+                        law.reads_spline(self.parameters.curves(), spline)
+                    }
                     (Action::Law(_, ParameterSource::Theta(_)), _) => false,
                     (_, role) => !matches!(role, Role::Mass(_) | Role::Gravity),
                 }

@@ -14,12 +14,22 @@ pub(crate) struct NeighbourState {
     pub step: Vec<f64>,
 }
 
-/// Additional gradient column of a function: the derivative with respect to one of its literals or, if `literal` is `None`, with respect to
-/// the function value.
+/// Number of a function with respect to which a derivative is taken.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum FunctionNumber {
+    /// Value of the function itself.
+    Value,
+    /// Literal of the expression.
+    Literal(usize),
+    /// y value of a SPLINE: index of the SPLINE in the model, index of the point.
+    Knot(usize, usize),
+}
+
+/// Additional gradient column of a function: the derivative with respect to one of its numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seed {
     pub function: usize,
-    pub literal: Option<usize>,
+    pub number: FunctionNumber,
     pub column: usize,
 }
 

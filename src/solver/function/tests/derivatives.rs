@@ -1,6 +1,6 @@
 //! Derivatives of numeric functions against central differences.
 
-use super::{EvaluationMemory, compile};
+use super::{Curves, EvaluationMemory, ProgramNumbers, compile};
 
 /// Small linear congruential generator, which makes the test points reproducible on every machine.
 struct Points(u64);
@@ -13,6 +13,10 @@ impl Points {
             .wrapping_add(1442695040888963407);
         low + (high - low) * ((self.0 >> 11) as f64 / (1u64 << 53) as f64)
     }
+}
+
+fn with<'a>(curves: &'a Curves, literals: &'a [f64]) -> ProgramNumbers<'a> {
+    ProgramNumbers { literals, curves }
 }
 
 /// Checks derivatives with respect to inputs and literals against central differences at random points.
@@ -40,19 +44,20 @@ fn check_derivatives(text: &str) {
         let value = program
             .eval_with_derivatives(
                 &inputs,
-                &literals,
+                with(&case.curves, &literals),
                 &mut scratch,
                 &mut by_input,
                 &mut by_literal,
             )
             .expect("it has a value here");
-        assert_eq!(Ok(value), program.eval(&inputs, &literals, &mut scratch));
+        let again = program.eval(&inputs, with(&case.curves, &literals), &mut scratch);
+        assert_eq!(Ok(value), again);
         let mut compare = |all: Vec<f64>, k: usize, exact: f64| {
             let at = |h: f64, scratch: &mut EvaluationMemory| {
                 let mut moved = all.clone();
                 moved[k] += h;
                 program
-                    .eval(&moved[..n], &moved[n..], scratch)
+                    .eval(&moved[..n], with(&case.curves, &moved[n..]), scratch)
                     .expect("it has a value here")
             };
             let h = 1e-5;
@@ -174,13 +179,13 @@ fn second_rates_are_those_of_differences() {
                 let rates: Vec<[f64; 2]> = along.iter().map(|[_, v, a]| [v + t * a, *a]).collect();
                 let value = program.eval_with_derivatives(
                     &inputs,
-                    &case.literals,
+                    case.numbers(),
                     &mut scratch,
                     &mut vec![0.0; inputs.len()],
                     &mut vec![0.0; case.literals.len()],
                 );
                 value.expect("it has a value here");
-                program.rates_along(&rates, &mut scratch)
+                program.rates_along(&rates, &case.curves, &mut scratch)
             };
             let h = 1e-5;
             let Some([_, exact]) = at(0.0) else {
@@ -250,7 +255,7 @@ fn derivatives_at_edges_are_those_of_a_side() {
         let (mut by, mut by_literal) = (vec![0.0; n], vec![0.0; m]);
         let value = case.program.eval_with_derivatives(
             &vec![edge; n],
-            &case.literals,
+            case.numbers(),
             &mut scratch,
             &mut by,
             &mut by_literal,
@@ -262,7 +267,7 @@ fn derivatives_at_edges_are_those_of_a_side() {
         );
         let mut slope = |h: f64| {
             let moved = vec![edge + h; n];
-            let there = case.program.eval(&moved, &case.literals, &mut scratch);
+            let there = case.program.eval(&moved, case.numbers(), &mut scratch);
             there.ok().map(|there| (there - value) / h)
         };
         let sides: Vec<f64> = [1e-7, -1e-7].into_iter().filter_map(&mut slope).collect();
@@ -283,7 +288,7 @@ fn infinite_slopes_are_taken_as_zero() {
     let mut by_literal = [0.0; 2 * 3];
     let value = case.program.eval_with_derivatives(
         &[0.0, 0.0],
-        &case.literals,
+        case.numbers(),
         &mut EvaluationMemory::default(),
         &mut by,
         &mut by_literal[..case.literals.len()],

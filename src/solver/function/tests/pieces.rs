@@ -11,7 +11,7 @@ fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) 
     let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
     let value = case.program.eval_on_pieces(
         &inputs,
-        &case.literals,
+        case.numbers(),
         &[held],
         &mut scratch,
         &mut by,
@@ -184,7 +184,7 @@ fn no_number_has_no_whole_part() {
             let inputs = case.inputs([f64::NAN, 0.0, 0.0, 0.0]);
             let value = case.program.eval_on_pieces(
                 &inputs,
-                &case.literals,
+                case.numbers(),
                 &[held],
                 &mut scratch,
                 &mut by,
@@ -233,7 +233,7 @@ fn held_between_its_sides_a_function_is_a_line() {
     let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
     let value = case.program.eval_on_pieces(
         &inputs,
-        &case.literals,
+        case.numbers(),
         &[Some(piece), None],
         &mut EvaluationMemory::default(),
         &mut by,

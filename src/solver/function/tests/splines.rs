@@ -1,6 +1,6 @@
 //! Tests of splines against the examples of their papers and of the manual.
 
-use super::{near, refused, value};
+use super::{Case, EvaluationMemory, compile, model, near, refused, value};
 use admire_syntax::diagnostic::Code;
 
 #[test]
@@ -63,4 +63,91 @@ fn surfaces_are_linear_between_their_curves() {
     near("AKISPL(5,-1,2)", 25.0);
     assert_eq!(refused("AKISPL(1,0,2,1)").0, Code::BadExpression);
     assert_eq!(refused("AKISPL(1,0,5)").0, Code::BadExpression);
+}
+
+/// Returns the value of a function of VARIABLE/1, and its derivative with respect to a point of a SPLINE.
+fn with_knot(case: &Case, x: f64, point: (usize, usize)) -> (f64, f64) {
+    let inputs = case.inputs([x, 0.0, 0.0, 0.0]);
+    let mut memory = EvaluationMemory::default();
+    let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
+    let value = case.program.eval_with_derivatives(
+        &inputs,
+        case.numbers(),
+        &mut memory,
+        &mut by,
+        &mut by_literal,
+    );
+    let by_knot = case.program.by_knot(&case.curves, point, &memory);
+    (value.expect("a value"), by_knot)
+}
+
+/// Every method and order, inside of a curve and beyond its ends, and several uses of one SPLINE in a function.
+#[test]
+fn derivatives_by_the_points_agree_with_differences() {
+    let splines = model().splines;
+    let mut compared = 0;
+    for id in [1, 3, 4, 6] {
+        let at = splines.iter().position(|spline| spline.header.id == id);
+        let at = at.expect("a spline of the test");
+        let knots = splines[at].y[0].clone();
+        for text in [
+            format!("AKISPL(VARVAL(1),0,{id})"),
+            format!("CUBSPL(VARVAL(1),0,{id})"),
+            format!("INTERP(VARVAL(1),1,{id})"),
+            format!("AKISPL(VARVAL(1),0,{id},1)+2*CUBSPL(VARVAL(1),0,{id},2)"),
+            format!("AKISPL(CUBSPL(VARVAL(1),0,{id}),0,{id})**2"),
+            format!("IF(VARVAL(1)-2:AKISPL(VARVAL(1),0,{id}),0,CUBSPL(VARVAL(1),0,{id}))"),
+        ] {
+            let mut case = compile(&text);
+            for x in [-0.7, 0.3, 1.6, 2.4, 3.7, 12.5] {
+                for (knot, &y) in knots.iter().enumerate() {
+                    let (value, exact) = with_knot(&case, x, (at, knot));
+                    let mut moved = |h: f64| {
+                        case.curves.set(at, knot, y + h);
+                        let moved = with_knot(&case, x, (at, knot));
+                        case.curves.set(at, knot, y);
+                        moved
+                    };
+                    let h = 1e-5;
+                    let (above, below) = (moved(h), moved(-h));
+                    let difference = (above.0 - below.0) / (2.0 * h);
+                    let scale = 1.0 + exact.abs() + value.abs();
+                    // The weights of Akima's rule have kinks.
+                    let is_smooth = |side: f64| (side - exact).abs() < 1e-3 * (1.0 + exact.abs());
+                    if is_smooth(above.1) && is_smooth(below.1) {
+                        compared += 1;
+                        assert!(
+                            (difference - exact).abs() < 1e-5 * scale,
+                            "{text} at {x} by {knot}: {exact}, by differences {difference}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared > 500, "{compared}");
+}
+
+/// A curve times a factor is that curve of factored points: the derivative along the points is the value itself, also where Akima's weights
+/// vanish.
+#[test]
+fn a_common_factor_of_all_points_scales_the_curve() {
+    for text in ["AKISPL(VARVAL(1),0,4)", "AKISPL(VARVAL(1),0,1)"] {
+        let case = compile(text);
+        let id = if text.contains('4') { 4 } else { 1 };
+        let splines = model().splines;
+        let at = splines.iter().position(|spline| spline.header.id == id);
+        let at = at.expect("a spline of the test");
+        for x in [0.2, 1.0, 2.5, 5.5] {
+            let along = splines[at].y[0].iter().enumerate();
+            let sum: f64 = along
+                .map(|(knot, y)| y * with_knot(&case, x, (at, knot)).1)
+                .sum();
+            let value = with_knot(&case, x, (at, 0)).0;
+            assert!(
+                (sum - value).abs() < 1e-12 * (1.0 + value.abs()),
+                "{text}: {sum} {value}"
+            );
+        }
+    }
 }

@@ -170,6 +170,7 @@ pub(super) fn spline(reader: &mut Reader) -> Option<Spline> {
         z,
         y,
         linear_extrapolate: reader.has("LINEAR_EXTRAPOLATE"),
+        is_of_file: false,
     })
 }
 
@@ -215,6 +216,7 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
         z: vec![0.0],
         y: vec![y],
         linear_extrapolate: reader.has("LINEAR_EXTRAPOLATE"),
+        is_of_file: true,
     })
 }
 

@@ -2,7 +2,6 @@
 
 use super::{SystemCompiler, name};
 use crate::element::{CarBushing, Damping, ElementLaw};
-use crate::function::Interpolant;
 use crate::mechanics::{Mat6, Vec6};
 use crate::model::PairForce;
 use crate::system::catalogue::{GroupDimensions, Role};
@@ -82,15 +81,15 @@ impl SystemCompiler<'_> {
                 role,
             );
         }
-        let law = ElementLaw::Own(Box::new(CarBushing::new(curves)));
+        let law = ElementLaw::Car(CarBushing::new(curves));
         let theta = ParameterSource::Theta(start..self.theta.len());
         self.push_element(of, markers, reaction, Action::Law(law, theta));
         let C = Mat6::from_diagonal(&c);
         self.damp((c != Vec6::zeros()).then(|| Damping::Matrix(Box::new(C))));
     }
 
-    /// Returns the curves of a bushing. The error is the reason why the objects are unsuitable.
-    fn curves(&mut self, car: &CarField) -> Result<[Interpolant; 6], String> {
+    /// Returns the indices of a bushing's curves. The error is the reason why the objects are unsuitable.
+    fn curves(&mut self, car: &CarField) -> Result<[usize; 6], String> {
         let programs = &self.programs;
         let array = |id| programs.numbers(id).unwrap_or_default().to_vec();
         let points = |id| {
@@ -102,8 +101,8 @@ impl SystemCompiler<'_> {
         }
         let mut curves = Vec::new();
         for (axis, id) in car.curves.into_iter().enumerate() {
-            let curve = programs.spline(id).and_then(Interpolant::akima_line);
-            let no = || format!("the SPLINE of `{}` is no curve", car.axis(axis));
+            let curve = programs.bushing_curve(id);
+            let no = || format!("the SPLINE of `{}` is not a curve", car.axis(axis));
             curves.push(curve.ok_or_else(no)?);
         }
         for array in car.arrays {

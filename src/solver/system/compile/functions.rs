@@ -5,6 +5,7 @@ use crate::function::{ForceMeasure, Input, MeasuredElement, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{GroupDimensions, Role};
 use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
+use crate::system::parameters::SplineSlots;
 use crate::system::structure::{Element, StateRhs};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
@@ -119,6 +120,20 @@ impl SystemCompiler<'_> {
                 .as_ref()
                 .map(|f| self.function(f, &owner, Some("EVALUATE"), Dimension::NONE));
             self.sensors.push((function, evaluate));
+        }
+    }
+
+    /// Makes parameters of the y values of the SPLINEs that functions and elements read. Surfaces and points of a property file are kept.
+    pub(super) fn splines(&mut self) {
+        let none = (GroupDimensions::Same(Dimension::NONE), f64::NEG_INFINITY);
+        let curves = self.programs.curves();
+        for (spline, data) in self.model.splines.iter().enumerate() {
+            if data.is_surface() || data.is_of_file || !curves.are_of(spline) {
+                continue;
+            }
+            let id = ("SPLINE", Some(data.header.id));
+            let slots = self.numbers(id, Some("Y"), &data.y[0], none, Role::Spline(spline));
+            self.splines.push(SplineSlots { spline, slots });
         }
     }
 

@@ -22,6 +22,7 @@ use self::motion::{not_in_motion, reference_mass};
 use super::carried::Carried;
 use super::catalogue::{Catalogue, Group, GroupDimensions, Role};
 use super::compiled_function::{CompiledFunction, Exerted};
+use super::parameters::SplineSlots;
 use super::structure::{
     Body, ConstraintEquation, Element, GconEquation, NForce, Start, StateEquation, StateRhs,
     System, VariableEquation,
@@ -67,6 +68,7 @@ impl System {
         compiler.joint_frictions();
         compiler.data();
         compiler.readings();
+        compiler.splines();
         compiler.left_out();
         compiler.report_car_bushings();
         compiler.finish()
@@ -105,6 +107,7 @@ struct SystemCompiler<'a> {
     users: Vec<Name>,
     /// Initial integration constants of MOTIONs that prescribe a velocity or acceleration.
     driven: Vec<Driven>,
+    splines: Vec<SplineSlots>,
     /// Times at which each function is not smooth.
     breaks: Vec<Vec<f64>>,
     /// ARRAYs that belong to a FIELD of Adams/Car.
@@ -157,6 +160,7 @@ impl<'a> SystemCompiler<'a> {
             sensors: Vec::new(),
             users: Vec::new(),
             driven: Vec::new(),
+            splines: Vec::new(),
             breaks: Vec::new(),
             car_arrays: BTreeSet::new(),
         }
@@ -439,7 +443,12 @@ impl<'a> SystemCompiler<'a> {
             })
             .collect();
         let carried = Arc::new(Carried::of(model));
-        let parameters = Parameters::new(self.theta, by_points, Arc::clone(&carried));
+        let parameters = Parameters::new(
+            self.theta,
+            by_points,
+            Arc::clone(&carried),
+            (self.programs.curves(), self.splines),
+        );
         let mut unknowns = first_variable + order.implicit.len();
         let mut states = self.states;
         for state in &mut states {
