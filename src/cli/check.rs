@@ -102,10 +102,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             continue;
         }
         let study = Study::read(folder).value;
-        if let Some(study) =
-            study.filter(|study| study.target.is_some() && study.columns.is_empty())
-        {
-            // The tests in kc.toml replace the load cases and readings of a study with a target.
+        if let Some(study) = study.filter(Study::is_target_alone) {
+            // A study with a target alone needs no readings.
             let deck = study.deck.name().to_string();
             let (_, said) = Tuning::read(folder);
             let settings = all.of(&folder.join("study.toml"), shell)?;

@@ -94,10 +94,8 @@ impl Study {
     pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
         let folder = folder.as_ref();
         let read = admire_study::Study::read(folder);
-        let is_target =
-            |study: &admire_study::Study| study.target.is_some() && study.columns.is_empty();
         let (study, loaded, diagnostics) = match read.value {
-            Some(study) if is_target(&study) && !has_errors(&read.diagnostics) => {
+            Some(study) if study.is_target_alone() && !has_errors(&read.diagnostics) => {
                 (Some(study), None, read.diagnostics)
             }
             _ => {

@@ -18,9 +18,10 @@ pub(crate) fn tune_page(
         .deck_path
         .file_name()
         .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let none = || "none".to_string();
     let listed = |all: Vec<&str>| {
         if all.is_empty() {
-            "none".to_string()
+            none()
         } else {
             all.join(", ")
         }
@@ -32,7 +33,8 @@ pub(crate) fn tune_page(
         .chain(goals.map(|own| own.name.as_str()));
     let facts = [
         ("Study", folder.display().to_string()),
-        ("Tests", tuning.config.source.name().to_string()),
+        ("Tests", tuning.config.as_ref().map_or_else(none, |own| own.source.name().to_string())),
+        ("Load cases", if tuning.before.cases.is_empty() { none() } else { tuning.study.loads.source.name().to_string() }),
         (
             "Method",
             "Gauss-Newton with a trust region and active bounds; multipliers for limits and minimax goals".to_string(),

@@ -160,6 +160,6 @@ pub(crate) fn refusal(error: &TuneError) -> Vec<Diagnostic> {
         BenchError::Deck(_) => "the axle has no equilibrium at any start".to_string(),
         why => why.to_string(),
     };
-    let help = "`admire kc` with the kc.toml of the study shows which test fails; a smaller range may be within reach";
+    let help = "a smaller range of the test or a smaller load may be within reach; `admire kc` with the kc.toml of the study solves the tests alone";
     vec![Diagnostic::error(Code::NoEquilibrium, message).help(help)]
 }

@@ -15,7 +15,7 @@ use super::wheel_rate::WheelRate;
 use super::{Wheel, contact};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
-use admire_solver::statics::Balance;
+use admire_solver::statics::{Balance, Probe};
 use admire_solver::system::{State, StickSlipState};
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::files::Files;
@@ -48,6 +48,25 @@ pub struct Bench<'a> {
     variants: BTreeMap<Variant, Compiled>,
     directions: Vec<DeckChange>,
     turned: Vec<(MarkerIx, Vec3)>,
+    probes: Vec<Probe>,
+}
+
+/// State of the axle with its derivatives along the changes of [`Bench::differentiate`].
+#[derive(Clone, Debug)]
+pub(crate) struct Observed {
+    pub seen: Observation,
+    /// Motion and load of the wheels per unit of each change.
+    pub changes: Vec<WheelChanges>,
+    pub probed: Probed,
+}
+
+/// Values of the probes of [`Bench::probe`] in one state, in units of the deck and radians.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Probed {
+    /// Value of each probe; NaN for a force whose element the rig has removed.
+    pub values: Vec<f64>,
+    /// Derivative of each probe along each change of [`Bench::differentiate`]; empty without changes.
+    pub changes: Vec<Vec<f64>>,
 }
 
 /// Motion and vertical load of each wheel (left, right) per unit of a change; `None` for a missing wheel.
@@ -81,7 +100,16 @@ impl<'a> Bench<'a> {
             variants: BTreeMap::new(),
             directions: Vec::new(),
             turned: Vec::new(),
+            probes: Vec::new(),
         })
+    }
+
+    /// Reads probes in every later state. [`Sample::probed`](super::Sample::probed) holds their values. In a deck with one wheel and a mirror
+    /// image, they are those of the deck itself.
+    pub fn probe(&mut self, probes: Vec<Probe>) {
+        // The functions of probes are part of the equations.
+        self.variants.clear();
+        self.probes = probes;
     }
 
     /// Turns markers on their parts in every later state, each by a rotation vector in radians and in the axes of the marker. Wheel centres
@@ -147,8 +175,8 @@ impl<'a> Bench<'a> {
         if !self.variants.contains_key(&variant) {
             let rigged = rigged(self.config, self.dataset, self.model, &self.wheels, variant)
                 .map_err(|why| BenchError::Deck(vec![why]))?;
-            let mut compiled =
-                Compiled::new(self.config, self.dataset, self.files, &self.wheels, rigged)?;
+            let own = (self.wheels.as_slice(), self.probes.as_slice());
+            let mut compiled = Compiled::new(self.config, self.dataset, self.files, own, rigged)?;
             compiled.direct(&self.directions);
             compiled.turned.clone_from(&self.turned);
             self.variants.insert(variant, compiled);
@@ -239,8 +267,8 @@ impl<'a> Bench<'a> {
         drive: Option<&Drive>,
         at: &str,
     ) -> Result<Observation, BenchError> {
-        let (seen, _) = self.observe_along(variant, chain, inputs, (drive, &[]), at)?;
-        Ok(seen)
+        let found = self.observe_along(variant, chain, inputs, (drive, &[]), at)?;
+        Ok(found.seen)
     }
 
     /// Does the same as [`Bench::observe`], and differentiates the state along the changes of [`Bench::differentiate`]. `along` holds the
@@ -255,7 +283,7 @@ impl<'a> Bench<'a> {
         inputs: &Inputs,
         (drive, along): (Option<&Drive>, &[Drive]),
         at: &str,
-    ) -> Result<(Observation, Vec<WheelChanges>), BenchError> {
+    ) -> Result<Observed, BenchError> {
         let (config, wheels, rubs) = (self.config, self.wheels.clone(), chain.rubs);
         let job = |compiled: &mut Compiled,
                    inputs: &Inputs,
@@ -265,10 +293,11 @@ impl<'a> Bench<'a> {
         };
         let compiled = self.variant(variant)?;
         let [own, mirrored] = &mut chain.states;
-        let (mut seen, mut changes) = job(compiled, inputs, (drive, along), own)?;
+        let mut found = job(compiled, inputs, (drive, along), own)?;
         if !config.mirror {
-            return Ok((seen, changes));
+            return Ok(found);
         }
+        let Observed { seen, changes, .. } = &mut found;
         let side = wheels[0].side;
         let other_inputs = inputs.mirrored();
         let other_drive = drive.map(Drive::mirrored);
@@ -286,11 +315,12 @@ impl<'a> Bench<'a> {
             });
         let (other, other_changes) = if alike {
             mirrored.clone_from(own);
-            (seen, changes.clone())
+            (*seen, changes.clone())
         } else {
             let other_along: Vec<Drive> = along.iter().map(Drive::mirrored).collect();
             let drives = (other_drive.as_ref(), other_along.as_slice());
-            job(compiled, &other_inputs, drives, mirrored)?
+            let other = job(compiled, &other_inputs, drives, mirrored)?;
+            (other.seen, other.changes)
         };
         let (a, b) = (side.index(), side.other().index());
         seen.axle.wheels[b] = other.axle.wheels[a].map(|state| state.mirrored());
@@ -309,7 +339,7 @@ impl<'a> Bench<'a> {
                 .copy_from(&image.matrix.fixed_view::<6, 6>(6 * b, 6 * b));
             own.present = [true; 2];
         }
-        Ok((seen, changes))
+        Ok(found)
     }
 }
 
@@ -320,13 +350,17 @@ impl Compiled {
         (inputs, drives): (&Inputs, (Option<&Drive>, &[Drive])),
         (state, rubs): (&mut State, bool),
         at: &str,
-    ) -> Result<(Observation, Vec<WheelChanges>), BenchError> {
+    ) -> Result<Observed, BenchError> {
         let (parameters, named) = self.solve(inputs, state, at)?;
-        let derivatives = Derivatives::of(self, config, &parameters, state, drives, found)
-            .map_err(|why| BenchError::NoEquilibrium {
-                at: at.to_string(),
-                why: Box::new(why),
-            })?;
+        let refuse = |why| BenchError::NoEquilibrium {
+            at: at.to_string(),
+            why: Box::new(why),
+        };
+        let derivatives =
+            Derivatives::of(self, config, &parameters, state, drives, found).map_err(refuse)?;
+        let here = (&self.system, &parameters, &*state);
+        let values = self.probes.values(here, &mut self.scratch);
+        let values = values.map_err(|why| refuse(why.into()))?;
         if derivatives.deficiency > named {
             // The factors of the last iteration missed a free motion. Factoring again at the equilibrium itself reveals and names it.
             self.solver.forget(&self.system);
@@ -390,7 +424,14 @@ impl Compiled {
             rates,
             friction,
         };
-        Ok((seen, changes))
+        Ok(Observed {
+            seen,
+            changes,
+            probed: Probed {
+                values,
+                changes: derivatives.probes,
+            },
+        })
     }
 }
 

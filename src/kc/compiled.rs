@@ -7,7 +7,7 @@ use super::{Side, SteerAxis, Wheel};
 use admire_session::backend::{compile, tight_settings};
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{MarkerIx, Model, PartIx};
-use admire_solver::statics::{SolveError, Solver, StaticSettings};
+use admire_solver::statics::{Direction, Probe, Probes, SolveError, Solver, StaticSettings};
 use admire_solver::system::{ConstraintIx, Parameters, Scratch, Slot, State, System};
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::files::Files;
@@ -41,17 +41,12 @@ pub(crate) struct Compiled {
     pub(super) directions: Vec<Direction>,
     /// Markers that are turned on their parts, by rotation vectors in their own axes.
     pub(super) turned: Vec<(MarkerIx, Vec3)>,
-}
-
-/// Change of a deck per unit, as parameters of a variant.
-#[derive(Clone, Debug)]
-pub(super) struct Direction {
-    pub slots: Vec<(Slot, f64)>,
-    pub turns: Vec<(MarkerIx, Vec3)>,
+    /// Probes of [`Bench::probe`](super::Bench::probe).
+    pub(super) probes: Probes,
 }
 
 impl Compiled {
-    /// Compiles a deck with its rig; `dataset` is the deck without the rig.
+    /// Compiles a deck with its rig and with probes; `dataset` is the deck without the rig.
     ///
     /// # Errors
     /// [`BenchError::Deck`] if the deck cannot be solved.
@@ -59,7 +54,7 @@ impl Compiled {
         config: &Config,
         dataset: &Dataset,
         files: &Files,
-        found: &[FoundWheel],
+        (found, probes): (&[FoundWheel], &[Probe]),
         rigged: Rigged,
     ) -> Result<Self, BenchError> {
         let lowered = Model::lower_with(&rigged.dataset, files);
@@ -85,6 +80,8 @@ impl Compiled {
                 creeping.push(friction.header.id);
             }
         }
+        let requests = rest.requests.len();
+        Probes::extend(&mut rest, probes).map_err(|why| BenchError::Deck(vec![why]))?;
         let mut system = compile(&rest).map_err(|error| refuse(&error))?;
         system.enable_static_friction(&creeping, config.sliding_with);
         let slot = |kind: &str, id: u32| {
@@ -155,24 +152,16 @@ impl Compiled {
             model,
             wheels,
             steering,
+            probes: Probes::new(probes, &system, requests),
             system,
             directions: Vec::new(),
             turned: Vec::new(),
         })
     }
 
-    /// Finds the parameters of each direction. An address that the rig has removed, or that the solver cannot change, is left out.
+    /// Finds the parameters of each direction in this variant.
     pub(super) fn direct(&mut self, directions: &[DeckChange]) {
-        let catalogue = self.system.catalogue();
-        let of = |direction: &DeckChange| {
-            let numbers = direction.numbers.iter();
-            Direction {
-                slots: numbers
-                    .filter_map(|(address, factor)| Some((catalogue.slot(address)?, *factor)))
-                    .collect(),
-                turns: direction.turns.clone(),
-            }
-        };
+        let of = |change: &DeckChange| change.direction(&self.system);
         self.directions = directions.iter().map(of).collect();
     }
 

@@ -1,5 +1,7 @@
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
+use admire_solver::statics::Direction;
+use admire_solver::system::System;
 use admire_syntax::Address;
 
 /// Change of a deck per unit: numbers that change, and markers that turn on their parts.
@@ -17,6 +19,18 @@ impl DeckChange {
         Self {
             numbers,
             turns: Vec::new(),
+        }
+    }
+
+    /// Returns the change as one of the parameters of a system. An address that the system does not have, or that the solver cannot change, is
+    /// left out.
+    pub fn direction(&self, system: &System) -> Direction {
+        let catalogue = system.catalogue();
+        let numbers = self.numbers.iter();
+        let slots = numbers.filter_map(|(address, rate)| Some((catalogue.slot(address)?, *rate)));
+        Direction {
+            slots: slots.collect(),
+            turns: self.turns.clone(),
         }
     }
 }

@@ -1,11 +1,8 @@
 //! Quantities from the tangent stiffness at an equilibrium on the rig: compliance, reactions, rates and instant axes.
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
-
 use nalgebra::DMatrix;
 
-use super::compiled::{Compiled, Direction, Fitted};
+use super::compiled::{Compiled, Fitted};
 use super::config::{AxisMethod, Config};
 use super::inputs::Drive;
 use super::rig::FoundWheel;
@@ -13,8 +10,8 @@ use super::wheel_rate::WheelRate;
 use super::{Compliance, Mat12, SteerAxis};
 use admire_solver::mechanics::{Vec3, Vec6};
 use admire_solver::model::{MarkerIx, Model, PartIx};
-use admire_solver::statics::{SolveError, Tangent, point_change};
-use admire_solver::system::{Parameters, Quantity, Scratch, Slot, State, System};
+use admire_solver::statics::{Direction, SolveError, Tangent, point_change};
+use admire_solver::system::{Parameters, Quantity, Slot, State, System};
 
 /// Wheel rate in N/m below which no spring counts as supporting the wheel: only the rig's motion holds it up.
 const LEAST_RATE: f64 = 1e-3;
@@ -33,6 +30,8 @@ pub(super) struct Derivatives {
     pub axes: Vec<Option<SteerAxis>>,
     /// Motion and load of each wheel per unit of each direction of [`Bench::differentiate`](super::Bench::differentiate).
     pub along: Vec<Vec<WheelRate>>,
+    /// Derivative of each probe along each of these directions.
+    pub probes: Vec<Vec<f64>>,
 }
 
 impl Derivatives {
@@ -64,6 +63,7 @@ impl Derivatives {
             wheels,
             model,
             steering,
+            probes,
             ..
         } = compiled;
         let (system, model, wheels): (&System, &Model, &[Fitted]) = (system, model, wheels);
@@ -259,11 +259,16 @@ impl Derivatives {
                 })
                 .collect()
         };
-        let dx = responses((system, parameters, state), scratch, &mut tangent, &changes)?;
+        let here = (system, parameters, state);
+        let dx = tangent.along(here, scratch, &changes)?;
         // The rig's own markers carry the motions that hold the heights, so a change of the deck changes their reactions only through the
         // unknowns.
-        let along = dx
-            .chunks(system.unknowns().max(1))
+        let each = || dx.chunks(system.unknowns().max(1));
+        let probes = each()
+            .zip(&changes)
+            .map(|(dx, own)| probes.changes(here, scratch, dx, own))
+            .collect::<Result<_, _>>()?;
+        let along = each()
             .zip(along)
             .map(|(dx, inputs)| {
                 let total = read(dx);
@@ -276,6 +281,7 @@ impl Derivatives {
             .collect();
         Ok(Self {
             along,
+            probes,
             compliance,
             deficiency: tangent.deficiency(),
             reactions,
@@ -283,48 +289,4 @@ impl Derivatives {
             axes,
         })
     }
-}
-
-/// Returns the derivatives of the unknowns along each change of the parameters, concatenated in order. A parameter that occurs in several changes is
-/// differentiated once.
-fn responses(
-    (system, parameters, state): (&System, &Parameters, &State),
-    scratch: &mut Scratch,
-    tangent: &mut Tangent,
-    changes: &[Direction],
-) -> Result<Vec<f64>, SolveError> {
-    let n = system.unknowns();
-    let mut out = vec![0.0; n * changes.len()];
-    if changes.is_empty() {
-        return Ok(out);
-    }
-    let mut column = vec![0.0; n];
-    let mut known: BTreeMap<Slot, Vec<f64>> = BTreeMap::new();
-    let mut here = system.evaluate(parameters, state, scratch)?;
-    for (change, dg) in changes.iter().zip(out.chunks_mut(n.max(1))) {
-        for (marker, turn) in &change.turns {
-            let size = turn.norm();
-            if size == 0.0 {
-                continue;
-            }
-            here.residual_by_turn(*marker, &(turn / size), &mut column)?;
-            for (sum, value) in dg.iter_mut().zip(&column) {
-                *sum += size * value;
-            }
-        }
-        for (slot, factor) in &change.slots {
-            let by_slot = match known.entry(*slot) {
-                Entry::Occupied(found) => found.into_mut(),
-                Entry::Vacant(place) => {
-                    here.residual_by_slot(*slot, &mut column)?;
-                    place.insert(column.clone())
-                }
-            };
-            for (sum, value) in dg.iter_mut().zip(by_slot.iter()) {
-                *sum += factor * value;
-            }
-        }
-    }
-    tangent.respond_to_all(&mut out);
-    Ok(out)
 }

@@ -51,7 +51,7 @@ mod wheel_rate;
 
 pub(crate) use anti::{Anti, AxlePlace, Vehicle};
 pub use axle::{AxleState, Given};
-pub use bench::{Bench, Observation, WheelChanges};
+pub use bench::{Bench, Observation, Probed, WheelChanges};
 pub use bench_error::BenchError;
 
 pub use compliance::Compliance;

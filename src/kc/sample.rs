@@ -1,5 +1,5 @@
 use super::axle::Given;
-use super::bench::{Observation, WheelChanges};
+use super::bench::{Observation, Observed, Probed, WheelChanges};
 use super::inputs::Inputs;
 use super::reading::{Reading, Unit};
 use super::{Sense, Side};
@@ -39,6 +39,8 @@ pub struct Sample {
     /// Motion and load of the wheels per unit of each change of [`Bench::differentiate`](super::Bench::differentiate); empty without changes. The
     /// derivatives include the change of ride height, on which the loads and heights of the rig depend.
     pub changes: Vec<WheelChanges>,
+    /// Probes of [`Bench::probe`](super::Bench::probe). Their derivatives include the change of ride height too.
+    pub probed: Probed,
 }
 
 impl Sample {
@@ -46,9 +48,10 @@ impl Sample {
     pub(super) fn of(
         branch: Branch,
         value: f64,
-        (inputs, seen): (Inputs, Observation),
+        (inputs, found): (Inputs, Observed),
         given: &mut Given,
     ) -> Self {
+        let seen = found.seen;
         use Sense::{AboutZ, Own};
         let mut readings = Vec::new();
         for side in Side::BOTH {
@@ -116,7 +119,8 @@ impl Sample {
             inputs,
             seen,
             readings,
-            changes: Vec::new(),
+            changes: found.changes,
+            probed: found.probed,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Side;
 use super::axle::Given;
-use super::bench::{Bench, Observation, WarmStart, WheelChanges};
+use super::bench::{Bench, Observation, Observed, WarmStart, WheelChanges};
 use super::bench_error::BenchError;
 use super::config::Config;
 use super::gradient::{Gradient, gradients};
@@ -105,7 +105,7 @@ pub fn run_watched(
     };
     let mut chain = base.clone();
     let at_height: Vec<Drive> = along.iter().map(RideChange::heights).collect();
-    let (seen, changes) = bench.observe_along(
+    let found = bench.observe_along(
         held,
         &mut chain,
         &ride_inputs,
@@ -113,12 +113,12 @@ pub fn run_watched(
         "ride height",
     )?;
     let length = 0.1 / units.length.si;
-    let asymmetry = seen
+    let asymmetry = found
+        .seen
         .axle
         .compliance
         .map_or(0.0, |compliance| compliance.asymmetry(length));
-    let mut at_ride = Sample::of(Branch::Up, 0.0, (ride_inputs, seen), &mut { given });
-    at_ride.changes = changes;
+    let at_ride = Sample::of(Branch::Up, 0.0, (ride_inputs, found), &mut { given });
     let mut tests = Vec::new();
     for (kind, settings) in bench.config.tests.clone() {
         tests.push(test(
@@ -173,7 +173,7 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart, Vec<RideChange>), Ben
             vertical_at_patch,
             ..Inputs::default()
         };
-        let (seen, changes) =
+        let Observed { seen, changes, .. } =
             bench.observe_along(loaded, &mut chain, &inputs, (None, &none), at)?;
         let rises = changes.iter().map(each(|rate| rate.motion[2]));
         let along = rises.map(|height| RideChange {
@@ -200,7 +200,8 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart, Vec<RideChange>), Ben
         vertical_at_patch,
         ..Inputs::default()
     };
-    let (seen, changes) = bench.observe_along(held, &mut chain, &inputs, (None, &none), at)?;
+    let Observed { seen, changes, .. } =
+        bench.observe_along(held, &mut chain, &inputs, (None, &none), at)?;
     let load = seen.load;
     let loads = changes.iter().map(each(|rate| rate.load));
     let along = loads.map(|load| RideChange {
@@ -406,7 +407,7 @@ impl Course<'_> {
             // The common rise keeps the load of the axle equal to its load at ride height.
             let sum = |of: &WheelChanges| of.iter().flatten().map(|rate| rate.load).sum::<f64>();
             let mut chain = chain.clone();
-            let (seen, changes) = bench.observe_along(
+            let Observed { seen, changes, .. } = bench.observe_along(
                 self.variant,
                 &mut chain,
                 inputs,
@@ -422,14 +423,14 @@ impl Course<'_> {
         Ok(drives)
     }
 
-    /// Solves and evaluates the state at a value of the test's variable, with tangents if `tangents` is true. Returns the state's derivatives
-    /// too, along the changes of the bench.
+    /// Solves and evaluates the state at a value of the test's variable, with tangents if `tangents` is true, and with its derivatives along the
+    /// changes of the bench.
     fn observe(
         &mut self,
         bench: &mut Bench<'_>,
         chain: &mut WarmStart,
         (value, tangents): (f64, bool),
-    ) -> Result<(Inputs, Observation, Vec<WheelChanges>), BenchError> {
+    ) -> Result<(Inputs, Observed), BenchError> {
         let at = self.at(value);
         let inputs = self.placed(bench, chain, value)?;
         let drive = if tangents {
@@ -439,8 +440,8 @@ impl Course<'_> {
         };
         let along = self.changing_inputs(bench, chain, &inputs, &at)?;
         let drives = (drive.as_ref(), along.as_slice());
-        let (seen, changes) = bench.observe_along(self.variant, chain, &inputs, drives, &at)?;
-        Ok((inputs, seen, changes))
+        let found = bench.observe_along(self.variant, chain, &inputs, drives, &at)?;
+        Ok((inputs, found))
     }
 }
 
@@ -463,7 +464,7 @@ fn settle_loop(
             let inputs = course.placed(bench, chain, value)?;
             bench.settle(course.variant, chain, &inputs, &course.at(value))?;
         }
-        let (_, seen, _) = course.observe(bench, chain, (grid[0], false))?;
+        let (_, Observed { seen, .. }) = course.observe(bench, chain, (grid[0], false))?;
         let closes = before.is_some_and(|before| {
             let wheels = before.axle.wheels.iter().zip(&seen.axle.wheels);
             wheels
@@ -505,7 +506,8 @@ fn test(
     chain.start_at(base);
     bench.enable_friction(course.variant, &mut chain)?;
     // The order is: ride height with tangents, down to the lowest value, up to the highest, and down again.
-    let (_, mut centre, _) = course.observe(bench, &mut chain, (0.0, true))?;
+    let (_, found) = course.observe(bench, &mut chain, (0.0, true))?;
+    let mut centre = found.seen;
     each();
     let grid = grid(&settings);
     for value in way_down(&settings, &grid) {
@@ -527,13 +529,11 @@ fn test(
     let mut given = *given;
     let mut go = |bench: &mut Bench<'_>, branch, value: f64| -> Result<(), BenchError> {
         let tangents = rubs && nearest == Some(value);
-        let (inputs, seen, changes) = course.observe(bench, &mut chain, (value, tangents))?;
+        let (inputs, found) = course.observe(bench, &mut chain, (value, tangents))?;
         if tangents {
-            branches.push(seen.rates);
+            branches.push(found.seen.rates);
         }
-        let mut sample = Sample::of(branch, value, (inputs, seen), &mut given);
-        sample.changes = changes;
-        samples.push(sample);
+        samples.push(Sample::of(branch, value, (inputs, found), &mut given));
         each();
         Ok(())
     };

@@ -141,7 +141,8 @@ impl TuneReport<'_> {
         ]);
         page.table(&self.goals());
         page.note(
-            "A goal is met if no value misses it by more than its tolerance; a limit has no miss at all. Values are in the axes of Adams/Car.",
+            "A goal is met if no value misses it by more than its tolerance; a limit has no miss at all. Characteristics are in the axes of \
+             Adams/Car, forces in elements and places in the ground axes of the deck.",
         );
         page.subheading("What moved").table(&self.unknowns());
         page.note(

@@ -89,6 +89,6 @@ pub use summary::Over;
 pub use summary::Summary;
 pub use summary_readings::written;
 pub use table::{Cell, Table, split};
-pub use target_settings::{GoalScope, GoalSettings, TargetSettings, Wanted};
+pub use target_settings::{GoalPlace, GoalScope, GoalSettings, TargetSettings, Wanted};
 pub use unknown_settings::{UnknownForm, UnknownSettings};
 pub use wheel::WheelReading;

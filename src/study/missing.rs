@@ -1,15 +1,28 @@
-//! Inputs that a study still lacks before anything can be computed from it.
+//! What a study holds, and what it still lacks before anything can be computed from it.
 
 use super::study::Study;
 use super::table::Table;
 use admire_syntax::Dataset;
 
+impl Study {
+    /// Returns true if anything is measured: marks, curves, readings or the wheel.
+    pub fn is_measured(&self) -> bool {
+        let wheel = self.wheel.as_ref().and_then(|(_, table)| table.as_ref());
+        self.marks.is_some() || self.readings.is_some() || self.kc.is_some() || wheel.is_some()
+    }
+
+    /// Returns true if the study has a target and no readings for an identification.
+    pub fn is_target_alone(&self) -> bool {
+        self.target.is_some() && (self.columns.is_empty() || !self.is_measured())
+    }
+}
+
 /// Returns the steps that remain to complete the study, in order, one sentence each. The list is empty if the study is complete.
 pub fn missing(study: &Study) -> Vec<String> {
     let mut steps = Vec::new();
     let toml = study.source.name();
-    if study.target.is_some() && study.columns.is_empty() {
-        // The tests of kc.toml load an axle that has a target.
+    if study.is_target_alone() {
+        // Goals need no readings.
         return steps;
     }
     if study.columns.is_empty() {
@@ -45,14 +58,7 @@ pub fn missing(study: &Study) -> Vec<String> {
     if let Some(summary) = &study.kc_summary {
         empty(summary, "gradients and widths of loops, one a row");
     }
-    let measured = study.marks.is_some()
-        || study.readings.is_some()
-        || study.kc.is_some()
-        || study
-            .wheel
-            .as_ref()
-            .is_some_and(|(_, table)| table.is_some());
-    if !measured {
+    if !study.is_measured() {
         steps.push(format!(
             "{toml}: nothing is measured; give [marks], [kc], a measured [wheel] or [readings]"
         ));

@@ -1,4 +1,5 @@
-//! Section `[target]` of `study.toml`: goals for the characteristics of an axle, and the numbers of the deck that may change.
+//! Section `[target]` of `study.toml`: goals for the characteristics of an axle and for its load cases, and the numbers of the deck that may
+//! change.
 
 use super::section::{Section, SpannedText};
 use super::table::Table;
@@ -29,14 +30,28 @@ pub enum Wanted {
     Limits([f64; 2]),
 }
 
+/// States of the deck in which a goal is read.
+#[derive(Clone, Debug)]
+pub enum GoalPlace {
+    /// Name of a test in `kc.toml`, or `ride` for ride height.
+    Test(SpannedText),
+    /// A load case of the study.
+    Case {
+        /// Label of the load case.
+        label: SpannedText,
+        /// Label of the load case whose value is subtracted, if there is one.
+        relative_to: Option<SpannedText>,
+    },
+}
+
 /// One table `[[target.goal]]`. Names are not yet resolved.
 #[derive(Clone, Debug)]
 pub struct GoalSettings {
     /// Position of the table in `study.toml`.
     pub span: Span,
-    /// Name of the test in `kc.toml`, or `ride` for ride height.
-    pub test: SpannedText,
-    /// Characteristic, such as `toe_angle.left`.
+    /// Test or load case.
+    pub place: GoalPlace,
+    /// Characteristic such as `toe_angle.left`, or a force, place or reading such as `BUSHING/3.FX`.
     pub of: SpannedText,
     /// Part of the characteristic.
     pub scope: GoalScope,
@@ -53,8 +68,8 @@ pub struct GoalSettings {
 /// Settings of section `[target]`.
 #[derive(Clone, Debug)]
 pub struct TargetSettings {
-    /// Contents of `kc.toml`: the wheels and the tests.
-    pub kc: Source,
+    /// Contents of `kc.toml`: the wheels and the tests. `None` if all goals are those of load cases.
+    pub kc: Option<Source>,
     /// Number of additional starts, from Sobol points within the bounds.
     pub restarts: usize,
     /// Maximum number of evaluations for each start.
@@ -76,7 +91,7 @@ impl TargetSettings {
             Wanted::Curve(table) => Some(&table.source),
             Wanted::Number(_) | Wanted::Limits(_) => None,
         });
-        std::iter::once(&self.kc).chain(curves)
+        self.kc.iter().chain(curves)
     }
 
     /// Reads the section. `open` opens a file of the study folder.
@@ -85,27 +100,32 @@ impl TargetSettings {
         open: &mut dyn FnMut(&SpannedText, &mut Vec<Diagnostic>) -> Option<Source>,
         out: &mut Vec<Diagnostic>,
     ) -> Option<Self> {
-        let kc = section.text("kc", out).unwrap_or_else(|| SpannedText {
-            text: "kc.toml".to_string(),
-            span: section.span(),
-        });
-        let kc = if section.is_inquiry() {
-            None
-        } else {
-            open(&kc, out)
-        };
+        let kc = section.text("kc", out);
         let restarts = section.count("restarts", 8, 0..=1000, out);
         let evaluations = section.count("evaluations", 100, 1..=100_000, out);
         let robust = section.flag("robust", out);
         let draws = section.count("draws", 200, 0..=1_000_000, out);
         let unknowns = UnknownSettings::read_all(section, out);
-        let goals = section
+        let goals: Vec<GoalSettings> = section
             .tables("goal", out)
             .into_iter()
             .filter_map(|table| GoalSettings::read(table, open, out))
             .collect();
+        if section.is_inquiry() {
+            return None;
+        }
+        let is_of_case = |goal: &GoalSettings| matches!(goal.place, GoalPlace::Case { .. });
+        let needs_tests = goals.is_empty() || !goals.iter().all(is_of_case);
+        let usual = || SpannedText {
+            text: "kc.toml".to_string(),
+            span: section.span(),
+        };
+        let kc = match kc.or_else(|| needs_tests.then(usual)) {
+            Some(name) => Some(open(&name, out)?),
+            None => None,
+        };
         Some(Self {
-            kc: kc?,
+            kc,
             restarts,
             evaluations,
             robust,
@@ -123,11 +143,12 @@ impl GoalSettings {
         out: &mut Vec<Diagnostic>,
     ) -> Option<Self> {
         let any = f64::NEG_INFINITY..=f64::INFINITY;
-        let (test, of) = (table.text("test", out), table.text("of", out));
+        let [test, case, relative_to, of] =
+            ["test", "case", "relative_to", "of"].map(|key| table.text(key, out));
         let file = table.text("curve", out);
         let [value, gradient, least, most] = ["value", "gradient", "least", "most"]
             .map(|key| table.optional_number(key, any.clone(), out));
-        let at = table.number("at", 0.0, any, out);
+        let at = table.optional_number("at", any, out);
         let tolerance = table.optional_number("tolerance", f64::MIN_POSITIVE..=f64::INFINITY, out);
         let scopes = [
             ("curve", GoalScope::Curve),
@@ -137,16 +158,36 @@ impl GoalSettings {
         let stated = table.choice("limits", GoalScope::Curve, &scopes, out);
         let minimax = table.flag("minimax", out);
         let mut wrong = Vec::new();
-        for (key, there) in [
-            ("test", test.is_some()),
-            ("of", of.is_some()),
-            ("tolerance", tolerance.is_some()),
-        ] {
+        for (key, there) in [("of", of.is_some()), ("tolerance", tolerance.is_some())] {
             if !there {
                 wrong.push(format!("a goal needs `{}`", table.name(key)));
             }
         }
         let limited = least.is_some() || most.is_some();
+        let place = match (test, case) {
+            (Some(test), None) => {
+                if relative_to.is_some() {
+                    wrong.push("`relative_to` is for a goal of a load case".to_string());
+                }
+                Some(GoalPlace::Test(test))
+            }
+            (None, Some(label)) => {
+                if file.is_some() || gradient.is_some() || stated != GoalScope::Curve {
+                    wrong.push(
+                        "a load case has `value`, or the limits `least` and `most`".to_string(),
+                    );
+                }
+                if at.is_some() {
+                    wrong.push("`at` is for a goal of a test".to_string());
+                }
+                Some(GoalPlace::Case { label, relative_to })
+            }
+            _ => {
+                let (test, case) = (table.name("test"), table.name("case"));
+                wrong.push(format!("a goal needs one of `{test}` and `{case}`"));
+                None
+            }
+        };
         let count = [file.is_some(), value.is_some(), gradient.is_some(), limited];
         if count.iter().filter(|given| **given).count() != 1 {
             wrong.push(
@@ -178,6 +219,10 @@ impl GoalSettings {
             (_, _, Some(slope)) => (GoalScope::Gradient, Some(Wanted::Number(slope))),
             _ => (stated, Some(Wanted::Limits(limits))),
         };
+        let scope = match place {
+            Some(GoalPlace::Case { .. }) => GoalScope::Value,
+            _ => scope,
+        };
         let (file, span, inquiry) = (table.file().to_string(), table.span(), table.is_inquiry());
         table.finish(out);
         if inquiry {
@@ -194,10 +239,10 @@ impl GoalSettings {
         }
         Some(Self {
             span,
-            test: test?,
+            place: place?,
             of: of?,
             scope,
-            at,
+            at: at.unwrap_or(0.0),
             wanted: wanted?,
             tolerance: tolerance?,
             minimax,

@@ -71,7 +71,7 @@ pub(crate) fn wanted(tuning: &Tuning, of: &[&str]) -> String {
             .collect::<Vec<_>>()
             .join(",")
     );
-    for test in &tuning.before.tests {
+    for test in tuning.before.run.iter().flat_map(|run| &run.tests) {
         for sample in &test.samples {
             let reading = |path: &&str| {
                 let mut all = sample.readings.iter();

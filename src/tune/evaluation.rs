@@ -1,24 +1,27 @@
 use std::collections::BTreeMap;
 
+use crate::answers::Answers;
 use crate::goal::Goal;
+use crate::load_cases::Asked as OfCases;
 use crate::settings::{DIFFERENCE_STEP, ROBUST_SD};
 use crate::tolerance::{Tolerance, tolerances};
+use crate::tune_error::has_errors;
 use crate::tuning::{Tuning, rewritten};
 use admire_identify::DeckUnknown;
-use admire_kc::{Bench, BenchError, DeckChange, KcRun, run};
+use admire_kc::{Bench, BenchError, DeckChange, run};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 use nalgebra::{DMatrix, RowDVector};
 
-/// Results of the tests for one set of numbers.
+/// Results of the tests and load cases for one set of numbers.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// Coordinates of the unknowns.
     pub x: Vec<f64>,
-    /// Results of the tests.
-    pub run: KcRun,
+    /// Results of the tests and load cases.
+    pub answers: Answers,
     /// Values of all rows of all goals, in their order.
     pub values: Vec<f64>,
     /// Derivatives of the values, one column for each unknown; no columns if they were not requested.
@@ -53,7 +56,7 @@ impl Evaluation {
     }
 }
 
-/// Runs the tests and their derivatives, and counts the runs.
+/// Runs the tests and load cases with their derivatives, and counts the runs.
 #[derive(Debug)]
 pub(crate) struct Evaluator<'a> {
     pub tuning: &'a Tuning,
@@ -83,10 +86,10 @@ impl Scatter {
     }
 }
 
-/// Results of the tests of one deck.
+/// Results of the tests and load cases of one deck.
 struct Tested {
     dataset: Dataset,
-    run: KcRun,
+    answers: Answers,
     values: Vec<f64>,
     /// Tolerances of the car, each with whether the run has its derivatives; empty unless they were requested.
     tolerances: Vec<(Tolerance, bool)>,
@@ -103,24 +106,20 @@ struct Asked {
 
 impl<'a> Evaluator<'a> {
     pub(crate) fn new(tuning: &'a Tuning) -> Self {
-        let Tuning {
-            config,
-            dataset,
-            files,
-            model,
-            rig,
-            ..
-        } = tuning;
-        let mut bench = Bench::new(config, dataset, files, model).ok();
+        let Tuning { model, rig, .. } = tuning;
+        let mut bench = tuning.bench(&tuning.dataset, model);
+        let in_cases = tuning.cases.differentiable(model);
         let is_exact = |unknown: &DeckUnknown| {
             let mut markers = unknown.markers.iter();
             let numbers = unknown.numbers.iter().map(|number| &number.address);
             let moves_wheel = markers.any(|marker| rig.wheels.contains(marker))
                 || rig.are_moved_by(numbers.clone(), model);
-            !moves_wheel
-                && bench
-                    .as_mut()
-                    .is_some_and(|bench| have_derivatives(bench, numbers))
+            let in_tests = match &mut bench {
+                Ok(None) => true,
+                Ok(Some(bench)) => !moves_wheel && have_derivatives(bench, numbers.clone()),
+                Err(_) => false,
+            };
+            in_tests && in_cases.as_ref().is_ok_and(|own| own.has_all(numbers))
         };
         Self {
             is_exact: tuning.unknowns.iter().map(is_exact).collect(),
@@ -180,7 +179,7 @@ impl<'a> Evaluator<'a> {
                 for k in 0..count {
                     jacobian[(row, k)] = match &differences[k] {
                         Some(column) if !(self.is_exact[k] && goal.is_exact) => column[row],
-                        _ => own.change(&goal.of, &here.run, k),
+                        _ => goal.change(own, &here.answers, k),
                     };
                 }
                 row += 1;
@@ -191,7 +190,7 @@ impl<'a> Evaluator<'a> {
             is_finite(&jacobian) && spread.iter().all(|spread| is_finite(&spread.jacobian));
         is_whole.then(|| Evaluation {
             x: x.to_vec(),
-            run: here.run,
+            answers: here.answers,
             values: here.values,
             jacobian,
             spread,
@@ -219,7 +218,7 @@ impl<'a> Evaluator<'a> {
                 jacobian: none(),
             }),
             values: here.values,
-            run: here.run,
+            answers: here.answers,
         })
     }
 
@@ -316,7 +315,7 @@ impl<'a> Evaluator<'a> {
                         Some((plus, minus)) if !(*is_exact && goal.is_exact) => {
                             0.5 * (plus[row] - minus[row])
                         }
-                        _ => own.change(&goal.of, &here.run, first + k),
+                        _ => goal.change(own, &here.answers, first + k),
                     };
                     row += 1;
                 }
@@ -343,15 +342,15 @@ fn have_derivatives<'n>(
     numbers.all(|address| bench.has_derivative(address).unwrap_or(false))
 }
 
-/// Returns the values of all rows of all goals in a run.
-pub(crate) fn values(tuning: &Tuning, run: &KcRun) -> Vec<f64> {
+/// Returns the values of all rows of all goals.
+fn values(tuning: &Tuning, found: &Answers) -> Vec<f64> {
     let goals = tuning.goals.iter();
     goals
-        .flat_map(|goal| goal.rows.iter().map(|row| row.value(&goal.of, run)))
+        .flat_map(|goal| goal.rows.iter().map(|row| goal.value(row, found)))
         .collect()
 }
 
-/// Runs the tests on a deck with these markers turned, differentiated along these directions and, on request, along the tolerances.
+/// Runs the tests and load cases on a deck with these markers turned, differentiated along these directions and, on request, along the tolerances.
 fn tests_on(
     tuning: &Tuning,
     deck: Source,
@@ -361,31 +360,46 @@ fn tests_on(
     let dataset = Dataset::parse(deck).value;
     let lowered = Model::lower_with(&dataset, &tuning.files);
     let refused = |found: Vec<_>| BenchError::Deck(found);
-    if crate::tuning::has_errors(&lowered.diagnostics) {
+    if has_errors(&lowered.diagnostics) {
         return Err(refused(lowered.diagnostics));
     }
     let model = lowered.value;
-    let bench = Bench::new(&tuning.config, &dataset, &tuning.files, &model);
-    let mut bench = bench.map_err(refused)?;
+    let mut bench = tuning.bench(&dataset, &model).map_err(refused)?;
     let mut own = Vec::new();
     if spread {
+        let in_cases = tuning.cases.differentiable(&model)?;
         let settings = &tuning.study.tolerances;
         for tolerance in tolerances(settings, &model, &tuning.rig) {
             let numbers = tolerance.change.numbers.iter().map(|(address, _)| address);
-            let is_exact = !tolerance.moves_wheel && have_derivatives(&mut bench, numbers);
+            let in_tests = match &mut bench {
+                None => true,
+                Some(bench) => !tolerance.moves_wheel && have_derivatives(bench, numbers.clone()),
+            };
+            let is_exact = in_tests && in_cases.has_all(numbers);
             directions.push(tolerance.change.clone());
             own.push((tolerance, is_exact));
         }
     }
-    bench.differentiate(directions);
-    bench.turn(turned);
-    let found = run(&mut bench, &model.units)?;
+    let asked = OfCases {
+        directions: &directions,
+        turned: &turned,
+    };
+    let cases = tuning.cases.solve(&model, &asked)?;
+    let run = match &mut bench {
+        None => None,
+        Some(bench) => {
+            bench.differentiate(directions);
+            bench.turn(turned);
+            Some(run(bench, &model.units)?)
+        }
+    };
+    let found = Answers { run, cases };
     let values = values(tuning, &found);
     if !values.iter().all(|value| value.is_finite()) {
         return Err(refused(Vec::new()));
     }
     Ok(Tested {
-        run: found,
+        answers: found,
         values,
         tolerances: own,
         dataset,

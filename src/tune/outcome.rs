@@ -1,6 +1,7 @@
 use serde::Serialize;
 
 use crate::analysis::{self, Conflict};
+use crate::answers::Answers;
 use crate::cost::largest_reach;
 use crate::evaluation::{Evaluation, Evaluator};
 use crate::found::Found;
@@ -11,7 +12,7 @@ use crate::settings::{AGREEING_COST, AGREEING_SHARE, AT_BOUND, LIMIT_SLACK};
 use crate::tune_error::TuneError;
 use crate::tuning::Tuning;
 use admire_identify::DeckUnknown;
-use admire_kc::{BenchError, KcRun};
+use admire_kc::BenchError;
 use admire_study::{GoalScope, UnknownForm};
 
 /// A number of the deck that moved.
@@ -70,11 +71,14 @@ pub struct RowOutcome {
 /// A goal at the end of a search.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct GoalOutcome {
-    /// Name: test, characteristic, and which part of it.
+    /// Name: test or load case, characteristic, and which part of it.
     pub name: String,
-    /// Name of the test.
+    /// Name of the test; empty for a goal of a load case.
     pub test: String,
-    /// Characteristic.
+    /// Label of the load case; `None` for a goal of a test.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub case: Option<String>,
+    /// Characteristic, force, place or reading.
     pub of: String,
     /// `curve`, `value` or `gradient`.
     pub scope: &'static str,
@@ -143,7 +147,7 @@ pub struct Outcome {
     pub cost: f64,
     /// Number of evaluations with derivatives, over all starts.
     pub evaluations: usize,
-    /// Number of runs of the tests, those for differences included.
+    /// Number of runs of the tests and load cases, those for differences included.
     pub runs: usize,
     /// Number of starts whose end is as good as the best.
     pub agreeing: usize,
@@ -167,9 +171,9 @@ pub struct Outcome {
     /// Coordinates of the unknowns in the tuned deck.
     #[serde(skip)]
     pub x: Vec<f64>,
-    /// Results of the tests on the tuned deck.
+    /// Results of the tests and load cases on the tuned deck.
     #[serde(skip)]
-    pub after: KcRun,
+    pub after: Answers,
 }
 
 impl Outcome {
@@ -271,7 +275,7 @@ impl Outcome {
             pareto: None,
             deck: deck.bytes().to_vec(),
             x: best.x.clone(),
-            after: end.run.clone(),
+            after: end.answers.clone(),
         })
     }
 }
@@ -331,6 +335,7 @@ fn goals(tuning: &Tuning, before: &[f64], best: &Found, end: &Evaluation) -> Vec
         all.push(GoalOutcome {
             name: goal.name(),
             test: goal.test.clone(),
+            case: goal.case.clone(),
             of: goal.of.clone(),
             scope: match goal.scope {
                 GoalScope::Curve => "curve",

@@ -29,6 +29,9 @@ admire_study::constants! {
     CONFLICT_COSINE: f64 = -0.3, "";
     /// Distance below which a marker that joins no parts is at a hardpoint.
     SAME_PLACE_M: f64 = 1e-6, "m";
+    /// Change of a reading along a motion without stiffness, relative to the reading or in units of the deck, up to which an equilibrium
+    /// determines it. The motion is scaled so that its largest rotation is one radian.
+    FREE_CHANGE: f64 = 1e-6, "";
     /// Number of standard deviations of the tolerances for which a robust goal is met.
     ROBUST_SD: f64 = 2.0, "sd";
     /// Number of draws from the linear model of the tolerances.

@@ -26,8 +26,8 @@ pub(crate) struct Tolerance {
     pub moves_wheel: bool,
 }
 
-/// Markers of `kc.toml`.
-#[derive(Clone, Debug)]
+/// Markers of `kc.toml`; none if no goal is one of a test.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct RigMarkers {
     /// Markers of the wheel centres and of the spin axes.
     pub wheels: Vec<MarkerIx>,

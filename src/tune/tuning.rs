@@ -1,15 +1,20 @@
 use std::path::Path;
 
-use crate::goal::{Goal, goals};
+use crate::answers::Answers;
+use crate::goal::Goal;
+use crate::goal_names::GoalNames;
+use crate::goal_reader::goals;
+use crate::load_cases::{Asked, LoadCases};
 use crate::tolerance::RigMarkers;
-use crate::tune_error::TuneError;
+use crate::tune_error::{TuneError, has_errors};
 use admire_identify::{DeckUnknown, Mirror, resolved, written_numbers};
-use admire_kc::{Bench, Config, KcRun, TestKind, run};
+use admire_kc::{Bench, BenchError, Config, TestKind, run};
 use admire_session::{FilePolicy, folder_of, read_files};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::Model;
-use admire_study::{Study, TargetSettings};
-use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_solver::statics::Probe;
+use admire_study::{GoalPlace, GoalSettings, Study, TargetSettings};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::files::Files;
 use admire_syntax::text::{Source, apply_edits};
 use admire_syntax::{Address, Dataset};
@@ -27,16 +32,20 @@ pub struct Tuning {
     pub files: Files,
     /// Model of the deck.
     pub model: Model,
-    /// Tests of `kc.toml` that the goals need.
-    pub config: Config,
+    /// Tests of `kc.toml` that the goals need; `None` if all goals are those of load cases.
+    pub config: Option<Config>,
     /// Numbers that may move.
     pub unknowns: Vec<DeckUnknown>,
     /// What is wanted.
     pub goals: Vec<Goal>,
-    /// Results of the tests on the deck of the study.
-    pub before: KcRun,
+    /// Results of the tests and load cases on the deck of the study.
+    pub before: Answers,
     /// Markers of `kc.toml`.
     pub(crate) rig: RigMarkers,
+    /// Forces and places that are read in the tests.
+    pub(crate) probes: Vec<Probe>,
+    /// Load cases that goals name.
+    pub(crate) cases: LoadCases,
 }
 
 /// Reason why a study with a target cannot be tuned.
@@ -49,10 +58,10 @@ pub enum Refused {
 }
 
 impl Tuning {
-    /// Reads a study and resolves its target. The tests are run once on the deck of the study.
+    /// Reads a study and resolves its target. The tests and load cases are run once on the deck of the study.
     ///
     /// # Errors
-    /// [`Refused`] if an input is wrong or the deck has no equilibrium on the rig. The diagnostics hold all that is to be said.
+    /// [`Refused`] if an input is wrong or the deck has no equilibrium on the rig or in a load case. The diagnostics hold all that is to be said.
     pub fn read(folder: &Path) -> (Result<Self, Refused>, Vec<Diagnostic>) {
         let read = Study::read(folder);
         let mut out = read.diagnostics;
@@ -83,25 +92,28 @@ impl Tuning {
         out.extend(lowered.diagnostics);
         let (dataset, files, model) = (parsed.value, files.value, lowered.value);
         let units = model.units;
-        let Checked { value, diagnostics } =
-            Config::read(&target.kc, 1e-3 / units.length.si, 1.0 / units.force.si);
-        out.extend(diagnostics);
-        let Some(config) = value.filter(|_| !has_errors(out)) else {
+        let mut config = None;
+        if let Some(kc) = &target.kc {
+            let Checked { value, diagnostics } =
+                Config::read(kc, 1e-3 / units.length.si, 1.0 / units.force.si);
+            out.extend(diagnostics);
+            config = value;
+        }
+        if has_errors(out) {
             return Err(Refused::Input);
-        };
-        let config = config.with_tests(&tests(&target), model.frictions.is_empty());
-        let bench = Bench::new(&config, &dataset, &files, &model);
-        let mut bench = match bench {
-            Ok(bench) => bench,
-            Err(wrong) => {
-                out.extend(wrong);
-                return Err(Refused::Input);
-            }
-        };
-        let mirror = Mirror {
-            lateral: config.frame.to_deck(&Vec3::y()),
-        };
-        let rig = rig_markers(&config, &dataset, &model);
+        }
+        let mirror = config
+            .as_ref()
+            .map_or_else(Mirror::default, |config| Mirror {
+                lateral: config.frame.to_deck(&Vec3::y()),
+            });
+        let rig = config
+            .as_ref()
+            .map(|config| rig_markers(config, &dataset, &model))
+            .unwrap_or_default();
+        let config = config
+            .filter(|_| target.goals.is_empty() || target.goals.iter().any(is_of_test))
+            .map(|config| config.with_tests(&tests(&target), model.frictions.is_empty()));
         let unknowns = resolved(
             &target.unknowns,
             (&dataset, &model),
@@ -143,20 +155,8 @@ impl Tuning {
                     .help("`hardpoints = 0.3` there is a standard deviation in mm; `admire guide tune` shows one"),
             );
         }
-        if has_errors(out) {
-            return Err(Refused::Input);
-        }
-        let before = run(&mut bench, &units).map_err(|why| {
-            Refused::Start(TuneError {
-                unknowns: Vec::new(),
-                why,
-            })
-        })?;
-        let found = goals(&target, &study.source, (&before, &config), &units, out);
-        if has_errors(out) {
-            return Err(Refused::Input);
-        }
-        Ok(Self {
+        let names = GoalNames::new(&target.goals, &study, (&dataset, &model), out);
+        let mut new = Self {
             study,
             target,
             dataset,
@@ -164,10 +164,83 @@ impl Tuning {
             model,
             config,
             unknowns,
-            goals: found,
-            before,
+            goals: Vec::new(),
+            before: Answers {
+                run: None,
+                cases: Vec::new(),
+            },
             rig,
-        })
+            probes: names.probes.clone(),
+            cases: names.cases.clone(),
+        };
+        if let Err(wrong) = new.bench(&new.dataset, &new.model) {
+            out.extend(wrong);
+        }
+        if has_errors(out) {
+            return Err(Refused::Input);
+        }
+        let refused = |why| {
+            Refused::Start(TuneError {
+                unknowns: Vec::new(),
+                why,
+            })
+        };
+        new.before = new.answers().map_err(refused)?;
+        let source = &new.study.source;
+        let undetermined = new.cases.undetermined(&new.model).map_err(refused)?;
+        for (k, own) in &names.of_cases {
+            let goal = &new.target.goals[*k];
+            let of = [Some(own.case), own.relative_to];
+            if undetermined
+                .iter()
+                .any(|(case, probe)| of.contains(&Some(*case)) && *probe == own.probe)
+            {
+                let message = format!("`{}` is not determined in this load case", goal.of.text);
+                out.push(
+                    Diagnostic::error(Code::BadSetting, message)
+                        .label(source.name(), goal.of.span, "")
+                        .help("it changes along a motion of the deck that nothing resists; `admire check` names the free motions"),
+                );
+            }
+        }
+        let answers = (&new.before, new.config.as_ref());
+        new.goals = goals(&new.target.goals, source, &names, answers, &units, out);
+        if has_errors(out) {
+            return Err(Refused::Input);
+        }
+        Ok(new)
+    }
+
+    /// Puts a deck on the rig; `None` if no goal is one of a test.
+    ///
+    /// # Errors
+    /// As of [`Bench::new`].
+    pub(crate) fn bench<'a>(
+        &'a self,
+        dataset: &'a Dataset,
+        model: &'a Model,
+    ) -> Result<Option<Bench<'a>>, Vec<Diagnostic>> {
+        let Some(config) = &self.config else {
+            return Ok(None);
+        };
+        let mut bench = Bench::new(config, dataset, &self.files, model)?;
+        bench.probe(self.probes.clone());
+        Ok(Some(bench))
+    }
+
+    /// Runs the tests and load cases on the deck of the study.
+    fn answers(&self) -> Result<Answers, BenchError> {
+        let asked = Asked {
+            directions: &[],
+            turned: &[],
+        };
+        let cases = self.cases.solve(&self.model, &asked)?;
+        let bench = self.bench(&self.dataset, &self.model);
+        let run = match bench.map_err(BenchError::Deck)? {
+            Some(mut bench) => Some(run(&mut bench, &self.model.units)?),
+            None => None,
+        };
+        Ok(Answers { run, cases })
     }
 
     /// Returns the coordinates at which the search of the study begins.
@@ -282,9 +355,13 @@ fn tests(target: &TargetSettings) -> Vec<TestKind> {
         target
             .goals
             .iter()
-            .any(|goal| goal.test.text == kind.name())
+            .any(|goal| matches!(&goal.place, GoalPlace::Test(name) if name.text == kind.name()))
     };
     TestKind::ALL.into_iter().filter(is_named).collect()
+}
+
+fn is_of_test(goal: &GoalSettings) -> bool {
+    matches!(goal.place, GoalPlace::Test(_))
 }
 
 /// Returns the markers that `kc.toml` names for the wheels.
@@ -304,11 +381,6 @@ fn rig_markers(config: &Config, dataset: &Dataset, model: &Model) -> RigMarkers 
     }
     named.extend(&wheels);
     RigMarkers { wheels, named }
-}
-
-pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
-    let error = |diagnostic: &Diagnostic| diagnostic.severity == Severity::Error;
-    diagnostics.iter().any(error)
 }
 
 /// Rounds a value to twelve significant digits.

@@ -255,7 +255,7 @@ fn real_curves_are_the_target_of_a_moved_axle() {
             let misses = own_goal
                 .rows
                 .iter()
-                .map(|row| row.miss(row.value(&own_goal.of, &own.before)));
+                .map(|row| row.miss(own_goal.value(row, &own.before)));
             let squares: f64 = misses.map(|miss| miss * miss).sum();
             let unmoved = (squares / own_goal.rows.len() as f64).sqrt();
             println!(
@@ -266,4 +266,123 @@ fn real_curves_are_the_target_of_a_moved_axle() {
         }
         assert!(found.converged);
     }
+}
+
+/// A carrier that slides along Z on two springs, under a load of its own: 100 N/mm and 50 N/mm.
+const TWO_SPRINGS: &str = "A load on two springs\n\
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
+PART/1, GROUND\n\
+MARKER/10, PART=1, QP=0,-700,300\n\
+MARKER/11, PART=1, QP=0,-600,0\n\
+MARKER/12, PART=1, QP=0,-800,0\n\
+PART/2, MASS=10, CM=22, IP=1E5,1E5,1E5\n\
+MARKER/20, PART=2, QP=0,-700,300\n\
+MARKER/21, PART=2, QP=0,-600,300\n\
+MARKER/22, PART=2, QP=0,-700,310\n\
+MARKER/23, PART=2, QP=0,-800,300\n\
+JOINT/1, TRANSLATIONAL, I=20, J=10\n\
+SPRINGDAMPER/1, TRANSLATION, I=21, J=11, K=100, LENGTH=300\n\
+SPRINGDAMPER/2, TRANSLATION, I=23, J=12, K=50, LENGTH=300\n\
+SFORCE/3, TRANSLATIONAL, I=20, J=10, ACTIONONLY, FUNCTION=0\n\
+RESULTS/XRF\n\
+END\n";
+
+/// Its load cases, two goals that stand against each other, and tolerances.
+const LOAD_CASES: &str = "[model]\ndeck = \"model.adm\"\n\
+[loads]\nfile = \"load_cases.csv\"\ncolumns = { vertical = \"SFORCE/3\" }\n\
+[tolerances]\nspring_rates = 0.02\n\
+[target]\nrestarts = 1\n\
+[[target.goal]]\ncase = \"down\"\nof = \"MARKER/20.Z\"\nrelative_to = \"0\"\nvalue = -4\ntolerance = 0.1\n\
+[[target.goal]]\ncase = \"down\"\nof = \"SPRINGDAMPER/2.FZ\"\nvalue = 150\ntolerance = 5\n\
+[[target.unknown]]\nnumbers = [\"SPRINGDAMPER/1.K\"]\nform = \"value\"\nbounds = [20, 900]\n";
+
+/// Goals of load cases need no `kc.toml`: check, search, tolerances, Pareto front and report. The forces of the tuned deck are those that its own
+/// static simulation writes into a results file.
+#[test]
+fn load_cases_are_tuned_without_tests() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("model.adm", TWO_SPRINGS);
+    write("load_cases.csv", "case,vertical\n0,0\ndown,-1000\n");
+    write("study.toml", LOAD_CASES);
+    let study = folder.path().display().to_string();
+    let ran = admire(&["check", &study]);
+    assert_eq!(ran.status.code(), Some(0), "{}", text(&ran.stdout));
+    let out = folder.path().join("out");
+    let shown = out.display().to_string();
+    let base = ["tune", &study, "--out", &shown, "--draws", "20"];
+    let pair = ["--pareto", "case down MARKER/20.Z", "2"];
+    let ran = admire(&[&base[..], &pair].concat());
+    assert_eq!(ran.status.code(), Some(0), "{}", text(&ran.stderr));
+    let said = text(&ran.stdout);
+    assert!(said.contains("case down MARKER/20.Z: off by"), "{said}");
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("tuning.json")).unwrap()).unwrap();
+    let goals = json["goals"].as_array().unwrap();
+    assert_eq!(goals[0]["case"], "down");
+    assert_eq!(goals[0]["test"], "");
+    assert_eq!(goals[0]["unit"], "mm");
+    assert_eq!(goals[1]["unit"], "N");
+    assert_eq!(goals[1]["exact_derivatives"], true);
+    assert_eq!(json["robust"]["goals"].as_array().unwrap().len(), 2);
+    assert!(json["pareto"]["points"].as_array().unwrap().len() > 1);
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    for piece in [
+        "case down SPRINGDAMPER/2.FZ",
+        "load_cases.csv",
+        "Pareto front",
+    ] {
+        assert!(page.contains(piece), "the report has no {piece}");
+    }
+
+    // The results file of a static simulation of the tuned deck, by the path of the commands.
+    let mut deck = admire::Deck::open(out.join("tuned.adm")).unwrap();
+    let solved = deck.set("SFORCE/3", -1000.0).unwrap().solve().unwrap();
+    let force = solved.column("SPRINGDAMPER_2.FZ").unwrap();
+    let after = goals[1]["rows"][0]["after"].as_f64().unwrap();
+    let last = force.last().unwrap();
+    assert!((last - after).abs() < 1e-6 * after, "{force:?} {after}");
+}
+
+/// A goal for an element that is not in the deck: exit code 1, the place in `study.toml`, and what was meant. So are load cases that there are not.
+#[test]
+fn wrong_elements_and_cases_of_goals_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("model.adm", TWO_SPRINGS);
+    write("load_cases.csv", "case,vertical\n0,0\ndown,-1000\n");
+    let study = folder.path().display().to_string();
+    for (from, to, message, help) in [
+        (
+            "SPRINGDAMPER/2.FZ",
+            "SPRINGDAMPER/22.FZ",
+            "SPRINGDAMPER/22 is not in this dataset",
+            "did you mean SPRINGDAMPER/2?",
+        ),
+        (
+            "SPRINGDAMPER/2.FZ",
+            "SPRINGDAMPER/2.F",
+            "`F` is no component of SPRINGDAMPER/2",
+            "did you mean `FM`?",
+        ),
+        (
+            "case = \"down\"",
+            "case = \"dwn\"",
+            "the load cases have no case `dwn`",
+            "did you mean `down`?",
+        ),
+    ] {
+        write("study.toml", &LOAD_CASES.replace(from, to));
+        let ran = admire(&["tune", &study, "--force"]);
+        assert_eq!(ran.status.code(), Some(1));
+        let said = text(&ran.stderr);
+        assert!(said.contains(message) && said.contains(help), "{said}");
+        assert!(said.contains("study.toml"), "{said}");
+    }
+    let loads = "[loads]\nfile = \"load_cases.csv\"\ncolumns = { vertical = \"SFORCE/3\" }\n";
+    write("study.toml", &LOAD_CASES.replace(loads, ""));
+    let ran = admire(&["tune", &study, "--force"]);
+    assert_eq!(ran.status.code(), Some(1));
+    let said = text(&ran.stderr);
+    assert!(said.contains("the study has no load cases"), "{said}");
 }

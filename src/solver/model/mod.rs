@@ -39,7 +39,7 @@ pub use force::{Bushing, PairForce, SpringKind};
 pub(crate) use force::{Nforce, VectorForce};
 pub use frame::InitialVelocity;
 pub use frame::Marker;
-pub(crate) use frame::Relative;
+pub use frame::Relative;
 pub use frame::{MarkerIx, Orientation, Part, PartIx, PartKind};
 pub use friction::Friction;
 pub(crate) use friction::FrictionInputs;

@@ -6,6 +6,7 @@
 mod balance;
 mod causes;
 mod continuation;
+mod direction;
 mod first_solution;
 mod freedoms;
 mod krylov;
@@ -16,6 +17,7 @@ mod newton;
 #[cfg(test)]
 mod orders;
 mod path;
+mod probe;
 mod rank;
 mod report;
 mod sensitivity;
@@ -25,8 +27,10 @@ mod stability;
 mod tangent;
 
 pub use balance::{Balance, Left};
+pub use direction::Direction;
 pub use freedoms::FreedomCount;
 pub use newton::{Solver, solve};
+pub use probe::{FORCE_COMPONENTS, Probe, Probes};
 pub(crate) use report::Iteration;
 pub use report::{Continuation, Far, FreeMotion, Report, SolveError, history_table};
 pub use sensitivity::Sensitivity;

@@ -6,7 +6,7 @@ use super::compiled_function::Exerted;
 use super::structure::{Action, ParameterSource};
 use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
 use crate::mechanics::{Vec3, Vec6};
-use crate::model::PartIx;
+use crate::model::{MarkerIx, PartIx};
 
 /// Relative step of differences with respect to theta at fixed unknowns. The differences are of fourth order, so only a round-off of 1e-12
 /// remains.
@@ -132,6 +132,71 @@ impl Configuration<'_> {
         let (coarse, fine) = (difference(h)?, difference(0.5 * h)?);
         self.evaluate()?;
         Ok((4.0 * fine - coarse) / 3.0)
+    }
+
+    /// Returns the derivatives of quantities along a change of the parameters at constant unknowns. `slots` are parameters with their changes
+    /// per unit. `turns` are markers with their rotation vectors per unit, in radians and in the axes of the marker.
+    ///
+    /// # Errors
+    /// Returns [`NoValue`] if an element is undefined in this configuration.
+    pub fn quantities_along(
+        &mut self,
+        quantities: &[Quantity],
+        (slots, turns): (&[(Slot, f64)], &[(MarkerIx, Vec3)]),
+    ) -> Result<Vec<f64>, NoValue> {
+        let (system, state) = (self.system, self.state);
+        let touches = |role: Role| quantities.iter().any(|own| system.may_touch(*own, role));
+        let slots: Vec<(Slot, f64)> = slots
+            .iter()
+            .filter(|(slot, rate)| *rate != 0.0 && touches(system.catalogue().group(*slot).role))
+            .copied()
+            .collect();
+        let turns: Vec<(MarkerIx, Vec3)> = turns
+            .iter()
+            .filter(|(marker, turn)| turn.norm() > 0.0 && touches(Role::Marker(marker.0)))
+            .copied()
+            .collect();
+        // No parameter moves by more than its own step.
+        let mut step = f64::INFINITY;
+        let mut from = Vec::with_capacity(slots.len());
+        for (slot, rate) in &slots {
+            let here = self.number(*slot)?;
+            step = step.min(STEP * here.abs().max(1.0) / rate.abs());
+            from.push(here);
+        }
+        for (_, turn) in &turns {
+            step = step.min(STEP / turn.norm());
+        }
+        if step.is_infinite() {
+            return Ok(vec![0.0; quantities.len()]);
+        }
+        let parameters = self.parameters;
+        let scratch = &mut *self.scratch;
+        let mut at = |h: f64| -> Result<Vec<f64>, NoValue> {
+            let mut moved = parameters.clone();
+            for ((slot, rate), from) in slots.iter().zip(&from) {
+                moved.set(*slot, from + h * rate);
+            }
+            for (marker, turn) in &turns {
+                moved.turn(*marker, turn, h);
+            }
+            let mut there = system.evaluate(&moved, state, scratch)?;
+            let each = quantities.iter();
+            each.map(|quantity| there.quantity(*quantity)).collect()
+        };
+        let mut difference = |h: f64| -> Result<Vec<f64>, NoValue> {
+            let (plus, minus) = (at(h)?, at(-h)?);
+            let pairs = plus.iter().zip(&minus);
+            Ok(pairs
+                .map(|(plus, minus)| (plus - minus) / (2.0 * h))
+                .collect())
+        };
+        let (coarse, fine) = (difference(step)?, difference(0.5 * step)?);
+        self.evaluate()?;
+        let pairs = coarse.iter().zip(&fine);
+        Ok(pairs
+            .map(|(coarse, fine)| (4.0 * fine - coarse) / 3.0)
+            .collect())
     }
 }
 
