@@ -102,15 +102,19 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             continue;
         }
         let study = Study::read(folder).value;
+        let target = match &study {
+            Some(study) if study.target.is_some() => Tuning::read(folder).1,
+            _ => Vec::new(),
+        };
         if let Some(study) = study.filter(Study::is_target_alone) {
             // A study with a target alone needs no readings.
             let deck = study.deck.name().to_string();
-            let (_, said) = Tuning::read(folder);
             let settings = all.of(&folder.join("study.toml"), shell)?;
             let is_of_deck = |d: &Diagnostic| d.labels.first().is_some_and(|l| *l.file == *deck);
             shell.sources.add(study.source);
             found.extend(
-                said.into_iter()
+                target
+                    .into_iter()
                     .filter(|d| !is_of_deck(d) && settings.shows(d)),
             );
             checked += 1;
@@ -143,7 +147,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         };
         let settings = all.of(&folder.join("study.toml"), shell)?;
         let told = |d: &Diagnostic| !of_the_deck(d) && !is_step(d) && settings.shows(d);
-        found.extend(read.diagnostics.into_iter().filter(told));
+        // Both readings of the study find faults of its settings.
+        let of_target = target.into_iter().filter(|d| !read.diagnostics.contains(d));
+        let of_target: Vec<Diagnostic> = of_target.collect();
+        found.extend(read.diagnostics.into_iter().chain(of_target).filter(told));
         checked += 1;
     }
     shell.findings(&found);

@@ -97,7 +97,7 @@ impl Reader<'_> {
                 let file = config.source.name();
                 format!("`{}` is not run: {file} leaves it out", name.text)
             } else {
-                format!("`{}` is no test", name.text)
+                format!("`{}` is not a test", name.text)
             };
             let help = if known {
                 "give the test its section in kc.toml".to_string()

@@ -103,7 +103,7 @@ impl<'a> Names<'a> {
 
     /// Returns the complaint about a name that is nothing which a goal can read.
     pub(crate) fn unknown(&self, of: &str) -> Box<Diagnostic> {
-        let message = format!("`{of}` is no force, place or reading of this study");
+        let message = format!("`{of}` is not a force, position or reading of this study");
         let help = did_you_mean(of, "the study", &self.all());
         Box::new(Diagnostic::error(Code::BadSetting, message).help(help))
     }
@@ -131,9 +131,9 @@ impl<'a> Names<'a> {
             }
         }
         let objects = self.objects().into_iter();
-        all.extend(objects.map(|object| match object.starts_with("MARKER/") {
-            true => object + ".X",
-            false => object + ".FX",
+        all.extend(objects.map(|object| {
+            let is_marker = object.starts_with("MARKER/");
+            object + if is_marker { ".X" } else { ".FX" }
         }));
         all
     }
@@ -151,7 +151,7 @@ impl<'a> Names<'a> {
             let message = if component.is_empty() {
                 format!("`{address}` needs a component")
             } else {
-                format!("`{component}` is no component of {address}")
+                format!("`{component}` is not a component of {address}")
             };
             complain(message, did_you_mean(&upper, &address.to_string(), &known))
         };

@@ -296,6 +296,34 @@ const LOAD_CASES: &str = "[model]\ndeck = \"model.adm\"\n\
 [[target.goal]]\ncase = \"down\"\nof = \"SPRINGDAMPER/2.FZ\"\nvalue = 150\ntolerance = 5\n\
 [[target.unknown]]\nnumbers = [\"SPRINGDAMPER/1.K\"]\nform = \"value\"\nbounds = [20, 900]\n";
 
+/// Checks that `admire check` finds faults of the target in a study that has readings too.
+#[test]
+fn the_target_of_a_study_with_readings_is_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/multilink");
+    for entry in std::fs::read_dir(shipped).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let toml = folder.path().join("study.toml");
+    let study = std::fs::read_to_string(&toml).unwrap();
+    let goal = |of: &str| {
+        format!(
+            "{study}\n[target]\n[[target.goal]]\ncase = \"3\"\nof = \"{of}\"\nvalue = 1\ntolerance = 1\n[[target.unknown]]\nnumbers = [\"SPRINGDAMPER/1.K\"]\nform = \"factor\"\nbounds = [0.5, 2]\n"
+        )
+    };
+    let path = folder.path().display().to_string();
+    std::fs::write(&toml, goal("SPRINGDAMPER/1.FM")).unwrap();
+    let ran = admire(&["check", &path]);
+    assert_eq!(ran.status.code(), Some(0), "{}", text(&ran.stdout));
+    std::fs::write(&toml, goal("SPRINGDAMPER/7.FM")).unwrap();
+    let ran = admire(&["check", &path]);
+    let said = text(&ran.stdout);
+    assert_eq!(ran.status.code(), Some(1), "{said}");
+    let complaint = "SPRINGDAMPER/7 is not in this dataset";
+    assert_eq!(said.matches(complaint).count(), 1, "{said}");
+}
+
 /// Goals of load cases need no `kc.toml`: check, search, tolerances, Pareto front and report. The forces of the tuned deck are those that its own
 /// static simulation writes into a results file.
 #[test]
@@ -362,7 +390,7 @@ fn wrong_elements_and_cases_of_goals_are_named() {
         (
             "SPRINGDAMPER/2.FZ",
             "SPRINGDAMPER/2.F",
-            "`F` is no component of SPRINGDAMPER/2",
+            "`F` is not a component of SPRINGDAMPER/2",
             "did you mean `FM`?",
         ),
         (
