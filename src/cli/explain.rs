@@ -238,6 +238,12 @@ fn of_glossary(entry: &Entry) -> String {
     for (head, text) in &entry.cells {
         line(&mut out, &format!("  {head}: {text}"));
     }
+    if !entry.picture.is_empty() {
+        line(&mut out, "  picture: `o` readings, `.` the model, `*` both");
+        for row in &entry.picture {
+            line(&mut out, &format!("    {row}"));
+        }
+    }
     line(&mut out, &format!("  more: admire guide {}", entry.read_on));
     out
 }

@@ -52,7 +52,7 @@ pub(super) struct Arguments {
 /// Choice of the aim on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum AimChoice {
-    /// The three worst-determined combinations of stiffnesses.
+    /// The three worst-determined combinations of unknowns.
     Stiffnesses,
     /// Toe, camber and centre of the wheel over the cases of the study.
     Curves,
@@ -140,7 +140,8 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
     let mut text = String::new();
     for (k, combination) in found.combinations.iter().enumerate() {
         if k == 0 {
-            text += "worst-determined combinations of stiffnesses, sd of ln K:\n";
+            text +=
+                "worst-determined combinations, sd of ln K (of a change: in sd of its prior):\n";
         }
         let head = format!("  K{}  {:.3}  ", k + 1, combination.sd_log);
         text += &hanging(&head, &name(combination));

@@ -31,7 +31,7 @@ use admire_solver::mechanics::eigen::symmetric_eigen;
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Aim {
-    /// Information about the worst-determined combinations of stiffnesses.
+    /// Information about the worst-determined combinations of unknowns.
     Stiffnesses,
     /// Accurate prediction of position, camber and toe of the wheel over the cases of the study.
     Curves,
@@ -129,7 +129,7 @@ pub struct Ranked {
 pub struct Plan {
     /// Purpose of the plan.
     pub aim: Aim,
-    /// Worst-determined combinations of stiffnesses, the worst first.
+    /// Worst-determined combinations of unknowns, the worst first.
     pub combinations: Vec<Combination>,
     /// Accuracy of the predicted wheel. `null` if the study defines no wheel, and its loads act at no marker.
     pub curves: Option<Curves>,
@@ -396,7 +396,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
     }
 }
 
-/// Returns the combinations of stiffnesses with the largest variance: eigenvectors of the covariance of their logarithms.
+/// Returns the combinations of unknowns with the largest variance: eigenvectors of the covariance of their coordinates.
 fn combinations(subject: &DiagnosisProblem<'_>, covariance: &DMatrix<f64>) -> Vec<Combination> {
     if covariance.nrows() == 0 {
         return Vec::new();

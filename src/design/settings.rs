@@ -29,7 +29,7 @@ admire_study::constants! {
 
     // ## Criteria: plan.rs, rivals.rs, next_measurement.rs
 
-    /// Number of worst-determined combinations of stiffnesses that the plan considers.
+    /// Number of worst-determined combinations of unknowns that the plan considers.
     WORST_COMBINATIONS: usize = 3, "";
     /// Maximum number of cases for which the wheel is predicted.
     MAX_WHEEL_CASES: usize = 40, "";

@@ -21,6 +21,8 @@ pub struct Entry {
     pub cells: Vec<(&'static str, String)>,
     /// Words whose entries belong to this one.
     pub see: Vec<String>,
+    /// Picture in characters, one line each; empty for most words.
+    pub picture: Vec<&'static str>,
     /// Topic of the page to read on: the page that the row links to, else the page that contains the table.
     pub read_on: &'static str,
 }
@@ -205,8 +207,27 @@ fn of_page(page: &'static Page) -> Vec<Entry> {
                 section,
                 cells: others.clone(),
                 see: see.clone(),
+                picture: Vec::new(),
                 read_on,
             });
+        }
+    }
+    for (term, picture) in pictures(page.text) {
+        for entry in found.iter_mut().filter(|entry| entry.term == term) {
+            entry.picture.clone_from(&picture);
+        }
+    }
+    found
+}
+
+/// Returns the pictures of a page, each with its word: blocks of code that begin with "```text fingerprint WORD".
+fn pictures(text: &'static str) -> Vec<(&'static str, Vec<&'static str>)> {
+    let mut lines = text.lines();
+    let mut found = Vec::new();
+    while let Some(line) = lines.next() {
+        if let Some(term) = line.strip_prefix("```text fingerprint ") {
+            let picture = lines.by_ref().take_while(|line| !line.starts_with("```"));
+            found.push((term.trim(), picture.collect()));
         }
     }
     found

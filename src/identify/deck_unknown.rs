@@ -263,7 +263,7 @@ impl Deck<'_> {
         let mut splines: BTreeMap<Option<u32>, (Vec<f64>, Vec<Found>)> = BTreeMap::new();
         for point in found {
             let Some(x) = self.spline_x(&point.address) else {
-                let message = format!("{} is not a point of a SPLINE", point.address);
+                let message = format!("{} is not a point of a curve of a SPLINE", point.address);
                 return Err(refuse(message));
             };
             let (places, points) = splines.entry(point.address.id).or_default();

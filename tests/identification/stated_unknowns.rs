@@ -383,7 +383,7 @@ fn what_a_fit_cannot_seek_is_refused_at_its_place() {
         ),
         (
             format!("{table}sd = \"5 mm\"\nsmooth = 10\n"),
-            "MARKER/1.QP.1 is not a point of a SPLINE",
+            "MARKER/1.QP.1 is not a point of a curve of a SPLINE",
         ),
     ] {
         let folder = tempfile::tempdir().unwrap();

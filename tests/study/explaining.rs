@@ -244,7 +244,7 @@ fn every_key_of_the_other_settings_is_explained() {
     );
 }
 
-/// Checks that every effect of the virtual rig is in the guide, and that it can be planted as printed there.
+/// Checks that every effect of the virtual rig is in the guide with a picture, and that it can be planted as printed there.
 #[test]
 fn every_effect_of_the_guide_can_be_planted() {
     let (folder, study) = copied("pseudo-mcpherson");
@@ -253,6 +253,20 @@ fn every_effect_of_the_guide_can_be_planted() {
     let mut planted = BTreeSet::new();
     for entry in admire_guide::glossary::entries().filter(|entry| entry.page == "rig") {
         let effect = entry.cells[0].1.trim_matches('`');
+        let said = admire(folder.path(), &["explain", &entry.term]);
+        assert!(
+            said.out.contains("readings, `.` the model"),
+            "{}: {}",
+            entry.term,
+            said.out
+        );
+        for row in &entry.picture {
+            assert!(
+                row.len() < 76 && said.out.contains(row),
+                "{}: {row}",
+                entry.term
+            );
+        }
         if effect == "none" {
             continue;
         }
