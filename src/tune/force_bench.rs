@@ -317,54 +317,38 @@ fn a_limit_on_a_joint_force_holds_in_a_test() {
 fn wrong_names_are_reported_at_their_place() {
     let folder = tempfile::tempdir().expect("a folder");
     let good = "[[target.goal]]\ncase = \"down\"\nof = \"SPRINGDAMPER/1.FZ\"\nvalue = 800\ntolerance = 1\n";
+    let force = "SPRINGDAMPER/1.FZ";
+    let table = "[[target.goal]]";
+    let component = "is not a component of";
     let cases = [
-        (good.replace("\"down\"", "\"dwn\""), "\"dwn\"", "`down`"),
+        (("\"down\"", "\"dwn\""), "\"dwn\"", "`down`"),
+        ((force, "SPRINGDAMPER/1.FQ"), "1.FQ\"", component),
+        ((force, "SPRINGDAMPR/1.FZ"), "R/1.FZ\"", "SPRINGDAMPER/1"),
+        ((force, "SPRINGDAMPER/11.FZ"), "11.FZ\"", "SPRINGDAMPER/1"),
+        ((force, "SPRINGDAMPER/1"), "R/1\"", "needs a component"),
+        ((force, "PART/2.FZ"), "\"PART/2.FZ\"", "exerts no force"),
+        ((force, "MARKER/20.W"), "\"MARKER/20.W\"", component),
+        ((force, "wheel.x"), "\"wheel.x\"", "the study has"),
         (
-            good.replace("SPRINGDAMPER/1.FZ", "SPRINGDAMPER/1.FQ"),
-            "\"SPRINGDAMPER/1.FQ\"",
-            "F",
+            ("value = 800", "gradient = 1"),
+            table,
+            "a load case has `value`",
         ),
         (
-            good.replace("SPRINGDAMPER/1.FZ", "SPRINGDAMPR/1.FZ"),
-            "\"SPRINGDAMPR/1.FZ\"",
-            "SPRINGDAMPER/1",
+            ("value", "at = 3\nvalue"),
+            table,
+            "`at` is for a goal of a test",
         ),
+        (("value", "test = \"ride\"\nvalue"), table, "needs one of"),
+        (("case = \"down\"\n", ""), table, "needs one of"),
         (
-            good.replace("SPRINGDAMPER/1.FZ", "SPRINGDAMPER/11.FZ"),
-            "\"SPRINGDAMPER/11.FZ\"",
-            "SPRINGDAMPER/1",
+            ("value", "relative_to = \"2\"\nvalue"),
+            "\"2\"",
+            "no case `2`",
         ),
-        (
-            good.replace("SPRINGDAMPER/1.FZ", "SPRINGDAMPER/1"),
-            "\"SPRINGDAMPER/1\"",
-            "FX",
-        ),
-        (
-            good.replace("SPRINGDAMPER/1.FZ", "PART/2.FZ"),
-            "\"PART/2.FZ\"",
-            "SPRINGDAMPER",
-        ),
-        (
-            good.replace("SPRINGDAMPER/1.FZ", "MARKER/20.W"),
-            "\"MARKER/20.W\"",
-            "",
-        ),
-        (
-            good.replace("SPRINGDAMPER/1.FZ", "wheel.x"),
-            "\"wheel.x\"",
-            "the study has",
-        ),
-        (
-            good.replace("value = 800", "gradient = 1"),
-            "[[target.goal]]",
-            "",
-        ),
-        (format!("{good}at = 3\n"), "[[target.goal]]", ""),
-        (format!("{good}test = \"ride\"\n"), "[[target.goal]]", ""),
-        (good.replace("case = \"down\"\n", ""), "[[target.goal]]", ""),
-        (format!("{good}relative_to = \"2\"\n"), "\"2\"", "down"),
     ];
-    for (target, place, help) in cases {
+    for ((from, to), place, words) in cases {
+        let target = good.replacen(from, to, 1);
         let write =
             |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect(name);
         write("model.adm", LOADED);
@@ -379,8 +363,12 @@ fn wrong_names_are_reported_at_their_place() {
         assert!(label.file.ends_with("study.toml"), "{error:?}");
         let text = &toml[label.span.start()..label.span.end()];
         assert!(text.contains(place), "{place}: {text}: {error:?}");
-        let told = error.help.clone().unwrap_or_default();
-        assert!(told.contains(help), "{target}\n{error:?}");
+        let said = format!(
+            "{} {}",
+            error.message,
+            error.help.clone().unwrap_or_default()
+        );
+        assert!(said.contains(words), "{target}\n{error:?}");
     }
 }
 

@@ -16,8 +16,6 @@ use admire_syntax::{Address, Dataset};
 const OF_MARKER: [&str; 6] = ["X", "Y", "Z", "AX", "AY", "AZ"];
 /// Readings of the wheel, as the columns of `wheel.csv`.
 const OF_WHEEL: [&str; 5] = ["x", "y", "z", "camber_deg", "steer_deg"];
-/// Distance of the ids of auxiliary markers from those of the deck. The rig takes the ids between them.
-const FREE_IDS: u32 = 100_000;
 
 /// Force, place or reading that a goal names.
 #[derive(Clone, PartialEq, Debug)]
@@ -58,6 +56,7 @@ pub(crate) struct Names<'a> {
     measurement: Option<&'a Measurement>,
     /// Force elements and constraints of the deck, by keyword and id.
     elements: Vec<(&'static str, u32)>,
+    /// Next id of an auxiliary marker. They count down from the largest id, because rig and wheel gauge count up from the ids of the deck.
     next_id: Cell<u32>,
 }
 
@@ -71,13 +70,12 @@ impl<'a> Names<'a> {
         let elements = system.elements().map(|(_, name)| (name.kind, name.id));
         let constraints = system.constraints().map(|(_, name)| (name.kind, name.id));
         let nforces = model.nforces.iter().map(|own| ("NFORCE", own.header.id));
-        let ids = model.markers.iter().map(|marker| marker.header.id);
         Self {
             dataset,
             model,
             measurement,
             elements: elements.chain(constraints).chain(nforces).collect(),
-            next_id: Cell::new(ids.max().unwrap_or(0).saturating_add(FREE_IDS)),
+            next_id: Cell::new(u32::MAX),
         }
     }
 
@@ -290,8 +288,12 @@ impl<'a> Names<'a> {
 
     /// Creates an auxiliary marker on a part. Its id is free in the deck.
     fn helper(&self, part: PartIx, qp: Vec3, R: Mat3, relative: Option<Relative>) -> Marker {
-        let id = self.next_id.get();
-        self.next_id.set(id + 1);
+        let taken = |id: &u32| self.model.marker(*id).is_some();
+        let mut down = (0..=self.next_id.get()).rev().skip_while(taken);
+        let id = down
+            .next()
+            .expect("a deck has fewer markers than there are ids");
+        self.next_id.set(id - 1);
         Marker {
             header: Header {
                 id,

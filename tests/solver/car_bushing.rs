@@ -121,11 +121,25 @@ fn derivatives_of_the_equilibrium_agree_with_differences() {
 }
 
 /// The points of a SPLINE change the equilibrium alike through the FIELD and through the FUNCTIONs of a GFORCE, and as differences say.
+///
+/// The chords on both sides of the middle of an odd curve are equal, so a weight of Akima's rule has a kink there. The deflections lie between the
+/// last two knots, where that weight does not act.
 #[test]
 fn derivatives_by_the_points_of_curves_agree_with_differences() {
-    for load in &LOADS[1..] {
-        let own = solve(&car(&GENERAL, *load));
-        let by_functions = solve(&[part(*load), splines(), gforce(&GENERAL)].concat());
+    let beyond: [f64; 6] = [3.5, 3.5, 5.0, 0.25, 0.25, 0.25];
+    for sign in [1.0, -1.0] {
+        let r = f64::hypot(beyond[0], beyond[1]);
+        // The closed form of the load that holds these arguments of the curves.
+        let load: [f64; 6] = std::array::from_fn(|axis| {
+            let [scale, preload, ..] = GENERAL[axis];
+            let force = match axis {
+                0..2 => curve(axis, r) * beyond[axis] / r,
+                _ => curve(axis, beyond[axis]),
+            };
+            sign * scale * force - preload
+        });
+        let own = solve(&car(&GENERAL, load));
+        let by_functions = solve(&[part(load), splines(), gforce(&GENERAL)].concat());
         let column = |of: &Solved, spline: u32, point: usize| {
             let address = Address {
                 kind: "SPLINE".into(),
@@ -138,8 +152,7 @@ fn derivatives_by_the_points_of_curves_agree_with_differences() {
             let mut tangent = Tangent::new(system, parameters, state).unwrap();
             let mut solver = Solver::new(system);
             let error = check_slot(system, &mut solver, parameters, state, slot, &mut tangent);
-            // Weights of Akima's rule vanish in the middle of an odd curve. The error of a difference is then proportional to its step of 1e-3.
-            assert!(error < 1e-3, "{load:?} {address}: {error:e}");
+            assert!(error < 1e-5, "{load:?} {address}: {error:e}");
             let column = tangent.by_slot(system, parameters, state, slot).unwrap();
             column[system.part_unknowns(PartIx(1))].to_vec()
         };
@@ -164,7 +177,7 @@ fn derivatives_by_the_points_of_curves_agree_with_differences() {
                 }
             }
         }
-        assert!(moved >= 10, "{moved}");
+        assert!(moved >= 15, "{moved}");
     }
 }
 

@@ -109,29 +109,8 @@ impl Configuration<'_> {
         quantity: Quantity,
         slot: Slot,
     ) -> Result<f64, NoValue> {
-        let (system, state) = (self.system, self.state);
-        let role = system.catalogue().group(slot).role;
-        if !system.may_touch(quantity, role) {
-            return Ok(0.0);
-        }
-        let here = self.number(slot)?;
-        let h = STEP * here.abs().max(1.0);
-        let mut moved = self.parameters.clone();
-        let scratch = &mut *self.scratch;
-        let mut difference = |h: f64| -> Result<f64, NoValue> {
-            moved.set(slot, here + h);
-            let plus = system
-                .evaluate(&moved, state, scratch)?
-                .quantity(quantity)?;
-            moved.set(slot, here - h);
-            let minus = system
-                .evaluate(&moved, state, scratch)?
-                .quantity(quantity)?;
-            Ok((plus - minus) / (2.0 * h))
-        };
-        let (coarse, fine) = (difference(h)?, difference(0.5 * h)?);
-        self.evaluate()?;
-        Ok((4.0 * fine - coarse) / 3.0)
+        let along = self.quantities_along(&[quantity], (&[(slot, 1.0)], &[]))?;
+        Ok(along[0])
     }
 
     /// Returns the derivatives of quantities along a change of the parameters at constant unknowns. `slots` are parameters with their changes
