@@ -37,7 +37,7 @@ pub fn set(file: &PropertyFile, entry: &Entry, text: &str) -> Result<Vec<Edit>, 
             let new = inner.unwrap_or(typed);
             if new.contains(|c: char| c == '\'' || c.is_control()) {
                 let message = format!(
-                    "{} cannot hold a quote or a control character",
+                    "{} cannot contain a quote or a control character",
                     entry.address
                 );
                 return refused(Code::WrongType, message);
@@ -105,7 +105,7 @@ pub fn set_number(file: &PropertyFile, entry: &Entry, value: f64) -> Result<Vec<
     match entry.cell {
         Cell::Text(_) => refused(
             Code::WrongType,
-            format!("{} is a text, not a number", entry.address),
+            format!("{} is a string, not a number", entry.address),
         ),
         Cell::Number(_) if !value.is_finite() => refused(
             Code::BadNumber,

@@ -10,7 +10,7 @@ use super::edited::refuse_faults;
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// Add statements to a dataset, in the dataset's own style: continuation marks, line ends, name comments.
+/// Add statements to a dataset, in the dataset's own style: continuation marks, line endings, name comments.
 ///
 /// A statement is inserted after the last statement of its kind, or before END. Nothing else in the deck changes. Without -o or --in-place,
 /// the new deck goes to standard output.
@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         (Some(name), _) => {
             let message = format!("`{name}` cannot be the name");
-            let help = "a name is for one statement, without quotes and line ends";
+            let help = "a name is for one statement and must not contain quotes or line breaks";
             return Err(shell.usage(Diagnostic::error(Code::SyntaxError, message).help(help)));
         }
     }

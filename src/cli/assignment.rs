@@ -72,7 +72,10 @@ impl Assignment<'_> {
             return Ok(self.value.to_string());
         }
         let Some(operand) = plain_number(self.value) else {
-            let message = format!("`{}` is not a number to compute with", self.value);
+            let message = format!(
+                "`{}` is not a number that can be used with *=, /=, += or -=",
+                self.value
+            );
             return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
         };
         let Some(old) = old else {
@@ -131,7 +134,7 @@ pub(super) fn evaluated(
     let Some((operand, has_suffix)) = number::parse_number(value.as_bytes()) else {
         return Err(shell.usage(Diagnostic::error(
             Code::BadNumber,
-            format!("`{value}` is not a number to compute with"),
+            format!("`{value}` is not a number that can be used with *=, /=, += or -="),
         )));
     };
     let mut all = Vec::new();

@@ -95,7 +95,7 @@ fn changed(file: &PropertyFile, text: &str, shell: &Shell) -> Result<PropertyFil
     let new = PropertyFile::parse(Source::new(file.source().name(), bytes)).value;
     if entries(&new).len() != entries(file).len() {
         return Err(conflict(format!(
-            "`{text}` would change more than it names"
+            "`{text}` would change more than the value that it names"
         )));
     }
     Ok(new)

@@ -23,11 +23,11 @@ use super::shell::{Exit, Shell, exit_of};
 
 /// Check datasets, command files, files of Adams/Car and studies.
 ///
-/// Prints each complaint with its place in the file. A command file is checked
-/// against the deck that it names. The exit code is 1 if any complaint is an
-/// error; with --strict, also if any complaint is a warning.
+/// Prints each message with its place in the file. A command file is checked
+/// against the deck that it names. The exit code is 1 if any message is an
+/// error; with --strict, also if any message is a warning.
 ///
-/// Comments in a deck silence complaints: `! admire: ignore[tab]` after a
+/// Comments in a deck silence messages: `! admire: ignore[tab]` after a
 /// statement or above it, `! admire: ignore-file[tab]` anywhere for the whole
 /// file. Settings for all files of a folder are in `admire.toml` in that folder
 /// or in a folder above it:
@@ -46,7 +46,7 @@ pub(super) struct Arguments {
     /// patterns: `runs/*.adm`.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Folder for the page `report.html`; no page is written if absent.
+    /// Folder for the page `report.html`. Without this option, no page is written.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

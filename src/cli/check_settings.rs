@@ -29,13 +29,13 @@ impl From<SolverChoice> for Solver {
 /// Flags that select the complaints shown, and the complaints that make the check fail.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub(super) struct Flags {
-    /// Solver for which the decks are intended. Without it, all complaints are shown.
+    /// Solver for which the decks are intended. Without it, all messages are shown.
     #[arg(long = "for", value_enum, value_name = "SOLVER")]
     solver: Option<SolverChoice>,
-    /// Show only complaints with these codes: `--select undefined-id,tab`.
+    /// Show only messages with these codes: `--select undefined-id,tab`.
     #[arg(long, value_delimiter = ',', value_name = "CODE")]
     select: Vec<String>,
-    /// Hide complaints with these codes.
+    /// Hide messages with these codes.
     #[arg(long, value_delimiter = ',', value_name = "CODE")]
     ignore: Vec<String>,
     /// Warnings make the check fail, too.

@@ -18,10 +18,10 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// The message file (.msg).
     messages: PathBuf,
-    /// Dataset to read if no command names one; the name of the message file if absent.
+    /// Dataset to read if no command names one; by default, the name of the message file.
     #[arg(long, value_name = "NAME")]
     model: Option<String>,
-    /// File to write; standard output if absent.
+    /// File to write; by default, standard output.
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 }

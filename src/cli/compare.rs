@@ -39,7 +39,7 @@ pub(super) struct Arguments {
     /// Show all columns, not only those that differ.
     #[arg(long)]
     all: bool,
-    /// Folder for the page `report.html`; no page is written if absent.
+    /// Folder for the page `report.html`. Without this option, no page is written.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -111,7 +111,7 @@ fn table(comparison: &Comparison, all: bool) -> String {
         let unit = column.units.as_deref().unwrap_or("");
         _ = write!(
             out,
-            "{:width$} largest {:.3e} {unit}, relative {:.3e}, {} of {} steps beyond",
+            "{:width$} largest {:.3e} {unit}, relative {:.3e}, {} of {} steps beyond the tolerance",
             column.path, column.largest, column.largest_relative, column.beyond, comparison.steps
         );
         if let Some(worst) = &column.worst {
@@ -157,7 +157,7 @@ fn table(comparison: &Comparison, all: bool) -> String {
         }
     }
     for step in &comparison.kinds_differ {
-        _ = writeln!(out, "step {step} is of another kind");
+        _ = writeln!(out, "step {step} is of different kinds in the two files");
     }
     let alone = comparison.only_in_a.len() + comparison.only_in_b.len();
     let mut said = vec![match differing {

@@ -41,13 +41,13 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
-    /// Folder for the output files; `out-diagnose` in the folder of the study if absent.
+    /// Folder for the output files; by default, `out-diagnose` in the folder of the study.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Method for measuring the gain of the causes in load cases that were held out.
     #[arg(long, value_enum, default_value_t = CheckChoice::HeldOut)]
     check_gain: CheckChoice,
-    /// Time that the search may take, in seconds. It then ends with what was found so far.
+    /// Maximum time for the search, in seconds. After this time, the search ends with the causes found so far.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     budget: Option<Duration>,
     #[command(flatten)]
@@ -69,7 +69,7 @@ enum CheckChoice {
     Folds,
 }
 
-/// Reads a time in seconds.
+/// Parses a duration in seconds.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "not a number".to_string())?;
     Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())

@@ -12,7 +12,7 @@ use super::Outcome;
 use super::shell::{Exit, Shell};
 use super::width::hanging;
 
-/// Explain a word: a term of the field, a statement, a command, a function, the code of a complaint, a key of study.toml, a cause of a
+/// Explain a word: a term of the field, a statement, a command, a function, the code of a message, a key of study.toml, a cause of a
 /// diagnosis, a field of a result file, a column.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -86,7 +86,7 @@ fn list() -> String {
     for def in FUNCTIONS {
         entry(&mut out, def.name, def.doc);
     }
-    out.push_str("\nCodes of complaints:\n");
+    out.push_str("\nCodes of messages:\n");
     for code in Code::ALL {
         let first = code.explain().trim().lines().next().unwrap_or_default();
         entry(&mut out, code.as_str(), first.trim());
@@ -142,7 +142,7 @@ fn page(word: &str) -> Result<String, String> {
         return Ok(found.join("\n"));
     }
     if let Lookup::Ambiguous(names) = statement {
-        return Err(format!("`{word}` may be {}\n", names.join(", ")));
+        return Err(format!("`{word}` is ambiguous: {}\n", names.join(", ")));
     }
     let names = STATEMENTS
         .iter()

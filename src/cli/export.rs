@@ -17,7 +17,7 @@ pub(super) struct Arguments {
     /// Print JSON; no other format exists yet.
     #[arg(long)]
     json: bool,
-    /// File to write; standard output if absent.
+    /// File to write; by default, standard output.
     #[arg(long, short)]
     out: Option<PathBuf>,
 }

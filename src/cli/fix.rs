@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     /// Also apply fixes that may be wrong: a misspelt word is replaced by the only similar word, and a missing comma at the end of a line is added.
     #[arg(long = "unsafe")]
     may_be_wrong: bool,
-    /// Make the changes after they are shown.
+    /// Write the changes to the files. Without this option, they are only shown.
     #[arg(long)]
     write: bool,
     /// Also replace forces by USER subroutines that only read an Adams/Car bushing, spring or bump-stop file. The new forces contain the curves of

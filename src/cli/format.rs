@@ -3,9 +3,9 @@
 pub(super) enum Format {
     /// Text with the lines of the file and the place marked.
     Text,
-    /// One line per complaint: `file:line:column: severity[code]: message`.
+    /// One line per message: `file:line:column: severity[code]: message`.
     Plain,
-    /// One JSON array of all complaints.
+    /// One JSON array of all messages.
     Json,
     /// SARIF 2.1.0, for code scanning.
     Sarif,

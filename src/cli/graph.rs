@@ -18,7 +18,7 @@ pub(super) struct Arguments {
     /// Write text for Graphviz (`dot -Tpdf`) instead of a picture.
     #[arg(long)]
     dot: bool,
-    /// File to write; standard output if absent.
+    /// File to write; by default, standard output.
     #[arg(long, short)]
     out: Option<PathBuf>,
 }

@@ -49,7 +49,7 @@ use super::width::table_text;
 pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
-    /// Folder for the output files; `out-identify` in the folder of the study if absent.
+    /// Folder for the output files; by default, `out-identify` in the folder of the study.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Method of identification, instead of the study's own.
@@ -70,7 +70,7 @@ pub(super) struct Arguments {
     /// With --bootstrap or --posterior: seed of the random numbers; another seed gives other random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// With --bootstrap or --posterior: number of parallel threads; as many as there are cores if absent.
+    /// With --bootstrap or --posterior: number of parallel threads; by default, one for each core.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     #[command(flatten)]
@@ -331,7 +331,8 @@ fn ends(sides: [Option<f64>; 2], error: Option<f64>) -> String {
     sides.map(side).join(" to ")
 }
 
-/// Formats the intervals of the repetitions beside the profile-likelihood intervals. The text is empty without repetitions.
+/// Formats a table of the bootstrap and posterior intervals beside the profile-likelihood intervals. The text is empty if neither was
+/// computed.
 fn repeats_table(fit: &Fit) -> String {
     if fit.bootstrap.is_none() && fit.posterior.is_none() {
         return String::new();
@@ -343,7 +344,7 @@ fn repeats_table(fit: &Fit) -> String {
         heads.extend(["bootstrap", "width"]);
     }
     if fit.posterior.is_some() {
-        heads.extend(["posterior", "width", "draws worth", "R-hat"]);
+        heads.extend(["posterior", "width", "effective draws", "R-hat"]);
     }
     let columns = heads.len();
     table.set_header(heads);

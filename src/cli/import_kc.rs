@@ -23,10 +23,10 @@ pub(super) struct Arguments {
     /// Tables of one laboratory; those of the left and of the right wheel may be separate files.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Mapping of the columns; `import-kc.toml` beside the first file if absent. On a terminal it is written if it does not exist.
+    /// Mapping of the columns; by default, `import-kc.toml` beside the first file. On a terminal it is written if it does not exist.
     #[arg(long, value_name = "TOML")]
     map: Option<PathBuf>,
-    /// Table to write; if absent, a file beside the first file with the ending `-kc.csv`.
+    /// Table to write; by default, a file beside the first file with the ending `-kc.csv`.
     #[arg(long, short, value_name = "CSV")]
     out: Option<PathBuf>,
     /// Test of the files, if the files do not name it: one for all files, or one for each.
@@ -65,7 +65,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     ] {
         if count > 1 && count != arguments.files.len() {
             let message = format!(
-                "{option} has {count} words for {} files",
+                "{option} has {count} values for {} files",
                 arguments.files.len()
             );
             return Err(shell.usage(Diagnostic::error(Code::BadSetting, message)));
@@ -237,7 +237,7 @@ fn reply(question: &str, shell: &Shell) -> Option<String> {
 fn summary(table: &CurveTable, out: &Path) -> String {
     let mut shown = Table::new();
     shown.load_style(presets::NOTHING);
-    shown.set_header(["column", "holds", "unit", "counts positive", "side"]);
+    shown.set_header(["column", "holds", "unit", "positive direction", "side"]);
     for row in &table.assumed {
         shown.add_row([&row.column, &row.holds, &row.unit, &row.sign, &row.side]);
     }

@@ -42,7 +42,7 @@ fn is_pattern(word: &Path) -> bool {
 
 fn matching(pattern: &Path, shell: &Shell) -> Result<Vec<PathBuf>, Exit> {
     let paths = glob::glob(&pattern.to_string_lossy()).map_err(|error| {
-        let message = format!("`{}` is not a pattern: {error}", pattern.display());
+        let message = format!("`{}` is not a valid pattern: {error}", pattern.display());
         shell.usage(Diagnostic::error(Code::CannotRead, message))
     })?;
     Ok(paths

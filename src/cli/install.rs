@@ -17,7 +17,7 @@ use super::{Cli, Outcome};
     after_help = "Examples:\n  admire install\n  sudo admire install --prefix /usr/local\n  man admire-identify"
 )]
 pub(super) struct Arguments {
-    /// Prefix of the installation; `~/.local` if absent.
+    /// Prefix of the installation; by default, `~/.local`.
     #[arg(long, value_name = "DIR")]
     prefix: Option<PathBuf>,
 }

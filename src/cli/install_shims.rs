@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .map_err(|error| shell.fail(cannot(folder, &error)))?;
     if !mdi.is_file() {
         let message = format!(
-            "`{}` does not exist, so the commands could start nothing",
+            "`{}` does not exist, so the commands would have nothing to start",
             mdi.display()
         );
         return Err(shell.fail(Diagnostic::error(Code::CannotRead, message).help(
@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 return Err(shell.usage(
                     Diagnostic::error(
                         Code::CannotWrite,
-                        format!("`{}` is there already", path.display()),
+                        format!("`{}` already exists", path.display()),
                     )
                     .help("`--force` replaces it"),
                 ));

@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     /// Configuration of the wheels, the tyre and the tests.
     #[arg(long, value_name = "FILE", default_value = "kc.toml")]
     config: PathBuf,
-    /// Folder for the output files; `out-kc` beside the dataset if absent.
+    /// Folder for the output files; by default, `out-kc` beside the dataset.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Axes in which the results are given.
@@ -235,8 +235,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
         }
         BenchError::NoAxleLoad { .. } => {
             let message = format!("`{file}`, {why}");
-            let help =
-                "a deck without springs bears no load: hold = \"height\" drives the wheels alone";
+            let help = "a deck without springs carries no load; hold = \"height\" prescribes the wheel heights instead";
             shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
             Exit::NoAnswer
         }
@@ -249,7 +248,8 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
                 } => {
                     let mut lines = causes.clone();
                     lines.extend(history_table(history));
-                    lines.push("a smaller range of the test may have equilibria".to_string());
+                    lines
+                        .push("there may be equilibria in a smaller range of the test".to_string());
                     diagnostic.help(lines.join("\n"))
                 }
                 _ => diagnostic,
@@ -345,7 +345,7 @@ fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convent
     out += &table_text(&table);
     let told = run.balance.describe(units);
     if !told.is_empty() {
-        out += &format!("\nforces summed again leave at most {told}\n");
+        out += &format!("\nrecomputed force balance: at most {told} remains\n");
     }
     out
 }

@@ -6,7 +6,7 @@ use super::shell::{Exit, Shell};
 
 /// Serve an editor over the Language Server Protocol on standard input and output.
 ///
-/// Provides complaints as you type, hover texts, definitions and references, renaming, quick fixes, completion and more, for datasets
+/// Provides messages as you type, hover texts, definitions and references, renaming, quick fixes, completion and more, for datasets
 /// (.adm) and command files (.acf). `admire guide editors` describes the setup of VS Code, Neovim and Emacs.
 #[derive(clap::Args, Debug)]
 #[command(

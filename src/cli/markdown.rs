@@ -4,8 +4,8 @@ use admire_guide::link::in_words;
 
 use super::width::{WIDTH, hanging, wrapped};
 
-/// Largest width in characters of the first column of a table. A longer cell gets a line of its own. This column contains the words that the table
-/// explains.
+/// Largest width in characters of the first column of a table, which contains the words that the table explains. A longer cell gets a
+/// separate line.
 const FIRST_COLUMN_WIDTH: usize = 34;
 /// Blanks between two columns of a table.
 const COLUMN_GAP: usize = 2;

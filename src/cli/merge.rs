@@ -74,7 +74,7 @@ fn text(summary: &Summary) -> String {
         "5 %",
         "median",
         "95 %",
-        "most by",
+        "largest effect",
     ]);
     for output in &summary.outputs {
         let spread = &output.spread;
@@ -99,7 +99,7 @@ fn text(summary: &Summary) -> String {
     }
     let mut out = table_text(&table);
     let ok = summary.statuses.get("ok").copied().unwrap_or_default();
-    out += &format!("{ok} of {} cases have an answer\n", summary.cases);
+    out += &format!("{ok} of {} cases have a result\n", summary.cases);
     for (reason, count) in summary.reasons.iter().take(5) {
         out += &format!(
             "  {count} without: {}\n",

@@ -101,13 +101,13 @@ const EXAMPLES: &str = "First steps:
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Format in which complaints are printed.
+    /// Format in which messages are printed.
     #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// When to use colours; `auto` obeys NO_COLOR.
     #[arg(long, global = true, value_enum, default_value_t = ColorChoice::Auto)]
     color: ColorChoice,
-    /// Print nothing but complaints and the answer; `check` prints errors only.
+    /// Print nothing but messages and the result; `check` prints errors only.
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     quiet: bool,
     /// Print every stage, even if no terminal shows progress.

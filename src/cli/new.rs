@@ -25,10 +25,10 @@ pub(super) struct Arguments {
     /// Deck that the study is about.
     #[arg(long, value_name = "DECK")]
     from: PathBuf,
-    /// What was measured. If absent, the user is asked on a terminal; otherwise it is marks.
+    /// What was measured. By default, you are asked on a terminal; elsewhere, it is `marks`.
     #[arg(long, value_enum, value_delimiter = ',')]
     measured: Vec<Measured>,
-    /// Bushings to identify, by id. If absent, the user is asked on a terminal; otherwise all are identified.
+    /// Bushings to identify, by id. By default, you are asked on a terminal; elsewhere, all are identified.
     #[arg(long, value_delimiter = ',', value_name = "ID")]
     bushings: Vec<String>,
     #[command(flatten)]
@@ -87,7 +87,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&[Diagnostic::note(Code::CannotRead, message)]);
     }
     let Some(deck) = arguments.from.file_name() else {
-        let message = format!("`{}` is no deck", arguments.from.display());
+        let message = format!("`{}` is not a deck", arguments.from.display());
         return Err(shell.usage(Diagnostic::error(Code::CannotRead, message)));
     };
     let deck = deck.to_string_lossy().into_owned();
@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         && shell.is_verbose()
     {
         shell.say(&format!(
-            "you will be asked before a program of the study is started: {error}\n"
+            "the permission for programs of the study was not saved, so you will be asked for it: {error}\n"
         ));
     }
     let study = arguments.study.display();

@@ -204,7 +204,7 @@ fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<()
     Err(shell.fail(
         Diagnostic::error(
             Code::CannotWrite,
-            format!("nothing is written: {names} is there already, and no list of outputs beside it has it as it is"),
+            format!("nothing is written: these files exist and are not the unchanged output of an earlier run: {names}"),
         )
         .help("name another folder, or replace it with --force"),
     ))

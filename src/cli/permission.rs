@@ -30,7 +30,9 @@ impl Permission {
             return Err(shell.usage(program.refusal(help)));
         }
         if let Err(error) = program.allow() {
-            shell.say(&format!("you will be asked again: {error}\n"));
+            shell.say(&format!(
+                "the permission was not saved, so you will be asked again: {error}\n"
+            ));
         }
         Ok(())
     }

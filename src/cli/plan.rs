@@ -24,9 +24,10 @@ use super::width::{hanging, table_text};
 
 /// Recommend which test, load or mark to add to a study, ranked by the expected gain.
 ///
-/// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells, as far as `[plan] available` of the study
-/// lists them. For each, it computes the effect on the worst-determined stiffnesses, on the predicted wheel, and on causes between which the
-/// readings do not decide. With --out, it writes `plan.json`, `report.html`, and `suggested.csv` with load cases to append to the study's file.
+/// Considers further load cases, repeated cases, marks on parts, curves of the wheel and load cells, as far as `[plan] available` of the
+/// study lists them. For each, it computes the effect on three quantities: the worst-determined stiffnesses, the predicted wheel position
+/// and angles, and the choice between causes that the readings do not distinguish. With --out, it writes `plan.json`, `report.html`, and
+/// `suggested.csv` with load cases to append to the study's file.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire plan corpus/pseudo-mcpherson --for stiffnesses\n  admire plan my-axle --count 5 --out next\n  tail -n +2 next/suggested.csv | head -1 >> my-axle/load_cases.csv"
@@ -34,10 +35,10 @@ use super::width::{hanging, table_text};
 pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
-    /// Folder for `plan.json`, `suggested.csv` and `report.html`; nothing is written if absent.
+    /// Folder for `plan.json`, `suggested.csv` and `report.html`. Without this option, nothing is written.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Purpose of the measurement; all three if absent, which takes as long as a diagnosis.
+    /// Purpose of the measurement; by default, all three, which takes as long as a diagnosis.
     #[arg(long = "for", value_enum, value_name = "WHAT")]
     aim: Option<AimChoice>,
     /// Number of candidates shown.
@@ -151,7 +152,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
             "{}: toe {:.2e} deg, camber {:.2e} deg, centre {:.2e} {length}",
             curves.wheel, curves.sd.toe_deg, curves.sd.camber_deg, curves.sd.position
         );
-        text += "wheel over the cases of the study, sd:\n";
+        text += "predicted wheel over the cases of the study, sd:\n";
         text += &hanging("  ", &line);
     }
     if let Some(undecided) = &found.causes {
@@ -162,7 +163,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
             text += &hanging("", &without_loads(undecided));
         }
     } else if matches!(found.aim, Aim::All | Aim::Causes) {
-        text += "causes: the readings decide between all explanations\n";
+        text += "causes: the readings distinguish all explanations\n";
     }
     if found.candidates.is_empty() {
         return text;

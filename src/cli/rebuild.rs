@@ -18,7 +18,7 @@ pub(super) struct Arguments {
     /// Results files (.res) of one mechanism.
     #[arg(required = true)]
     results: Vec<PathBuf>,
-    /// Folder to write; `out-rebuild` beside the first file if absent.
+    /// Folder to write; by default, `out-rebuild` beside the first file.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Results of other tests. They are not used for the deck; the report states how well the deck predicts them.

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     drop(bar);
     let (runs, failed) = backend.tally();
     shell.print(&format!(
-        "{} of {runs} runs gave an answer and were recorded; {} holds {} runs\n",
+        "{} of {runs} runs gave a result and were recorded; {} holds {} runs\n",
         runs - failed,
         recording.folder.display(),
         recording.count()

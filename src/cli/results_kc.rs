@@ -46,7 +46,7 @@ pub(super) struct KcArguments {
     /// Vertical tyre stiffness. The radius shrinks by the forces in the columns `left_tire_forces.normal` and `right_tire_forces.normal`.
     #[arg(long, value_name = "RATE", requires = "radius", value_parser = positive)]
     tyre_rate: Option<f64>,
-    /// Road: level; the plane through both contact points; or level unless the file's own columns show that the rig rolls.
+    /// Road: `level`; `patches`, the plane through both contact points; or `rig`, level unless the file's own columns show that the rig rolls.
     #[arg(long, value_enum, requires = "kc", default_value_t = RoadChoice::Rig)]
     road: RoadChoice,
     /// Axes of the file.
@@ -188,7 +188,7 @@ pub(super) fn run(
     let mut out = BufWriter::new(std::io::stdout().lock());
     let json = json || shell.format == Format::Json;
     let written = if arguments.against_file {
-        write!(out, "{}", against(&rows, json))
+        write!(out, "{}", against(&rows, json, &units))
     } else if json {
         write_json(&mut out, &rows, (convention, &units))
     } else {
@@ -285,7 +285,7 @@ fn rows(
     if rows.is_empty() {
         return Err(shell.fail(
             Diagnostic::error(Code::CannotRead, "the options select no step of the file")
-                .help("the model as it was put in (modelInput) is shown with --kind modelInput"),
+                .help("--kind modelInput shows the model as it was input"),
         ));
     }
     Ok(rows)
@@ -295,13 +295,13 @@ fn no_wheel(error: &ReplayError, shell: &Shell) -> Exit {
     let diagnostic = Diagnostic::error(Code::UndefinedId, error.to_string());
     shell.fail(match error {
         ReplayError::NoBody { bodies, .. } if bodies.is_empty() => {
-            diagnostic.help("the file has no motions of bodies")
+            diagnostic.help("the file contains no body motions")
         }
         ReplayError::NoBody { bodies, .. } => {
             diagnostic.help(format!("its bodies are {}", bodies.join(", ")))
         }
         ReplayError::NoSpin { .. } => {
-            diagnostic.help("name the axis by --spin, the axes of the file by --axes")
+            diagnostic.help("give the spin axis by --spin, and the axes of the file by --axes")
         }
         ReplayError::SameSide { .. } => diagnostic.help("one wheel for each side"),
         ReplayError::NoPose { .. } => diagnostic,
@@ -367,7 +367,7 @@ fn write_json(
 }
 
 /// Finds the largest difference of each characteristic from the file's own column of the same name.
-fn against(rows: &[Row], json: bool) -> String {
+fn against(rows: &[Row], json: bool, units: &Units) -> String {
     let mut worst: BTreeMap<String, (f64, f64)> = BTreeMap::new();
     let mut order = Vec::new();
     for row in rows {
@@ -375,7 +375,7 @@ fn against(rows: &[Row], json: bool) -> String {
             let Some(own) = own else { continue };
             let path = reading.path();
             let entry = worst.entry(path.clone()).or_insert_with(|| {
-                order.push(path);
+                order.push((path, reading.unit));
                 (-1.0, f64::NAN)
             });
             let apart = (reading.value - own).abs();
@@ -387,16 +387,18 @@ fn against(rows: &[Row], json: bool) -> String {
     if json {
         let all: Vec<_> = order
             .iter()
-            .map(|path| json!({ "column": path, "largest": worst[path].0, "time": worst[path].1 }))
+            .map(|(path, _)| json!({ "column": path, "largest": worst[path].0, "time": worst[path].1 }))
             .collect();
         return serde_json::to_string_pretty(&all).expect("JSON values print") + "\n";
     }
     let mut out = String::new();
-    for path in &order {
+    for (path, unit) in &order {
         let (apart, time) = worst[path];
+        let difference = format!("{apart:.3e} {}", unit.word(units));
         _ = writeln!(
             out,
-            "{path:44} largest difference {apart:.3e} at time {time}"
+            "{path:44} largest difference {} at time {time}",
+            difference.trim_end()
         );
     }
     if order.is_empty() {

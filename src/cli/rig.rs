@@ -20,7 +20,7 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// Folder of the study; its own readings need not exist.
     study: PathBuf,
-    /// Folder to write; `out-rig` in the folder of the study if absent.
+    /// Folder to write; by default, `out-rig` in the folder of the study.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed of the measurement noise.

@@ -191,7 +191,7 @@ fn look_at(
         shell.sources.add(shown.unwrap_or_else(|| before.clone()));
         not_written(assignment, shell)
     } else if structure_digest(&deck.value, &places) != expected {
-        let message = format!("`{assignment}` would change more than it names");
+        let message = format!("`{assignment}` would change more than the value that it names");
         shell.fail(
             Diagnostic::error(Code::SyntaxError, message)
                 .help("change each argument by its own address"),

@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         if arguments.stable {
             return conflict(
                 shell,
-                "--stable is for a dataset; a command file gives the equilibria that `mdi` gives",
+                "--stable applies only to a dataset; a command file is executed exactly as by `mdi`",
             );
         }
         let allowed = arguments.allow_path.as_slice();
@@ -173,7 +173,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 /// Creates the warning that a part moved far.
 fn went_far(part: &str) -> Diagnostic {
     Diagnostic::warning(Code::LargeMotion, format!("{part} in this static solution"))
-        .help("this may not be the intended equilibrium; loads in steps lead to the nearest one")
+        .help("this may not be the intended equilibrium; apply the loads in steps to reach the nearest one")
 }
 
 /// Creates the warning that an equilibrium is unstable.
@@ -182,7 +182,7 @@ fn does_not_last(motion: Option<&str>) -> Diagnostic {
         Code::UnstableEquilibrium,
         format!("this equilibrium is UNSTABLE: {}", moves(motion)),
     )
-    .help("--stable goes on to a stable one")
+    .help("--stable continues to a stable one")
 }
 
 fn moves(motion: Option<&str>) -> String {
@@ -258,7 +258,7 @@ impl Answer<'_> {
             .collect()
     }
 
-    /// Returns the name of every bushing, with its deflection and with the force and torque on I, in J axes.
+    /// Returns the name of every bushing and FIELD, with its deflection and with the force and torque on I, in J axes.
     fn bushings(&self) -> Vec<(&str, [f64; 9])> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
@@ -266,8 +266,8 @@ impl Answer<'_> {
         let Ok(mut here) = self.system.evaluate(&parameters, self.state, &mut scratch) else {
             return out;
         };
-        for bushing in &self.model.bushings {
-            let Some(element) = self.system.element("BUSHING", bushing.header.id) else {
+        for bushing in self.model.elastic_pairs() {
+            let Some(element) = self.system.element(bushing.kind, bushing.header.id) else {
                 continue;
             };
             if let Ok(reading) = here.read_element(element) {
@@ -355,15 +355,15 @@ impl Answer<'_> {
     /// Describes the imbalance that remains when forces and torques are summed independently of the solver.
     fn left_over(&self) -> Option<String> {
         let told = self.report.balance.describe(&self.model.units);
-        (!told.is_empty()).then(|| format!("forces summed again leave at most {told}"))
+        (!told.is_empty()).then(|| format!("recomputed force balance: at most {told} remains"))
     }
 
     /// Describes the continuation method that was used; `None` if plain iteration converged.
     fn help_needed(&self) -> Option<String> {
         Some(match self.report.continuation? {
-            Continuation::Damped => "reached by slowing motions down, less and less".to_string(),
+            Continuation::Damped => "reached with damping that was gradually reduced".to_string(),
             Continuation::Load { steps } => {
-                format!("reached by releasing the imbalance of the start in {steps} steps")
+                format!("reached by removing the initial imbalance in {steps} steps")
             }
         })
     }

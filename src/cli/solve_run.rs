@@ -22,7 +22,7 @@ const CURVES: usize = 8;
 /// Outputs of a run besides the files that ADAMS writes.
 #[derive(clap::Args, Debug)]
 pub(super) struct Taken {
-    /// For a command file: columns of its results for --csv and --plot, named as for `admire results --get`; all if absent.
+    /// For a command file: columns of its results for --csv and --plot, named as for `admire results --get`; by default, all.
     #[arg(long, num_args = 1.., value_name = "PATTERN")]
     columns: Vec<String>,
     /// For a command file: write these columns as CSV.

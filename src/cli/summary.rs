@@ -163,7 +163,7 @@ fn text(
         let word = if errors == 1 { "error" } else { "errors" };
         _ = writeln!(
             out,
-            "  what the deck's {errors} {word} concern may not be counted (`admire check`)"
+            "  the deck has {errors} {word}; objects with errors may not be counted (`admire check`)"
         );
     }
     let markers: Vec<String> = summary
@@ -190,7 +190,11 @@ fn text(
             .push(format!("{kind}/{id}"));
     }
     for ((kind, why), objects) in unsolved {
-        _ = writeln!(out, "not solved natively: {} {kind}, {why}", objects.len());
+        _ = writeln!(
+            out,
+            "not solved by the built-in solver: {} {kind}, {why}",
+            objects.len()
+        );
         listed(&mut out, "unsolved", &objects, all);
     }
     for file in missing {

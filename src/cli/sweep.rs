@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     /// Plan of the sweep: what varies, what is run, what is recorded; `admire guide sweep` describes every key.
     #[arg(value_name = "SWEEP.toml")]
     plan: PathBuf,
-    /// Folder of the sweep: a new folder, or the folder of an earlier run of this sweep; `out-sweep` beside the plan if absent.
+    /// Folder of the sweep: a new folder, or the folder of an earlier run of this sweep; by default, `out-sweep` beside the plan.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Run one of several shards, here or on another computer with access to DIR; `admire merge DIR` joins them.
@@ -52,7 +52,7 @@ pub(super) struct Arguments {
         allow_hyphen_values = true
     )]
     sbatch: Vec<String>,
-    /// Number of cases run in parallel; as many as there are cores if absent.
+    /// Number of cases run in parallel; by default, one for each core.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     #[command(flatten)]

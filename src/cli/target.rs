@@ -8,7 +8,7 @@ use super::shell::{Exit, Shell};
 /// Destination of a changed file; standard output without options.
 #[derive(clap::Args, Debug)]
 pub(super) struct Target {
-    /// File to write; standard output if absent.
+    /// File to write; by default, standard output.
     #[arg(long, short, conflicts_with = "in_place")]
     out: Option<PathBuf>,
     /// Replace the input file.

@@ -18,10 +18,13 @@ use super::shell::{Exit, Shell};
 
 /// Change hardpoints, stiffnesses and other numbers of a deck until its K&C characteristics meet their targets.
 ///
-/// The section `[target]` of study.toml names the goals, the numbers that may move, their bounds and the cost of moving them; `admire guide tune`
-/// has every key. The search is a trust-region Gauss-Newton method with exact derivatives where the solver has them. It starts from the study
-/// and from points spread over the bounds. Where the study has tolerances, the output says which share of axles is good. Writes `tuned.adm` (the deck with new numbers, all other text as it was), `tuning.json` and
-/// `report.html`; the deck of the study is not touched.
+/// The section `[target]` of study.toml names the goals, the numbers that may change, their bounds and the cost of changing them;
+/// `admire guide tune` lists every key. The search is a trust-region Gauss-Newton method with exact derivatives where the solver has them.
+/// It starts from the study and from points spread over the bounds. If the study states tolerances, the output states the share of axles
+/// that meet the goals.
+///
+/// Writes `tuned.adm` (the deck with new numbers and otherwise unchanged text), `tuning.json` and `report.html`. The deck of the study is
+/// not changed.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire tune corpus/double-wishbone --out target/tuned\n  admire tune my-axle --restarts 0\n  admire tune my-axle --pareto 1 \"bounce camber_angle.left, gradient\""
@@ -29,16 +32,16 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// Folder of the study.
     study: PathBuf,
-    /// Folder for the output files; `out-tune` in the folder of the study if absent.
+    /// Folder for the output files; by default, `out-tune` in the folder of the study.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Number of further starts within the bounds, instead of the study's own.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     restarts: Option<u16>,
-    /// Find what one goal costs the other: two goals by their names in the output, or by their numbers from 1 on.
+    /// Compute the Pareto front of two goals, given by their names in the output or by their numbers (from 1).
     #[arg(long, num_args = 2, value_names = ["GOAL", "GOAL"])]
     pareto: Option<Vec<String>>,
-    /// Number of axles to draw with the tolerances of the study, instead of the study's own; 0 draws none.
+    /// Number of axles to solve with drawn tolerances, instead of the study's own number; 0 solves none.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     draws: Option<u32>,
     #[command(flatten)]

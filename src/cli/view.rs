@@ -134,12 +134,12 @@ fn moved(scene: &mut Scene, reader: &mut dyn ResultsReader, shell: &Shell) -> Re
     shell.complain(reader.diagnostics());
     let bodies = scene.parts.iter().filter(|part| !part.ground).count();
     if bodies > 0 && found.missing.len() == bodies {
-        let message = "the results hold no position of any part of the deck";
+        let message = "the results contain no position of any part of the deck";
         return Err(shell.fail(Diagnostic::error(Code::UndefinedId, message)));
     }
     if !found.missing.is_empty() {
         scene.notes.push(format!(
-            "The results hold no position of {}; they remain in their design positions.",
+            "The results contain no position of {}; they remain in their design positions.",
             found.missing.join(", ")
         ));
     }

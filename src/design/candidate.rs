@@ -328,10 +328,16 @@ impl ProposedMeasurements {
         }
     }
 
-    /// Adds load cells in bushings and joints, each with three force components.
+    /// Adds load cells in bushings, FIELDs and joints, each with three force components.
     pub(super) fn load_cells(&mut self, model: &Model, available: &Available) {
-        let bushings = model.bushings.iter();
-        let bushings = bushings.map(|b| (["BUSHING", "BUSH"], &b.header, b.j));
+        let bushings = model.elastic_pairs().map(|pair| {
+            let function = if pair.kind == "BUSHING" {
+                "BUSH"
+            } else {
+                pair.kind
+            };
+            ([pair.kind, function], pair.header, pair.j)
+        });
         let joints = model.joints.iter();
         let joints = joints.map(|j| (["JOINT", "JOINT"], &j.header, j.j));
         let all = bushings.chain(joints);

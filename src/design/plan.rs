@@ -47,19 +47,19 @@ impl Aim {
     }
 }
 
-/// Linear combination of logarithms of stiffnesses.
+/// Linear combination of the coordinates of the identified unknowns. The coordinate of a stiffness is its logarithm.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Combination {
-    /// Coefficients of the logarithms of the stiffnesses, by address. Small coefficients of the unit vector are left out.
+    /// Coefficients of the coordinates, by the address of the unknown. Small coefficients of the unit vector are left out.
     pub combination: BTreeMap<String, f64>,
-    /// Standard deviation of the combination (of logarithms, hence dimensionless).
+    /// Standard deviation of the combination. It is dimensionless if all coordinates are logarithms.
     pub sd_log: f64,
-    /// Complete unit vector of coefficients, in the order of the stiffnesses.
+    /// Complete unit vector of coefficients, in the order of the unknowns.
     #[serde(skip)]
     pub vector: Vec<f64>,
 }
 
-/// Standard deviations of the predicted wheel: square roots of the mean variance over the cases of the study.
+/// Standard deviations of the predicted wheel position and angles: square roots of the mean variance over the cases of the study.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct WheelSd {
     /// Standard deviation of toe, in degrees.
@@ -70,7 +70,7 @@ pub struct WheelSd {
     pub position: f64,
 }
 
-/// Predicted wheel, and the accuracy of its prediction from the present readings.
+/// Wheel whose position and angles are predicted, and the accuracy of the prediction from the present readings.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Curves {
     /// Marker that defines the wheel, as text.
@@ -131,7 +131,7 @@ pub struct Plan {
     pub aim: Aim,
     /// Worst-determined combinations of unknowns, the worst first.
     pub combinations: Vec<Combination>,
-    /// Accuracy of the predicted wheel. `null` if the study defines no wheel, and its loads act at no marker.
+    /// Accuracy of the predicted wheel position and angles. `null` if the study defines no wheel and its loads act at no marker.
     pub curves: Option<Curves>,
     /// Explanations between which the readings cannot decide. `null` if the readings decide, or if the purpose does not include causes.
     pub causes: Option<Undecided>,
@@ -268,7 +268,7 @@ struct Weighing<'a, 'b> {
     ln_det: Option<f64>,
 }
 
-/// Covariance of the stiffnesses, and accuracy of the predicted wheel.
+/// Covariance of the unknowns, and accuracy of the predicted wheel position and angles.
 struct Said {
     stiffnesses: DMatrix<f64>,
     wheel: Option<WheelSd>,

@@ -24,14 +24,15 @@ admire_study::constants! {
 
     /// Excess over the range of deflections of the study, as a fraction, up to which a load case counts as within it.
     RANGE_TOLERANCE: f64 = 0.01, "";
-    /// Smallest range of deflections of the study that counts as observed, in standard deviations of the noise of a mark.
+    /// Lower limit of the deflection range of the study, in standard deviations of the noise of a mark. Smaller ranges are replaced by this
+    /// limit.
     LEAST_RANGE_SIGMAS: f64 = 10.0, "sigma";
 
     // ## Criteria: plan.rs, rivals.rs, next_measurement.rs
 
     /// Number of worst-determined combinations of unknowns that the plan considers.
     WORST_COMBINATIONS: usize = 3, "";
-    /// Maximum number of cases for which the wheel is predicted.
+    /// Maximum number of cases in which the plan predicts the position and the angles of the wheel.
     MAX_WHEEL_CASES: usize = 40, "";
     /// Minimum probability of a rival model. The probability is conditional on either the rival or the leading model being true.
     RIVAL_MIN_PROBABILITY: f64 = 0.01, "";

@@ -10,8 +10,9 @@ use admire_identify::Status;
 use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
 
 /// Returns each unknown averaged over the fitted models, weighted by the probabilities of the models. Mean and variance are computed for
-/// its coordinate: the logarithm of a stiffness, a change itself. The 95 percent interval is symmetric in the stiffness itself: the posterior of a poorly determined
-/// stiffness is closer to a Gaussian in the stiffness than in its logarithm.
+/// the coordinate of the unknown: the logarithm of a stiffness or factor, or the change itself. The 95 percent interval of a stiffness is
+/// symmetric in the stiffness, not in its logarithm. The posterior of a poorly determined stiffness is closer to a Gaussian in the
+/// stiffness.
 pub(super) fn model_averaged_parameters(
     subject: &DiagnosisProblem<'_>,
     models: &[(ModelSet, f64)],

@@ -7,7 +7,7 @@ use super::fit::{FittedModel, fit, refit};
 use super::lack_of_fit::{is_of_far_readings, is_structured, lack_of_fit_tests};
 use crate::settings::OUTLIER_ROUNDS;
 
-/// Fit without effects, and the study with the weights that this fit gives its readings.
+/// Fit without effects, and the study with its readings weighted by the residuals of that fit.
 pub(super) struct BaseFit<'a> {
     /// Study, with the readings weighted by the residuals of the fit.
     pub subject: DiagnosisProblem<'a>,

@@ -281,8 +281,8 @@ impl CandidateEffect {
         self.memory.is_some() || self.cause.has_rough_law() && self.term != Term::Asymmetry
     }
 
-    /// Returns true if parameter `number` keeps its fitted value in linear models. The readings depend on the slip length, the anchor or the rate of
-    /// a law with memory through the history of the law, and a linear model is wrong for all but small changes of them.
+    /// Returns true if parameter `number` keeps its fitted value in linear models. This applies to the slip length, the anchor and the rate of a
+    /// law with memory. The readings depend on them through the history of the law, so a linear model holds only for small changes.
     pub fn is_held(&self, number: usize) -> bool {
         self.memory.is_some() && number > 0
     }
@@ -404,16 +404,6 @@ impl EffectParameter {
             column: Sensitivity::None,
             unknown,
         }
-    }
-}
-
-/// Returns the address of an argument of a statement, or of one component of the argument.
-pub(super) fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
-    Address {
-        kind: kind.to_string(),
-        id: Some(id),
-        argument: Some(argument.to_string()),
-        index,
     }
 }
 

@@ -13,9 +13,9 @@ pub struct CorrectedNumber {
     pub before: (f64, f64),
     /// Estimate and standard error of the extended model.
     pub after: (f64, f64),
-    /// True if the original model determines the number, and true if the extended model does.
+    /// True if the model determines the number: for the original model, then for the extended model.
     pub identified: [bool; 2],
-    /// True if the number is a change of the deck, whose size alone means something, and not its ratio to another.
+    /// True if the number is a change of the deck. Its bias is then a difference, because ratios of changes are meaningless.
     pub is_change: bool,
 }
 
@@ -25,8 +25,8 @@ impl CorrectedNumber {
         self.identified[0] && self.identified[1]
     }
 
-    /// Returns the bias of the original model's estimate: relative, or the difference of two changes. The extended model's estimate is the
-    /// reference.
+    /// Returns the bias of the original model's estimate against the extended model's estimate. It is relative, or a difference if the
+    /// number is a change.
     pub fn bias(&self) -> f64 {
         if self.is_change {
             self.before.0 - self.after.0

@@ -51,7 +51,7 @@ pub struct Outcome<'a> {
     pub places: usize,
     /// True if the search ended early: its budget was spent, or the user stopped it.
     pub cut_short: bool,
-    /// True if the time that the diagnosis may take was over before its end.
+    /// True if the diagnosis reached its time limit before it was complete.
     pub is_late: bool,
 }
 
@@ -357,8 +357,8 @@ pub(super) fn tolerances(
         let name = match scale {
             NoiseScale::PoseShift | NoiseScale::PoseTurn => continue,
             NoiseScale::Marks => "noise of marks".to_string(),
-            NoiseScale::WheelPosition => "noise of the wheel's place".to_string(),
-            NoiseScale::WheelAngles => "noise of the wheel's angles".to_string(),
+            NoiseScale::WheelPosition => "noise of the wheel position".to_string(),
+            NoiseScale::WheelAngles => "noise of the wheel angles".to_string(),
             NoiseScale::Channel(k) => {
                 let channels = &subject.problem.measurement.channels;
                 format!("noise of {}", channels[*k].name)
@@ -399,7 +399,7 @@ fn check_posterior_predictive(test: &HeldOutTest, unexplained: &mut Unexplained)
         unexplained.structured = true;
         unexplained.p_value = unexplained.p_value.min(test.p_value);
         unexplained.places.push(format!(
-            "the cases held out, which the extended model does not predict to their noise (p = {:.1e})",
+            "the cases held out, which the extended model does not predict to within their noise (p = {:.1e})",
             test.p_value
         ));
     }
@@ -420,7 +420,7 @@ fn two_laws_at_one_element(findings: &[Finding], unexplained: &mut Unexplained) 
         if finding.cause.has_rough_law() || other.cause.has_rough_law() {
             unexplained.structured = true;
             unexplained.places.push(format!(
-                "{}, where it takes {} and {} together to follow the readings: its law is another one",
+                "{}, where it takes {} and {} together to follow the readings: its law is a different one",
                 finding.address, other.cause, finding.cause
             ));
         }

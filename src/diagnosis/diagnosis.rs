@@ -144,7 +144,7 @@ pub struct NextMeasurement {
 pub struct Parameter {
     /// Address in the deck, such as `BUSHING/1.K.1`.
     pub address: String,
-    /// `change` or `factor` if that of numbers of the deck is identified; `None` for a number itself.
+    /// `change` or `factor` if the parameter changes or scales numbers of the deck; `None` if it is a number of the deck itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form: Option<&'static str>,
     /// Unit of the number. Rotational stiffnesses KT are per radian.
@@ -164,8 +164,8 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Moves the estimate and its interval from one coordinate of the unknown to another: by a factor, with the standard error, where the
-    /// coordinate is a logarithm.
+    /// Applies the step between two coordinates of the unknown to the estimate and its interval. If the coordinate is a logarithm, they are
+    /// multiplied by a factor, and the standard error too. Otherwise, the difference is added.
     pub fn move_to(&mut self, unknown: &Unknown, coordinates: [f64; 2]) {
         let [from, to] = coordinates.map(|x| unknown.value(x));
         let moved = |value: f64| {

@@ -1,9 +1,10 @@
 //! Elastic elements with six components between two markers: BUSHINGs, and FIELDs with the law of a bushing.
 
-use super::candidate_effect::{FORCES, component, number};
+use super::candidate_effect::{FORCES, Parametrisation, Sensitivity, component};
 use super::operating_points::OperatingPoints;
 use admire_solver::model::{MarkerIx, PairForce};
 use admire_solver::system::Reading;
+use admire_syntax::Address;
 
 /// Elastic element with its state in every load case.
 pub(super) struct ElasticElement {
@@ -32,7 +33,7 @@ impl ElasticElement {
             stiffness: bushing_stiffness(survey, k),
         });
         let fields = survey.model.pair_forces.iter();
-        let is_field = |force: &&PairForce| force.def.name == "FIELD" && force.header.active;
+        let is_field = |force: &&PairForce| force.is_field() && force.header.active;
         let fields = fields.filter(is_field).map(|field| {
             let readings = survey.element("FIELD", field.header.id);
             Self {
@@ -46,13 +47,41 @@ impl ElasticElement {
         bushings.chain(fields).collect()
     }
 
+    /// Returns the address of the element: `BUSHING/1` or `FIELD/1`.
+    pub(super) fn statement(&self) -> String {
+        format!("{}/{}", self.kind, self.id)
+    }
+
+    /// Returns the parameter of an offset between the two sides along one component, with its first-order effect. Returns `None` if the deck has
+    /// no parameter for it.
+    pub(super) fn offset(
+        &self,
+        survey: &OperatingPoints<'_>,
+        axis: usize,
+    ) -> Option<(Parametrisation, Sensitivity)> {
+        if self.kind == "BUSHING" {
+            let words = [["K", "FORCE"], ["KT", "TORQUE"]][axis / 3];
+            let number = |word| Address::of_argument("BUSHING", self.id, word, Some(axis % 3 + 1));
+            let [stiffness, preload] = words.map(number);
+            let column = Sensitivity::Always(vec![(preload.clone(), self.stiffness[axis])]);
+            return Some((Parametrisation::Offset { stiffness, preload }, column));
+        }
+        let mut fields = survey.model.pair_forces.iter();
+        let field = fields.find(|f| f.is_field() && f.header.id == self.id)?;
+        let change = vec![field.free_position(survey.model, axis)?];
+        Some((
+            Parametrisation::Extended(change.clone()),
+            Sensitivity::Always(change),
+        ))
+    }
+
     /// Returns the address of a component: `BUSHING/1.K.1` to `BUSHING/1.KT.3`, or `FIELD/1.FX` to `FIELD/1.TZ`.
     pub(super) fn address(&self, axis: usize) -> String {
-        let (kind, id) = (self.kind, self.id);
-        match kind {
-            "BUSHING" => format!("{kind}/{id}.{}", component(axis)),
-            _ => format!("{kind}/{id}.{}", FORCES[axis]),
-        }
+        let word = match self.kind {
+            "BUSHING" => component(axis),
+            _ => FORCES[axis].to_string(),
+        };
+        format!("{}.{word}", self.statement())
     }
 }
 
@@ -63,7 +92,7 @@ pub(super) fn bushing_stiffness(survey: &OperatingPoints<'_>, bushing: usize) ->
     let catalogue = survey.fitted.deck.prepared.system.catalogue();
     std::array::from_fn(|axis| {
         let word = ["K", "KT"][axis / 3];
-        let address = number("BUSHING", law.header.id, word, Some(axis % 3 + 1));
+        let address = Address::of_argument("BUSHING", law.header.id, word, Some(axis % 3 + 1));
         catalogue.slot(&address).map_or(0.0, |slot| theta.get(slot))
     })
 }

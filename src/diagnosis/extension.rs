@@ -61,7 +61,7 @@ impl Outcome<'_> {
         }
         if fitted.effects.iter().any(|h| h.memory.is_some()) {
             text.push_str(
-                "! Friction and flow have memory: where their springs are unstretched holds for this sequence of loads only.\n",
+                "! Friction and flow have memory: the unstretched positions of their springs apply only to this sequence of loads.\n",
             );
         }
         for (case, load) in programme.cases.iter().enumerate() {

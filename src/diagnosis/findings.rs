@@ -17,7 +17,8 @@ use crate::settings::{
 };
 use admire_study::orientation::chi_square_p_value;
 
-/// Returns a fitted set with another cause in place of effect `at` of the leading set, and that other cause.
+/// Returns a rival of effect `at`: a fitted set in which another cause replaces that effect of the leading set. Also returns the other
+/// cause. Returns `None` without such a set.
 pub(super) fn rival_fit(
     selected: &Selected,
     at: usize,
@@ -26,9 +27,10 @@ pub(super) fn rival_fit(
     rivals.find_map(|(model, rival)| Some((Arc::clone(model.fitted.as_ref()?), rival.clone())))
 }
 
-/// Returns the findings of the leading set, the most important first, and the index of each finding among its effects. A cause is a finding if it,
-/// or the group of causes that cannot be distinguished from it, is more probable than not. The flag is true if some cause acts with a probability above one
-/// half, but no cause that matters is a finding.
+/// Returns the findings of the leading set, the most important first, and the index of each finding among the effects of the set. A cause
+/// is a finding if it is more probable than not, alone or together with the causes that cannot be distinguished from it.
+///
+/// The returned flag is true if some cause acts with a probability above one half, but no cause that matters is a finding.
 pub(super) fn findings(
     subject: &DiagnosisProblem<'_>,
     selected: &Selected,

@@ -168,7 +168,8 @@ impl FittedModel {
                 }
     }
 
-    /// Returns the estimate and the standard error of unknown `k` of the study, which is `unknown`, in units of the deck.
+    /// Returns the estimate and the standard error of unknown `k` of the study, in the unit of the unknown. `unknown` is the definition of
+    /// that unknown.
     pub fn identified(&self, k: usize, unknown: &Unknown) -> (f64, f64) {
         let x = self.x[k];
         (
@@ -177,7 +178,8 @@ impl FittedModel {
         )
     }
 
-    /// Returns the standard error of the coordinate of an unknown: that of its logarithm, or of a change in units of its prior.
+    /// Returns the standard error of the coordinate of unknown `k`. The coordinate is a logarithm, or a change in units of its prior
+    /// standard deviation.
     pub fn coordinate_sd(&self, k: usize) -> f64 {
         self.posterior.covariance[(k, k)].max(0.0).sqrt()
     }
@@ -305,8 +307,9 @@ pub(super) fn fit(
     Some(Arc::unwrap_or_clone(fitted))
 }
 
-/// Fits the extended deck as [`fit`] does, but stops early under the condition of `stopping`. Variance components start from `warm`, if given,
-/// otherwise from the prior medians of the study. Unknowns that end beyond their bounds are held there, one after the other.
+/// Fits the extended deck as [`fit`] does, but stops early under the condition of `stopping`. Variance components start from `warm`, if
+/// given, otherwise from the prior medians of the study. If unknowns end beyond their bounds, the fit is repeated with the furthest one
+/// fixed at its bound, until all are within their bounds.
 pub(super) fn fit_with_early_stopping(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(CandidateEffect, Vec<f64>)],
@@ -324,7 +327,7 @@ pub(super) fn fit_with_early_stopping(
     }
 }
 
-/// Fits the extended deck with the unknowns `held` at these coordinates.
+/// Fits the extended deck with some unknowns fixed. `held` lists their indices and coordinates.
 fn fit_within(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(CandidateEffect, Vec<f64>)],

@@ -72,7 +72,7 @@ impl HoldOutSelection {
         if !progress.extend() {
             return None;
         }
-        progress.begin("searching causes without the cases held out");
+        progress.begin("searching for causes without the cases held out");
         let BaseFit { subject, none } = base;
         let selected = select(&subject, &none, Data::Fitted);
         let models = [selected.none, selected.leading];

@@ -1,4 +1,5 @@
-//! Detection limits: the sizes from which errors would be found. The report uses them to state which errors the readings cannot show.
+//! Detection limits: the smallest sizes at which errors would be found. With them, the report states which errors the readings cannot
+//! reveal.
 
 use std::sync::Arc;
 

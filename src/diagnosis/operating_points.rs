@@ -339,7 +339,7 @@ impl<'a> OperatingPoints<'a> {
                 ("KT", format!("{rigid:E}, {rigid:E}, {rigid:E}")),
             ],
         );
-        let whose = super::candidate_effect::number("MARKER", marker, "PART", None);
+        let whose = Address::of_argument("MARKER", marker, "PART", None);
         let changes = vec![
             Change::Piece(body, part),
             Change::Add(end(first, new)),

@@ -9,7 +9,7 @@ pub struct Progress {
     sweeps: Arc<AtomicUsize>,
     budget: Arc<AtomicUsize>,
     stage: Arc<Mutex<&'static str>>,
-    /// Time at which the diagnosis ends with what it has; `None` without a limit.
+    /// Time at which the diagnosis ends with its results so far; `None` without a time limit.
     deadline: Option<Instant>,
 }
 
@@ -25,7 +25,7 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// Limits the time of the diagnosis, from now on. After this time it ends as if the user had stopped it.
+    /// Sets a time limit for the diagnosis, starting now. After this time, it ends as if the user had stopped it.
     #[must_use]
     pub fn within(self, time: Duration) -> Self {
         Self {
@@ -60,13 +60,13 @@ impl Progress {
         self.budget() == 0
     }
 
-    /// Returns true if the time of the diagnosis is over.
+    /// Returns true if the time limit is reached.
     pub fn is_late(&self) -> bool {
         self.deadline
             .is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Returns true if the user stopped the diagnosis, or its time is over.
+    /// Returns true if the user stopped the diagnosis, or if its time limit is reached.
     pub fn is_stopped(&self) -> bool {
         self.is_interrupted() || self.is_late()
     }

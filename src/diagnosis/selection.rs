@@ -36,7 +36,7 @@ impl<'a> Selection<'a> {
         let base = BaseFit::without_held_out(&subject);
         let known = base.as_ref().map(|base| &*base.none);
         let none = Arc::new(fit_without_effects(&mut subject, known, Data::All)?);
-        progress.begin("searching causes");
+        progress.begin("searching for causes");
         let mut selected = select(&subject, &none, Data::All);
         progress.begin("testing what was found");
         let mut tested = lack_of_fit_tests(&subject, &selected.leading);
@@ -68,6 +68,6 @@ impl<'a> Selection<'a> {
 pub fn selected(subject: &mut DiagnosisProblem<'_>, progress: &Progress) -> Option<Selected> {
     progress.begin("fitting the model as it is");
     let none = Arc::new(fit_without_effects(subject, None, Data::All)?);
-    progress.begin("searching causes");
+    progress.begin("searching for causes");
     Some(select(subject, &none, Data::All))
 }

@@ -26,7 +26,7 @@ admire_study::constants! {
     /// Ratio of rms residual to declared noise above which a stiffness-only fit may have ended in a wrong minimum. A second start is then
     /// tried, because growing variance components would hide the wrong minimum.
     WRONG_MINIMUM_RMS_SIGMA: f64 = 1.3, "sigma";
-    /// Prior standard deviation of an identified number that is held at its bound, small enough for nothing to move it.
+    /// Prior standard deviation of an unknown that is fixed at its bound. It is so small that the readings do not move the unknown.
     HELD_UNKNOWN_SD: f64 = 1e-6, "1";
     /// Largest change of the logarithm of a stiffness: in a first guess, and in one round of the fit to another solver.
     MAX_LN_STIFFNESS_STEP: f64 = 0.8, "ln";

@@ -16,9 +16,9 @@ use admire_identify::tolerance::{
 
 /// Largest change of the logarithm of a stiffness: in the first step of a fit, and in later steps.
 const REACH: [f64; 2] = [0.8, 1.2];
-/// Number of first steps of a fit in which variance components are held, unless they are free.
+/// Number of steps at the start of a fit in which the variance components are fixed, unless they are free.
 const HELD: usize = 5;
-/// Predicted gain in nats below which variance components are no longer held.
+/// Predicted gain in nats below which the variance components are no longer fixed.
 const NEAR: f64 = 30.0;
 /// Decrease of the objective below which a step counts as small.
 const LITTLE: f64 = 0.2;
@@ -34,7 +34,7 @@ const HARDER: f64 = 6.0;
 const EASE: f64 = 6.0;
 /// Damping below which an accepted step ends the damping.
 const EASED: f64 = 0.3;
-/// Predicted gain in nats above which a step that increases the objective is first shortened and not damped, in a fit with causes.
+/// Predicted gain in nats above which a step that increases the objective is first shortened, not damped. This applies to fits with causes.
 const WORTH: f64 = 10.0;
 /// Smallest fraction of a step to which it is shortened.
 const SHORTEST: f64 = 0.1;
@@ -42,7 +42,8 @@ const SHORTEST: f64 = 0.1;
 const FAITHFUL: f64 = 0.5;
 /// Relative difference up to which two predicted gains count as equal.
 const ALIKE: f64 = 0.1;
-/// Gain in nats for which reused derivatives with respect to random effects count as exact, once they predicted the same gain as exact ones.
+/// Decrease of the objective in nats during which reused derivatives with respect to random effects count as exact. The decrease is counted
+/// from a point at which they predicted the same gain as exact derivatives.
 const TRUSTED: f64 = 10.0;
 /// Predicted gain in nats below which a fit ends if a full step increases the objective. The increase is then due to kinks of the objective, where
 /// sliders begin to stick or slip. A step along a kink needs a larger predicted gain.

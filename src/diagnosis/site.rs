@@ -44,8 +44,9 @@ pub(super) struct SiteModel {
     pub absorbed: DMatrix<f64>,
     /// Information matrix of the forces in all cases.
     pub information: DMatrix<f64>,
-    /// The information matrix as a difference, if each case has rows of its own: information of the force in each case with the fit's unknowns
-    /// held, and the matrix `B` whose product `B'B` their estimation takes off.
+    /// Information matrix as the difference `D - B'B`: the diagonal `D` with the fit's unknowns fixed, and the matrix `B`. The subtracted
+    /// term is the information lost because the unknowns are estimated too. `None` if cases share rows, or if there are too few cases for
+    /// the split to save work.
     parts: Option<(DVector<f64>, DMatrix<f64>)>,
     /// Gradient of the log evidence with respect to the force in each case.
     pub gradient: DVector<f64>,
@@ -94,7 +95,7 @@ impl SiteModel {
         }
     }
 
-    /// Creates the model of a site whose forces are read with this information matrix.
+    /// Creates the model of a site at which the forces are measured with this information matrix.
     #[cfg(test)]
     pub(super) fn of_readings(information: DMatrix<f64>, gradient: DVector<f64>) -> Self {
         Self {
@@ -105,12 +106,12 @@ impl SiteModel {
         }
     }
 
-    /// Returns the log likelihood of forces at the site, one per case, against no force.
+    /// Returns the log likelihood ratio of forces at the site, one per case, against no force, in nats.
     pub(super) fn ln_likelihood(&self, forces: &DVector<f64>) -> f64 {
         forces.dot(&self.gradient) - 0.5 * self.information_of(forces)
     }
 
-    /// Returns the information of a pattern of forces: the product of the information matrix with the pattern on both sides.
+    /// Returns the information `p' M p` of a pattern `p` of forces, with the information matrix `M`.
     pub(super) fn information_of(&self, pattern: &DVector<f64>) -> f64 {
         match &self.parts {
             Some((held, root)) => {
@@ -259,7 +260,8 @@ pub(crate) fn sites(survey: &OperatingPoints<'_>) -> Vec<Site> {
 mod tests {
     use super::*;
 
-    /// The information of a pattern is the same from the parts as from the whole matrix. Cases that share rows have no parts.
+    /// The parts of the information matrix give the same information of a pattern as the whole matrix. There are no parts if cases share
+    /// rows.
     #[test]
     fn the_parts_of_the_information_give_what_the_matrix_gives() {
         let (unknowns, cases) = (3, 9);

@@ -225,8 +225,9 @@ fn moved(slider: &Slider, parameter: usize, step: f64) -> Slider {
     out
 }
 
-/// Maximises `value` by steps along single parameters. Steps of one length are repeated while they raise the value, and then halved. Returns the maximum, its location, and the curvature
-/// along each parameter. The curvature is computed from differences over the shortest step by which the value falls by half a nat.
+/// Maximises `value` by steps along single parameters. Steps of one length are repeated as long as they increase the value. Then they are
+/// halved. Returns the maximum, its location, and the curvature along each parameter. The curvature is computed from differences over the
+/// shortest step by which the value falls by half a nat.
 fn refined(
     value: &dyn Fn(&Slider) -> f64,
     mut at: Slider,

@@ -110,8 +110,7 @@ impl Unknowns {
                 Effect::Turn(markers) => UnknownTarget::Turn(markers.clone()),
                 Effect::Offset { bushing, axis } => {
                     let id = problem.model.bushings[*bushing].header.id;
-                    let of =
-                        |word| super::candidate_effect::number("BUSHING", id, word, Some(axis + 1));
+                    let of = |word| Address::of_argument("BUSHING", id, word, Some(axis + 1));
                     UnknownTarget::Offset(Component {
                         stiffness: slot(&of("K"))?,
                         preload: Some(slot(&of("FORCE"))?),
@@ -287,7 +286,8 @@ impl Unknowns {
         })
     }
 
-    /// Holds unknowns of the study at these coordinates: their priors become so narrow that nothing moves them.
+    /// Fixes unknowns of the study at the given coordinates, by replacing their priors with very narrow ones. `held` lists the index and the
+    /// coordinate of each.
     pub(super) fn hold(&mut self, held: &[(usize, f64)]) {
         for (k, x) in held {
             self.start[*k] = *x;

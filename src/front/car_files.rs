@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use admire_car::{
-    BushingChange, BushingProperty, HardpointMove, NotWritten, OddLaw, Side, Subsystem, WriteBack,
-};
+use admire_car::{BushingChange, HardpointMove, NotWritten, Side, Subsystem, WriteBack};
 use admire_diagnosis::{Cause, Finding, Outcome};
 use admire_identify::{Fit, LoadedStudy};
 use admire_solver::mechanics::{Pose, Vec3};
-use admire_solver::model::{Bushing, MarkerIx, Model, lower};
+use admire_solver::model::{MarkerIx, Model, lower};
 use admire_study::CarLink;
 use admire_study::deflection::{DeflectionForm, deflection};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
+
+use super::car_elements::{CarElement, LearnedTerm};
 
 /// Folder of the files below the output folder.
 pub(crate) const FOLDER: &str = "adams_car";
@@ -59,7 +59,8 @@ pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option
         .collect();
     let mut not_written = Vec::new();
     for parameter in &fit.parameters {
-        if !parameter.address.starts_with("BUSHING/") {
+        let elements = CarElement::all(&subject.after);
+        if !elements.iter().any(|one| one.owns(&parameter.address)) {
             not_written.push(NotWritten {
                 what: format!("identified {}", parameter.address),
                 why: "it is not a parameter of a bushing".to_string(),
@@ -83,7 +84,7 @@ pub(crate) fn diagnosed(
         .map(|parameter| (parameter.address.as_str(), parameter.std_error))
         .collect();
     let (mut moves, mut not_written) = (Vec::new(), Vec::new());
-    let mut laws: BTreeMap<u32, Vec<LearnedTerm>> = BTreeMap::new();
+    let mut laws: BTreeMap<String, Vec<LearnedTerm>> = BTreeMap::new();
     for finding in &outcome.diagnosis.findings {
         let what = format!("{} {}", finding.cause, finding.address);
         let refused = |why: String| NotWritten {
@@ -96,14 +97,15 @@ pub(crate) fn diagnosed(
                 Err(why) => not_written.push(refused(why)),
             },
             Cause::ProgressiveStiffness => match subject.learned(finding, outcome) {
-                Some((id, term)) => laws.entry(id).or_default().push(term),
+                Some((statement, term)) => laws.entry(statement).or_default().push(term),
                 None => {
                     not_written.push(refused("its bushing is not in the subsystem".to_string()));
                 }
             },
-            // In the extended deck, the offset of a bushing is a preload, and a wrong stiffness is a changed stiffness.
+            // In the extended deck, the offset of a BUSHING is a preload and that of a FIELD an offset. A wrong stiffness is a changed stiffness
+            // or scale.
             Cause::AssemblyOffset => {}
-            Cause::ElementParameter if finding.address.starts_with("BUSHING/") => {}
+            Cause::ElementParameter if subject.is_of_bushing(&finding.address) => {}
             cause if cause.is_reading_fault() => {}
             _ => not_written.push(refused(
                 "a subsystem file has no parameter for it".to_string(),
@@ -112,14 +114,6 @@ pub(crate) fn diagnosed(
     }
     let bushings = subject.bushings(&errors, &laws, "fitted", &mut not_written);
     Some(subject.files(&moves, &bushings, not_written))
-}
-
-/// Component of a bushing whose force grows faster than linearly.
-struct LearnedTerm {
-    axis: usize,
-    terms: Vec<(i32, f64)>,
-    /// Largest deflection of the component in any load case.
-    range: f64,
 }
 
 /// Study with a subsystem, and its deck after the fit.
@@ -222,72 +216,82 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Returns the bushing and the terms of the law that a finding names.
-    fn learned(&self, finding: &Finding, outcome: &Outcome<'_>) -> Option<(u32, LearnedTerm)> {
-        let (id, component) = finding.address.strip_prefix("BUSHING/")?.split_once('.')?;
-        let id: u32 = id.parse().ok()?;
-        let (kind, index) = component.split_once('.')?;
-        let first = if kind == "KT" { 3 } else { 0 };
-        let axis = first + index.parse::<usize>().ok()?.checked_sub(1)?;
+    /// Returns true if a number of the deck belongs to a bushing.
+    fn is_of_bushing(&self, address: &str) -> bool {
+        let elements = CarElement::all(&self.after);
+        elements.iter().any(|element| element.owns(address))
+    }
+
+    /// Returns the statement of the bushing that a finding names, and the terms of its law.
+    fn learned(&self, finding: &Finding, outcome: &Outcome<'_>) -> Option<(String, LearnedTerm)> {
+        let deck = &outcome.extended.deck.model;
+        let elements = CarElement::all(deck);
+        let element = elements.iter().find(|one| one.owns(&finding.address))?;
+        let axis = element.component(&finding.address)?;
+        self.link.bushings.get(&element.statement)?;
         let terms = [("quadratic", 2), ("cubic", 3), ("quintic", 5)]
             .into_iter()
             .filter_map(|(name, power)| Some((power, *finding.parameters.get(name)?)))
             .collect();
-        if axis > 5 || !self.link.bushings.contains_key(&id) {
-            return None;
-        }
-        let deck = &outcome.extended.deck.model;
-        let bushing = deck.bushings.iter().find(|b| b.header.id == id)?;
         let states = outcome.extended.states.iter();
         let range = states
-            .map(|state| deflected(deck, bushing, &state.poses)[axis].abs())
+            .map(|state| deflected(deck, element.pair, &state.poses)[axis].abs())
             .fold(0.0, f64::max);
-        (range > 0.0).then_some((id, LearnedTerm { axis, terms, range }))
+        let term = LearnedTerm { axis, terms, range };
+        (range > 0.0).then(|| (element.statement.clone(), term))
     }
 
     /// Returns the changes of all bushings of the subsystem. `errors` holds standard errors by address.
     fn bushings(
         &self,
         errors: &BTreeMap<&str, f64>,
-        laws: &BTreeMap<u32, Vec<LearnedTerm>>,
+        laws: &BTreeMap<String, Vec<LearnedTerm>>,
         how: &str,
         not_written: &mut Vec<NotWritten>,
     ) -> Vec<BushingChange> {
         let mut out = Vec::new();
-        for new in &self.after.bushings {
-            let id = new.header.id;
-            let mut before = self.loaded.model.bushings.iter();
-            let Some(old) = before.find(|bushing| bushing.header.id == id) else {
+        let before = CarElement::all(&self.loaded.model);
+        for new in CarElement::all(&self.after) {
+            let mut olds = before.iter();
+            let Some(old) = olds.find(|old| old.statement == new.statement) else {
                 continue;
             };
-            let [(k, f), (k_old, f_old)] =
-                [new, old].map(|b| (six(b.k, b.kt), six(b.force, b.torque)));
-            let because = format!("{how} BUSHING/{id}");
-            let terms = laws.get(&id);
-            if k == k_old && f == f_old && terms.is_none() {
+            let because = format!("{how} {}", new.statement);
+            let terms = laws.get(&new.statement);
+            let other_curves = new.has_other_curves(old);
+            let same = new.stiffness == old.stiffness
+                && new.preload == old.preload
+                && new.offset == old.offset
+                && !other_curves;
+            if same && terms.is_none() {
                 continue;
             }
-            let Some(name) = self.link.bushings.get(&id) else {
+            let Some(name) = self.link.bushings.get(&new.statement) else {
                 not_written.push(NotWritten {
                     what: because,
                     why: format!(
                         "its name `{}` is not in the subsystem; the table `car.bushings` of study.toml says which one it is",
-                        old.header.name
+                        old.name
                     ),
                 });
                 continue;
             };
+            if new.offset != old.offset {
+                not_written.push(NotWritten {
+                    what: format!("{because}, offset"),
+                    why: "the key of an offset in a subsystem file is not known".to_string(),
+                });
+            }
             let mut scale = [None; 6];
             for axis in 0..6 {
-                if k[axis] == k_old[axis] {
+                let (k, k_old) = (new.stiffness[axis], old.stiffness[axis]);
+                if k == k_old {
                     continue;
                 }
-                let address = address(id, axis);
-                if k_old[axis] > 0.0 {
-                    let error = errors
-                        .get(address.as_str())
-                        .map(|error| error / k_old[axis]);
-                    scale[axis] = Some((k[axis] / k_old[axis], error));
+                let address = new.addresses[axis].as_str();
+                if k_old > 0.0 {
+                    let error = errors.get(address).map(|error| error / k_old);
+                    scale[axis] = Some((k / k_old, error));
                 } else if terms.is_none() {
                     not_written.push(NotWritten {
                         what: format!("{how} {address}"),
@@ -297,45 +301,22 @@ impl<'a> Subject<'a> {
                     });
                 }
             }
+            let (f, f_old) = (new.preload, old.preload);
+            let is_learned = terms.is_some() || other_curves;
+            let terms = terms.map_or(&[][..], Vec::as_slice);
             out.push(BushingChange {
                 name: name.clone(),
                 scale,
                 preload: std::array::from_fn(|axis| (f[axis] != f_old[axis]).then_some(f[axis])),
-                learned: terms.map(|terms| self.property(new, terms)),
-                because: if terms.is_some() {
-                    format!("progressive-stiffness BUSHING/{id}")
-                } else {
+                learned: is_learned.then(|| new.property(terms)),
+                because: if terms.is_empty() {
                     because
+                } else {
+                    format!("progressive-stiffness {}", new.statement)
                 },
             });
         }
         out
-    }
-
-    /// Returns the contents of a property file for a bushing with learned components.
-    fn property(&self, bushing: &Bushing, learned: &[LearnedTerm]) -> BushingProperty {
-        let stiffness = six(bushing.k, bushing.kt);
-        let millimetre = 1e-3 / self.after.units.length.si;
-        let curves = std::array::from_fn(|axis| {
-            let own = learned.iter().filter(|term| term.axis == axis);
-            let terms: Vec<(i32, f64)> = own.clone().flat_map(|term| term.terms.clone()).collect();
-            let usual = if axis < 3 {
-                millimetre
-            } else {
-                1f64.to_radians()
-            };
-            let range = own.map(|term| term.range).fold(0.0, f64::max);
-            let law = OddLaw {
-                stiffness: stiffness[axis],
-                terms,
-            };
-            let acts = law.stiffness != 0.0 || !law.terms.is_empty();
-            acts.then(|| law.curve(if range > 0.0 { range } else { usual }))
-        });
-        BushingProperty {
-            curves,
-            damping: six(bushing.c, bushing.ct),
-        }
     }
 
     /// Writes the results into the subsystem, and lists the changes.
@@ -397,21 +378,8 @@ fn subsystem_name(subsystem: &Subsystem) -> String {
     name.to_string_lossy().into_owned()
 }
 
-fn six(first: [f64; 3], second: [f64; 3]) -> [f64; 6] {
-    std::array::from_fn(|k| if k < 3 { first[k] } else { second[k - 3] })
-}
-
-/// Returns the address of a stiffness of a bushing.
-fn address(id: u32, axis: usize) -> String {
-    if axis < 3 {
-        format!("BUSHING/{id}.K.{}", axis + 1)
-    } else {
-        format!("BUSHING/{id}.KT.{}", axis - 2)
-    }
-}
-
 /// Returns the deflection of a bushing at these poses of the parts.
-fn deflected(model: &Model, bushing: &Bushing, poses: &[Pose]) -> [f64; 6] {
+fn deflected(model: &Model, (i, j): (MarkerIx, MarkerIx), poses: &[Pose]) -> [f64; 6] {
     let frame = |marker: MarkerIx| {
         let marker = &model.markers[marker.0];
         let part = poses
@@ -426,7 +394,7 @@ fn deflected(model: &Model, bushing: &Bushing, poses: &[Pose]) -> [f64; 6] {
             },
         )
     };
-    let ((part_i, i), (part_j, j)) = (frame(bushing.i), frame(bushing.j));
+    let ((part_i, i), (part_j, j)) = (frame(i), frame(j));
     deflection(&part_i, &i, &part_j, &j, DeflectionForm::Corrected).into()
 }
 

@@ -53,7 +53,7 @@ pub(crate) fn check_page(checked: &Checked<'_>) -> String {
             .collect::<Vec<_>>()
     };
     page.found(&[
-        ("Cannot be meant", doubts(Verdict::Impossible)),
+        ("Implausible", doubts(Verdict::Impossible)),
         ("Doubtful", doubts(Verdict::Doubtful)),
         ("To do next", next(checked)),
     ]);

@@ -240,7 +240,7 @@ impl Deck {
         let title = addresses.iter().any(|address| address.kind == "TITLE");
         if !title && structure_digest(dataset, &places) != structure_digest(&changed.value, &places)
         {
-            let message = format!("`{text}` would change more than it names");
+            let message = format!("`{text}` would change more than the value that it names");
             let help = "change each argument by its own address";
             let refused = Diagnostic::error(Code::SyntaxError, message).help(help);
             return Err(usage(refused));
@@ -261,8 +261,9 @@ impl Deck {
     /// text does not have; the file cannot be written. With `force`, the deck is saved even in the second and third case.
     pub fn save(&mut self, force: bool) -> Result<(), Error> {
         let Some(path) = self.path.clone() else {
-            let nameless = Diagnostic::error(Code::CannotWrite, "this deck was read from no file");
-            return Err(usage(nameless.help("name a file to save it as")));
+            let nameless =
+                Diagnostic::error(Code::CannotWrite, "this deck was not read from a file");
+            return Err(usage(nameless.help("give a file name to save it")));
         };
         let there = std::fs::read(&path);
         if !force && there.is_ok_and(|there| there != self.stored.value.bytes()) {

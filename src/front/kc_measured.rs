@@ -109,7 +109,7 @@ fn refuse_errors(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
     error.map_or(Ok(()), Err)
 }
 
-/// Returns the first diagnostic about a cell as an error, because a curve without one of its points would be a different curve.
+/// Returns the first diagnostic about a cell as an error. Leaving out the cell would change the shape of the curve.
 fn refuse_warnings(found: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
     match found.pop() {
         None => Ok(()),

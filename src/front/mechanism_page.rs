@@ -36,7 +36,7 @@ impl Deck {
             let found = motion(&scene, reader.as_mut()).map_err(refused)?;
             let bodies = scene.parts.iter().filter(|part| !part.ground).count();
             if bodies > 0 && found.missing.len() == bodies {
-                let message = "the results hold no position of any part of the deck";
+                let message = "the results contain no position of any part of the deck";
                 let none = Diagnostic::error(Code::UndefinedId, message);
                 return Err(Error::plain(ErrorKind::Input, &none));
             }

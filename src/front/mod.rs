@@ -6,6 +6,7 @@ mod assignment;
 #[cfg(feature = "kc")]
 mod axle;
 #[cfg(feature = "report")]
+mod car_elements;
 pub(crate) mod car_files;
 #[cfg(feature = "report")]
 pub(crate) mod check_page;

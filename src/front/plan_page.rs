@@ -165,7 +165,7 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
     let mut figures = Vec::new();
     for (k, combination) in found.combinations.iter().enumerate().take(2) {
         let title = format!(
-            "What narrows K{}, mostly {}",
+            "What reduces the uncertainty of K{}, mostly {}",
             k + 1,
             main_address(combination)
         );
@@ -175,11 +175,16 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
     if let Some(curves) = &found.curves {
         let gain = |ranked: &Ranked| Some(fall(curves.sd.toe_deg, ranked.curves.as_ref()?.toe_deg));
         let x = "fall of the uncertainty of toe [%]";
-        figures.extend(chart(found, "What narrows predicted toe", x, &gain));
+        figures.extend(chart(
+            found,
+            "What reduces the uncertainty of toe",
+            x,
+            &gain,
+        ));
     }
     if let Some(undecided) = &found.causes {
         let [a, b] = &undecided.between;
-        let title = format!("What tells {a} from {b}");
+        let title = format!("What distinguishes {a} from {b}");
         let gain = |ranked: &Ranked| Some(ranked.causes?.probability_shift);
         figures.extend(chart(
             found,

@@ -30,7 +30,7 @@ const LARGEST_SHOWN: u64 = 64 << 20;
 #[derive(Clone, Debug)]
 pub struct Study {
     settings: admire_study::Study,
-    /// The study with its model and readings; `None` for a study with a target alone.
+    /// Study with its model and readings; `None` if the study has a target but no readings.
     loaded: Option<LoadedStudy>,
     /// True if the external program of the study may be started.
     allowed: bool,
@@ -51,7 +51,7 @@ pub struct Identification {
     pub html: String,
     /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
-    /// Files in the terms of Adams/Car, each with its path below an output folder; empty if the study names no subsystem.
+    /// Changed files for Adams/Car, as pairs of path (below an output folder) and contents. Empty if the study names no subsystem.
     pub car_files: Vec<(PathBuf, Vec<u8>)>,
 }
 
@@ -337,7 +337,8 @@ impl Study {
         })
     }
 
-    /// Changes numbers of the deck until its K&C characteristics are those of section `[target]`: what `admire tune` does, without files.
+    /// Changes numbers of the deck until its K&C characteristics meet the goals of the section `[target]`, like `admire tune`. Writes no
+    /// files.
     ///
     /// ```
     /// use admire::{SharedProgress, Study, TuningOptions};

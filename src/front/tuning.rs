@@ -1,4 +1,4 @@
-//! Search for the target of a study, with its tolerances and a Pareto front.
+//! Search for the target of a study, with the effect of the tolerances and a Pareto front of two goals.
 
 use std::path::Path;
 
@@ -16,18 +16,18 @@ use super::tune_page;
 /// Options of a search for a target.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct TuningOptions {
-    /// Number of further starts within the bounds; that of the study if absent.
+    /// Number of additional starts within the bounds; `None` for the number that the study states.
     pub restarts: Option<usize>,
-    /// Number of axles that are drawn with their tolerances and solved; that of the study if absent.
+    /// Number of axles with drawn tolerances that are solved; `None` for the number that the study states.
     pub draws: Option<usize>,
-    /// Two goals whose Pareto front is sought, by their names or numbers, the first being 1.
+    /// Two goals whose Pareto front is requested, by name or by number (from 1).
     pub pareto: Option<[String; 2]>,
 }
 
 /// Result of a search for a target.
 #[derive(Clone, Debug)]
 pub struct TuningAnswer {
-    /// Contents of `tuning.json`: what moved, which goals are met, and which conflict.
+    /// Contents of `tuning.json`: the changed numbers, the goals that are met, and the conflicts.
     pub json: String,
     /// Result in one or two sentences.
     pub summary: String,
@@ -39,7 +39,7 @@ pub struct TuningAnswer {
     pub converged: bool,
 }
 
-/// Reads the target of a study and searches for it.
+/// Reads the target of a study and runs the search.
 pub(super) fn answer(
     folder: &Path,
     options: &TuningOptions,
@@ -89,14 +89,14 @@ pub(super) fn answer(
     })
 }
 
-/// Sets what the options say in place of the study.
+/// Replaces settings of the study by the given options.
 pub(crate) fn apply(options: &TuningOptions, tuning: &mut Tuning) {
     let target = &mut tuning.target;
     target.restarts = options.restarts.unwrap_or(target.restarts);
     target.draws = options.draws.unwrap_or(target.draws);
 }
 
-/// Returns the places of the two goals whose front is sought.
+/// Returns the indices of the two goals whose Pareto front is requested.
 pub(crate) fn pair(
     options: &TuningOptions,
     tuning: &Tuning,
@@ -106,8 +106,8 @@ pub(crate) fn pair(
         .transpose()
 }
 
-/// Searches for the target, then for the Pareto front of two goals, and says what the tolerances make of the result. What the watcher stops has
-/// no front, and no tolerances.
+/// Searches for the target, then for the Pareto front of two goals, and then computes the effect of the tolerances. If the user stops the
+/// search, the later steps are left out.
 pub(crate) fn tuned(
     tuning: &Tuning,
     pair: Option<[usize; 2]>,
@@ -125,7 +125,7 @@ pub(crate) fn tuned(
         watch.goes_on()
     })?;
     if let Some(pair) = pair.filter(|_| watch.goes_on()) {
-        watch.stage("what one goal costs the other");
+        watch.stage("computing the Pareto front");
         let front = tuning.front(&outcome.x, pair, &mut |_, evaluations| {
             watch.count(evaluations, None, "evaluations");
             watch.goes_on()
@@ -148,12 +148,12 @@ pub(crate) fn json(outcome: &Outcome) -> String {
     serde_json::to_string_pretty(outcome).expect("JSON values print") + "\n"
 }
 
-/// Returns true if the fault is one of the deck.
+/// Returns true if the error is an error in the deck.
 pub(crate) fn is_input(error: &TuneError) -> bool {
     matches!(&error.why, BenchError::Deck(found) if !found.is_empty())
 }
 
-/// Returns why there is no result.
+/// Returns diagnostics with the reason why there is no result.
 pub(crate) fn refusal(error: &TuneError) -> Vec<Diagnostic> {
     let message = match &error.why {
         BenchError::Deck(found) if !found.is_empty() => return found.clone(),

@@ -19,7 +19,7 @@ pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
     if replace || path.symlink_metadata().is_err() {
         return Ok(());
     }
-    let message = format!("`{}` is there already", path.display());
+    let message = format!("`{}` already exists", path.display());
     let refused = Diagnostic::error(Code::CannotWrite, message);
     let kind = ErrorKind::File(std::io::ErrorKind::AlreadyExists);
     Err(Error::plain(

@@ -220,7 +220,7 @@ fn of_page(page: &'static Page) -> Vec<Entry> {
     found
 }
 
-/// Returns the pictures of a page, each with its word: blocks of code that begin with "```text fingerprint WORD".
+/// Returns the pictures of a page, each with its word. A picture is a block of code that begins with "```text fingerprint WORD".
 fn pictures(text: &'static str) -> Vec<(&'static str, Vec<&'static str>)> {
     let mut lines = text.lines();
     let mut found = Vec::new();

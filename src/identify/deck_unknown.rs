@@ -32,7 +32,7 @@ pub struct SetNumber {
 pub struct DeckUnknown {
     /// Name: the address as the user knows it, with the axis of a hardpoint.
     pub name: String,
-    /// Address that names the unknown: that of its first number, or of the coordinate of a hardpoint.
+    /// Address that names the unknown: the address of its first number, or of the coordinate of a hardpoint.
     pub address: Address,
     /// Form of the unknown: change, factor or value.
     pub form: UnknownForm,
@@ -50,7 +50,8 @@ pub struct DeckUnknown {
     pub mean: f64,
     /// Standard deviation of the prior; infinite without a prior.
     pub sd: f64,
-    /// Unit of the coordinate of a fit: `sd`, but for the rest of a smooth change the standard deviation of its whole point.
+    /// Unit of the coordinate in a fit. For a point of a smooth change, it is the stated standard deviation of each point; otherwise it
+    /// equals `sd`.
     pub unit_sd: f64,
     /// Position of the table in `study.toml`.
     pub span: Span,
@@ -221,7 +222,7 @@ impl Deck<'_> {
                 let message = if settings.together {
                     format!("{} factors for {} numbers", factors.len(), found.len())
                 } else {
-                    "`factors` need an unknown that sets several numbers: together = true"
+                    "`factors` applies only to an unknown that sets several numbers: add together = true"
                         .to_string()
                 };
                 return Err(self.complain(settings.span, Code::BadSetting, message));
@@ -238,7 +239,7 @@ impl Deck<'_> {
             .collect()
     }
 
-    /// Makes the unknowns of points of SPLINEs whose change is smooth along x.
+    /// Creates the unknowns for points of SPLINEs whose change is smooth along x.
     fn smooth(
         &self,
         settings: &UnknownSettings,
@@ -293,7 +294,7 @@ impl Deck<'_> {
         Ok(all)
     }
 
-    /// Returns the x of the point whose y has this address; `None` if the number is not the y of a curve.
+    /// Returns the x value of the point whose y value has this address. Returns `None` if the address is not a y value of a curve.
     fn spline_x(&self, address: &Address) -> Option<f64> {
         if address.kind != "SPLINE" || address.argument.as_deref() != Some("Y") {
             return None;
@@ -414,7 +415,7 @@ impl Deck<'_> {
             if own {
                 if turned != direction {
                     let message = format!(
-                        "the hardpoint of {address} lies in the middle of the vehicle: it moves sideways only without symmetric = true"
+                        "the hardpoint of {address} lies in the centre plane of the vehicle, so it cannot move sideways with symmetric = true"
                     );
                     return Err(self.complain(span, Code::BadSetting, message));
                 }
@@ -496,7 +497,7 @@ impl Deck<'_> {
             return Err(self.complain(settings.span, Code::BadSetting, message));
         }
         if numbers.iter().any(|number| number.factor == 0.0) {
-            let message = "a factor of 0 sets no number".to_string();
+            let message = "a factor must not be 0".to_string();
             return Err(self.complain(settings.span, Code::BadSetting, message));
         }
         let units = &self.model.units;

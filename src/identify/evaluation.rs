@@ -115,8 +115,8 @@ fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Op
     )
 }
 
-/// Fills in the results of `fit` for marks, wheel and held-out readings. `before` and `after` are sweeps with the initial and with the final
-/// values of the identified parameters; no other fitted unknowns are applied to the deck.
+/// Fills in the results of `fit` for marks, wheel and held-out readings. `before` and `after` are sweeps with the initial and with the
+/// final values of the identified parameters. No other fitted unknowns are applied to the deck.
 ///
 /// `parameters` is the number of unknowns that were estimated from the marks; it reduces the degrees of freedom.
 pub(crate) fn fill(

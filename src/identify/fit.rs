@@ -24,19 +24,19 @@ pub enum Status {
     Bound,
 }
 
-/// A number of the deck that an identified change or factor sets.
+/// Number of the deck that an identified change or factor sets.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NumberFit {
     /// Address of the number.
     pub address: String,
-    /// Value in the deck, angles in radians.
+    /// Value in the deck; angles in radians.
     pub before: f64,
-    /// Value by this parameter alone, angles in radians.
+    /// Value set by this parameter alone; angles in radians.
     pub after: f64,
 }
 
 impl NumberFit {
-    /// Returns the numbers that an unknown with this value changes.
+    /// Returns the numbers of the deck that an unknown changes, with their values if the unknown has the value `value`.
     pub fn of(unknown: &Unknown, value: f64) -> Vec<Self> {
         let changed = unknown.changed_numbers().iter();
         changed
@@ -55,7 +55,7 @@ impl NumberFit {
 pub struct ParameterFit {
     /// Address of the parameter, such as `BUSHING/1.K.1`.
     pub address: String,
-    /// `change` or `factor` if that of numbers of the deck is identified; `None` for a number itself.
+    /// `change` or `factor` if the parameter changes or scales numbers of the deck; `None` if it is a number of the deck itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form: Option<&'static str>,
     /// Addresses of further parameters that symmetry makes equal to this one.
@@ -131,7 +131,7 @@ pub struct OffsetFit {
     pub std_error: [Option<f64>; 6],
 }
 
-/// A linear combination of the logarithms of the parameters that the readings hardly determine.
+/// Linear combination of the logarithms of the parameters that is poorly determined by the readings.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct UnidentifiableDirection {
     /// Coefficient of each logarithm by the address of the parameter: a unit vector without its small components.

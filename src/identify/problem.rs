@@ -58,13 +58,13 @@ impl Problem<'_> {
         Ok(sweep)
     }
 
-    /// Returns true if an unknown is a change or a factor of numbers of the deck, not such a number itself.
+    /// Returns true if any unknown is a change or a factor of numbers of the deck, and not a number itself.
     pub(crate) fn changes_numbers(&self) -> bool {
         let mut unknowns = self.unknowns.iter();
         unknowns.any(|unknown| !unknown.changed_numbers().is_empty())
     }
 
-    /// Returns true if an unknown makes this change of the deck. The change is then no error of the axle beside it.
+    /// Returns true if an unknown represents this change of the deck. The change is then not added as a manufacturing error.
     pub fn seeks_change(&self, change: &[(Address, f64)]) -> bool {
         self.unknowns.iter().any(|unknown| unknown.includes(change))
     }

@@ -386,7 +386,7 @@ fn stagnation(
         if remaining.abs() > 3.0 * settings.epsilon {
             let rate = prediction.rate[k].unwrap_or(0.0);
             remarks.push(format!(
-                "the step test of equation 17 fired while {} still moves: its steps shrink by a factor of {rate:.3} only, so a \
+                "the step test of equation 17 was met while {} still changes: its steps shrink only by a factor of {rate:.3}, so a \
                  further change by a factor of about {:.2} is to be expected",
                 unknown.address,
                 libm::exp(remaining)

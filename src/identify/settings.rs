@@ -8,11 +8,11 @@ admire_study::constants! {
     pub NORMAL_QUANTILE_975: f64 = 1.959_963_984_540_054, "sd";
     /// Significance level of the chi-square test and of the lack-of-fit tests: probability of rejecting a correct model.
     pub LACK_OF_FIT_LEVEL: f64 = 1e-3, "";
-    /// Standard deviation of ln K above which an identified parameter K counts as unidentifiable. For a change, it counts in standard deviations
-    /// of the prior.
+    /// Standard deviation of ln K above which an identified parameter K counts as unidentifiable. For a change, it is the posterior
+    /// standard deviation in units of the prior standard deviation.
     pub UNIDENTIFIABLE_LN_SD: f64 = 0.5, "ln";
-    /// Standard deviation of ln K of an identified parameter K above which a profile-likelihood interval replaces the normal interval. For a
-    /// change, it counts in standard deviations of the prior.
+    /// Standard deviation of ln K of an identified parameter K above which a profile-likelihood interval replaces the normal interval. For
+    /// a change, it is the posterior standard deviation in units of the prior standard deviation.
     pub POOR_NORMAL_LN_SD: f64 = 0.3, "ln";
     /// Residual above which Huber's loss lowers the weight of a reading. This value gives 95 percent efficiency under Gaussian noise.
     pub HUBER_THRESHOLD_SIGMA: f64 = 1.345, "sigma";
@@ -49,8 +49,8 @@ admire_study::constants! {
     MIN_TRUST_REGION: f64 = 1e-9, "";
     /// Factor by which the trust region is multiplied after rejected steps.
     TRUST_REGION_SHRINKAGE: f64 = 0.3, "";
-    /// Maximum number of further steps after a step that increases the objective. If none of them falls below the best objective so far, all
-    /// are rejected.
+    /// Maximum number of further steps after a step that increases the objective. If none of them reaches an objective below the best one
+    /// so far, all are rejected.
     MAX_STEPS_AFTER_UPHILL: usize = 3, "";
     /// Predicted decrease below which a step counts as late, that is, close to the minimum. The objective is half a chi-square, so all unknowns
     /// together then move by at most two standard deviations.
@@ -78,14 +78,14 @@ admire_study::constants! {
     HOMOTOPY_STEP: f64 = 1e-2, "";
     /// Probability that Gaussian noise alone produces at least one reading of a study that is taken for an outlier.
     OUTLIER_FALSE_ALARM: f64 = 1e-3, "";
-    /// Distance from a stated bound at which an identified parameter counts as being there: a share of the distance of the bounds, at most of
-    /// one unit of the coordinate.
+    /// Distance from a stated bound at which an identified parameter counts as being at the bound. It is a fraction of the distance between
+    /// the bounds, or of one unit of the coordinate if that is smaller.
     AT_BOUND_SHARE: f64 = 1e-6, "1";
-    /// Relative difference below which an unknown and an error of the axle change the deck in the same direction: round-off of the axes of
-    /// markers.
+    /// Relative difference up to which an unknown and an error of the axle change the deck in the same direction. It allows for round-off
+    /// in the axes of markers.
     SAME_CHANGE_ROUND_OFF: f64 = 1e-9, "1";
-    /// Standard deviation of a point of a SPLINE beyond what smoothness gives, as a share of that of each point, below which the point has no
-    /// unknown of its own: a thousandth is within any reading.
+    /// Smallest standard deviation for which a point of a SPLINE gets a separate unknown, as a fraction of the stated standard deviation.
+    /// It is the part that the smooth change at the other points leaves open. No reading resolves a thousandth.
     SMALLEST_SMOOTH_SHARE: f64 = 1e-3, "1";
     /// Distance of ln K from its prior mean at which an identified parameter K counts as being at a bound.
     BOUND_LN_DISTANCE: f64 = 14.0, "ln";
@@ -106,7 +106,7 @@ admire_study::constants! {
     MIN_LOAD_SHARE: f64 = 1e-4, "";
     /// Noise assigned to mark coordinates that are declared free of noise, relative to the largest coordinate.
     MIN_RELATIVE_MARK_SIGMA: f64 = 1e-12, "";
-    /// Prior standard deviation that stands for an unknown without a prior, in the unit of the unknown.
+    /// Prior standard deviation that is used for an unknown without a prior, in the unit of the unknown.
     FLAT_PRIOR_SD: f64 = 1e6, "";
 
     // ## Free (zero-stiffness) motions of a model: global/free.rs, native.rs, observation.rs

@@ -1,25 +1,26 @@
-//! Changes of the points of a SPLINE that vary smoothly along x.
+//! Smooth changes of the points of a SPLINE along x.
 
 use crate::settings::SMALLEST_SMOOTH_SHARE;
 
-/// Change of all points by one unknown. It is one at the point that names the unknown.
+/// Change of all points by one unknown. The change is one at the point that names the unknown.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct SmoothChange {
     /// Index of the point that names the unknown.
     pub point: usize,
     /// Change of each point per unit of the unknown.
     pub factors: Vec<f64>,
-    /// Standard deviation of the unknown, as a share of that of each point.
+    /// Standard deviation of the unknown, as a fraction of the standard deviation of each point.
     pub share: f64,
 }
 
-/// Returns the unknowns whose independent normal priors give the points at `x` a smooth Gaussian process: equal standard deviations, and the
-/// correlation `exp(-(x_i - x_j)^2 / (2 length^2))`.
+/// Returns unknowns that represent a smooth Gaussian process at the points `x`. With independent normal priors of the unknowns, all points
+/// have equal standard deviations. The correlation of two points is `exp(-(x_i - x_j)^2 / (2 length^2))`.
 ///
-/// The first unknown is the change at one point, which takes the others along. Each further unknown is the change at the point that is still
-/// least determined, beyond what the previous ones give. Points whose rest is negligible have no unknown. Source: the pivoted Cholesky
-/// factor (Harbrecht, Peters and Schneider, Appl. Numer. Math. 62, 2012) of the covariance (Rasmussen and Williams, Gaussian Processes for
-/// Machine Learning, equation 4.9).
+/// The first unknown is the change at one point, with the correlated change of all other points. Each further unknown belongs to the point
+/// with the largest remaining variance, given the previous unknowns. Points with a negligible remaining variance get no unknown.
+///
+/// Source: pivoted Cholesky decomposition (Harbrecht, Peters and Schneider, Appl. Numer. Math. 62, 2012) of the covariance (Rasmussen and
+/// Williams, Gaussian Processes for Machine Learning, equation 4.9).
 pub(crate) fn smooth_changes(x: &[f64], length: f64) -> Vec<SmoothChange> {
     let covariance = |i: usize, j: usize| {
         let apart = (x[i] - x[j]) / length;
@@ -59,7 +60,7 @@ pub(crate) fn smooth_changes(x: &[f64], length: f64) -> Vec<SmoothChange> {
 mod tests {
     use super::*;
 
-    /// The independent unknowns give back the covariance, up to the share that is left out.
+    /// The unknowns reproduce the covariance of the points, except for the part that is left out.
     #[test]
     fn the_unknowns_have_the_stated_covariance() {
         let x = [-20.0, -11.0, -5.0, 0.0, 1.0, 2.0, 9.0, 20.0];

@@ -7,11 +7,11 @@ use admire_study::{Study, UnknownForm};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::{Address, Dataset};
 
-/// Adds the unknowns of the tables `[[identify.unknown]]` to those of `identify.bushings` and `identify.stiffnesses`. If both name a number, the
-/// start, the prior and the bounds of the table apply.
+/// Adds the unknowns of the tables `[[identify.unknown]]` to those of `identify.bushings` and `identify.stiffnesses`. If a number is named
+/// in both, the start, the prior and the bounds of the table apply.
 ///
-/// A table that the fit cannot seek is reported in `out` at its place. `is_known` returns true for the address of a number that the solver can
-/// change.
+/// A table that the fit cannot identify is reported in `out`, with its position in `study.toml`. `is_known` returns true for the address of
+/// a number that the solver can change.
 pub(crate) fn add_stated(
     study: &Study,
     (dataset, model): (&Dataset, &Model),
@@ -74,13 +74,13 @@ fn of_table(
     if study.identify.method != Method::GaussNewton {
         return Err((
             format!("{} {what}", own.name),
-            "method = \"gauss-newton\" can do this",
+            "only method = \"gauss-newton\" supports this",
         ));
     }
     Ok(unknown)
 }
 
-/// Makes an unknown whose coordinate is a change in units of the prior's standard deviation of its number.
+/// Creates an unknown whose coordinate is a change, in units of the prior standard deviation.
 fn change(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static str)> {
     let [least, most] = own.bounds;
     // Between two bounds alone, all values are equally probable.
@@ -122,14 +122,14 @@ fn change(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static
     })
 }
 
-/// Makes an unknown whose coordinate is the logarithm of a value, or of a factor of several values.
+/// Creates an unknown whose coordinate is the logarithm of a value, or of a common factor of several values.
 fn logarithm(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static str)> {
     let first = &own.numbers[0];
     let is_value = own.form == UnknownForm::Value;
     if is_value && own.numbers.iter().any(|number| number.factor != 1.0) {
         return Err((
             format!("the numbers of {} have factors", own.name),
-            "numbers that have one value have no factors; form = \"factor\" keeps the ratios of the deck",
+            "numbers with one common value cannot have factors; form = \"factor\" keeps the ratios of the deck",
         ));
     }
     let is_equal = own
@@ -148,8 +148,8 @@ fn logarithm(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'sta
     let (initial, mean) = (ln(own.start), ln(own.mean));
     if !(initial.is_finite() && mean.is_finite()) {
         return Err((
-            format!("{} begins at 0 or below", own.name),
-            "a value is above 0: give `start` and `mean`, or form = \"change\" with an `sd`",
+            format!("{} starts at 0 or below", own.name),
+            "the value must be above 0: give `start` and `mean`, or use form = \"change\" with an `sd`",
         ));
     }
     // The standard deviation of a value counts relative to its mean.

@@ -24,20 +24,20 @@ pub enum Place {
     Number,
 }
 
-/// How the numbers of the deck follow from the value of an unknown, and which coordinate the fit seeks.
+/// Rule by which an unknown sets numbers of the deck. It also determines the coordinate of the fit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Assignment {
-    /// The number at the address of the unknown has its value, and so have these, such as Ky of a round bushing beside its Kx. The coordinate
-    /// is the logarithm of the value.
+    /// The number at the address of the unknown equals the unknown. So do the numbers at these addresses, such as Ky of a round bushing in
+    /// addition to its Kx. The coordinate is the logarithm of the value.
     Equal(Vec<Address>),
-    /// Each number is its value in the deck times a power of the unknown, whose exponent is the factor of the number. The coordinate is the
+    /// Each number is its value in the deck times a power of the unknown. The exponent is the factor of the number. The coordinate is the
     /// logarithm of the value.
     Factor(Vec<SetNumber>),
     /// Each number is its value in the deck plus the unknown times the factor of the number. The coordinate is the value in units of `sd`.
     Change {
         /// Numbers that the unknown sets.
         numbers: Vec<SetNumber>,
-        /// Standard deviation of the number in the prior, in the unit of the unknown.
+        /// Prior standard deviation of the unknown, in the unit of the unknown.
         sd: f64,
     },
 }
@@ -55,18 +55,18 @@ pub struct Unknown {
     pub unit: String,
     /// Value at which the identification starts.
     pub initial: f64,
-    /// Value that leaves the deck as it is.
+    /// Value of the unknown at which the deck is unchanged.
     pub deck: f64,
-    /// Mean of the coordinate in the prior; `None` for the coordinate of the initial value.
+    /// Prior mean of the coordinate; `None` for the coordinate of the initial value.
     pub mean: Option<f64>,
-    /// Standard deviation of the coordinate in the prior; `None` for that of the study.
+    /// Prior standard deviation of the coordinate; `None` for the standard deviation that the study states for all unknowns.
     pub sd: Option<f64>,
     /// Lower and upper bound of the coordinate.
     pub bounds: Option<[f64; 2]>,
 }
 
 impl Unknown {
-    /// Returns the numbers that follow from the value of the unknown, each with its address.
+    /// Returns the addresses and new values of the numbers that the unknown sets, if it has this value.
     pub(crate) fn assign(&self, value: f64) -> Vec<(Address, f64)> {
         let each = |numbers: &[SetNumber], of: &dyn Fn(&SetNumber) -> f64| {
             let numbers = numbers.iter();
@@ -94,7 +94,7 @@ impl Unknown {
         }
     }
 
-    /// Returns the derivative of the value by the coordinate of the fit.
+    /// Returns the derivative of the value with respect to the coordinate of the fit.
     pub fn value_rate(&self, x: f64) -> f64 {
         match self.assignment {
             Assignment::Equal(_) | Assignment::Factor(_) => libm::exp(x),
@@ -102,7 +102,8 @@ impl Unknown {
         }
     }
 
-    /// Returns the coordinate of the fit at a value of the unknown. A value that has no logarithm begins at 1 in its own unit.
+    /// Returns the coordinate of the fit for a value of the unknown. A value without a logarithm is replaced by 1 in the unit of the
+    /// unknown.
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.assignment {
             Assignment::Equal(_) | Assignment::Factor(_) if value > 0.0 => libm::log(value),
@@ -116,7 +117,8 @@ impl Unknown {
         !matches!(self.assignment, Assignment::Change { .. })
     }
 
-    /// Returns true if a coordinate lies at a bound that the study states, or so far from the mean of its prior that it is no number of an axle.
+    /// Returns true if a coordinate lies at a bound that the study states. Also returns true if a logarithm is so far from its prior mean
+    /// that the value is implausible for an axle.
     pub fn is_at_bound(&self, x: f64, mean: f64) -> bool {
         let is_stated = self.bounds.is_some_and(|bounds| {
             // A lower bound of zero has no logarithm: the distance of the bounds is infinite.
@@ -126,7 +128,7 @@ impl Unknown {
         is_stated || (self.is_logarithm() && (x - mean).abs() >= BOUND_LN_DISTANCE)
     }
 
-    /// Returns what is identified: `change` or `factor` of numbers of the deck; `None` for a number itself.
+    /// Returns `change` or `factor` if the unknown changes or scales numbers of the deck; `None` if it is a number of the deck itself.
     pub const fn form(&self) -> Option<&'static str> {
         match self.assignment {
             Assignment::Equal(_) => None,
@@ -135,7 +137,7 @@ impl Unknown {
         }
     }
 
-    /// Returns the addresses that symmetry makes equal to that of the unknown.
+    /// Returns the addresses of the numbers that symmetry makes equal to the number of the unknown.
     pub fn tied(&self) -> &[Address] {
         match &self.assignment {
             Assignment::Equal(tied) => tied,
@@ -143,7 +145,7 @@ impl Unknown {
         }
     }
 
-    /// Returns the numbers that the unknown changes from their values in the deck; empty if it sets their value itself.
+    /// Returns the numbers that the unknown changes or scales; empty if the unknown is a number of the deck itself.
     pub fn changed_numbers(&self) -> &[SetNumber] {
         match &self.assignment {
             Assignment::Equal(_) => &[],
@@ -161,8 +163,8 @@ impl Unknown {
         }
     }
 
-    /// Returns true if the unknown makes the same change of the deck as an error of the axle that changes these numbers by these amounts, or
-    /// a larger one that includes it.
+    /// Returns true if the unknown includes a change of the deck by an error of the axle. `change` lists the numbers that the error
+    /// changes, and the amounts. The unknown may change further numbers.
     pub fn includes(&self, change: &[(Address, f64)]) -> bool {
         let Assignment::Change { numbers, .. } = &self.assignment else {
             return false;
@@ -190,8 +192,8 @@ impl Unknown {
     }
 }
 
-/// Returns the numbers of the deck that follow from values of the unknowns, each with its address. Changes of one number by several unknowns
-/// add up.
+/// Returns the addresses and new values of the numbers that the unknowns set. If several unknowns change the same number, their changes are
+/// added.
 pub(crate) fn assigned(
     unknowns: &[Unknown],
     values: impl IntoIterator<Item = f64>,
@@ -213,8 +215,8 @@ pub(crate) fn assigned(
     all
 }
 
-/// Returns the values of the unknowns that set the numbers of another deck best, in the sense of least squares. The value is `None` if the
-/// deck lacks a number of the unknown, or no value gives the sign of the deck.
+/// Returns the values of the unknowns that best reproduce the numbers of another deck, in the least-squares sense. A value is `None` if the
+/// deck lacks a number of the unknown, or if no value gives a number its sign.
 pub(crate) fn values_in(
     unknowns: &[Unknown],
     number: impl Fn(&Address) -> Option<f64>,
@@ -263,7 +265,7 @@ pub(crate) fn values_in(
     values
 }
 
-/// Returns the common factor that sets the numbers of another deck best.
+/// Returns the common factor that best reproduces the numbers of another deck.
 fn factor_in(numbers: &[SetNumber], number: impl Fn(&Address) -> Option<f64>) -> Option<f64> {
     let (mut above, mut below) = (0.0, 0.0);
     for own in numbers {
@@ -277,7 +279,7 @@ fn factor_in(numbers: &[SetNumber], number: impl Fn(&Address) -> Option<f64>) ->
     Some(libm::exp(above / below))
 }
 
-/// Returns true if several unknowns change the points of one SPLINE, as those of a smooth change do.
+/// Returns true if several unknowns change points of the same SPLINE, as the unknowns of a smooth change do.
 pub(crate) fn share_a_spline(unknowns: &[Unknown]) -> bool {
     let is_shared =
         |unknown: &Unknown| unknown.address.kind == "SPLINE" && unknown.changed_numbers().len() > 1;

@@ -99,7 +99,7 @@ impl AxleState {
         Some([at(left)?, at(right)?])
     }
 
-    /// Returns the roll angle of the line through the contact points; `None` if [`Self::contacts`] is `None`.
+    /// Returns the roll angle, in radians, of the line through the contact points. Returns `None` if [`Self::contacts`] is `None`.
     pub(crate) fn patch_roll(&self) -> Option<f64> {
         let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
         let track = design_track(left.as_ref()?, right.as_ref()?);

@@ -51,7 +51,7 @@ pub struct Bench<'a> {
     probes: Vec<Probe>,
 }
 
-/// State of the axle with its derivatives along the changes of [`Bench::differentiate`].
+/// State of the axle, with its derivatives along the changes given to [`Bench::differentiate`].
 #[derive(Clone, Debug)]
 pub(crate) struct Observed {
     pub seen: Observation,
@@ -60,7 +60,7 @@ pub(crate) struct Observed {
     pub probed: Probed,
 }
 
-/// Values of the probes of [`Bench::probe`] in one state, in units of the deck and radians.
+/// Values of the probes given to [`Bench::probe`] in one state, in units of the deck and radians.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Probed {
     /// Value of each probe; NaN for a force whose element the rig has removed.
@@ -104,16 +104,16 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Reads probes in every later state. [`Sample::probed`](super::Sample::probed) holds their values. In a deck with one wheel and a mirror
-    /// image, they are those of the deck itself.
+    /// Adds probes that are read in every later state. Their values are in [`Sample::probed`](super::Sample::probed). In a deck with one
+    /// wheel and a mirror image, they are read on the deck itself.
     pub fn probe(&mut self, probes: Vec<Probe>) {
         // The functions of probes are part of the equations.
         self.variants.clear();
         self.probes = probes;
     }
 
-    /// Turns markers on their parts in every later state, each by a rotation vector in radians and in the axes of the marker. Wheel centres
-    /// and spin axes stay, because the rig has its own markers.
+    /// Rotates markers on their parts in every later state. Each rotation vector is in radians and in the axes of the marker. Wheel centres
+    /// and spin axes are unaffected, because the rig has its own markers for them.
     pub fn turn(&mut self, turned: Vec<(MarkerIx, Vec3)>) {
         for compiled in self.variants.values_mut() {
             compiled.turned.clone_from(&turned);
@@ -121,10 +121,12 @@ impl<'a> Bench<'a> {
         self.turned = turned;
     }
 
-    /// Has every later state differentiated along changes of the deck. [`Sample::changes`](super::Sample::changes) holds the derivatives.
+    /// Requests derivatives along changes of the deck in every later state. [`Sample::changes`](super::Sample::changes) holds the
+    /// derivatives.
     ///
-    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver keeps constant, counts as
-    /// without effect. A change that moves the marker of a wheel centre or of a spin axis is not seen, because the rig has its own markers.
+    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver cannot differentiate by, is
+    /// treated as without effect. A change that moves the marker of a wheel centre or of a spin axis is not included, because the rig has
+    /// its own markers for them.
     pub fn differentiate(&mut self, directions: Vec<DeckChange>) {
         for compiled in self.variants.values_mut() {
             compiled.direct(&directions);

@@ -16,7 +16,7 @@ pub enum BenchError {
         why: Box<SolveError>,
     },
     /// No common height of both wheels gives the axle its load.
-    #[error("{at}: no height of both wheels keeps the load of the axle")]
+    #[error("{at}: no common height of both wheels gives the axle load")]
     NoAxleLoad {
         /// Test and point, in words.
         at: String,

@@ -39,9 +39,9 @@ pub(crate) struct Compiled {
     pub(super) steering: Option<Slot>,
     /// Directions of [`Bench::differentiate`](super::Bench::differentiate), as parameters of this variant.
     pub(super) directions: Vec<Direction>,
-    /// Markers that are turned on their parts, by rotation vectors in their own axes.
+    /// Markers that are rotated on their parts. Each rotation vector is in radians and in the axes of the marker.
     pub(super) turned: Vec<(MarkerIx, Vec3)>,
-    /// Probes of [`Bench::probe`](super::Bench::probe).
+    /// Probes given to [`Bench::probe`](super::Bench::probe), compiled for this variant.
     pub(super) probes: Probes,
 }
 
@@ -159,7 +159,7 @@ impl Compiled {
         })
     }
 
-    /// Finds the parameters of each direction in this variant.
+    /// Converts each direction to parameters of this variant.
     pub(super) fn direct(&mut self, directions: &[DeckChange]) {
         let of = |change: &DeckChange| change.direction(&self.system);
         self.directions = directions.iter().map(of).collect();
@@ -178,7 +178,7 @@ impl Compiled {
         slots
     }
 
-    /// Returns the parameters without inputs of the rig: those of the deck, with its turned markers.
+    /// Returns the parameters of the deck with its rotated markers, without inputs of the rig.
     pub(super) fn own_parameters(&self) -> Parameters {
         let mut parameters = self.system.parameters();
         for (marker, turn) in &self.turned {

@@ -297,7 +297,7 @@ fn out_of_bounds(
         } else if (least, most) == finite {
             "a finite number".to_string()
         } else if (least, most) == share {
-            "a part of the whole, 0 to 1".to_string()
+            "a share from 0 to 1".to_string()
         } else {
             format!("{least} to {most} in the deck's length unit")
         };
@@ -410,7 +410,8 @@ impl Config {
                 {
                     wrong(
                         range.span(),
-                        "a range must go from a number below 0 to a number above 0".to_string(),
+                        "a range must be [low, high] with low below high, and must contain 0"
+                            .to_string(),
                     );
                 }
             }
@@ -467,7 +468,7 @@ impl Config {
             wrong(
                 key.span(),
                 format!(
-                    "`{}` is not a test: they are {}",
+                    "`{}` is not a test: the tests are {}",
                     key.get_ref(),
                     names.join(", ")
                 ),

@@ -33,8 +33,8 @@ pub fn total_track(left: &Vec3, right: &Vec3) -> f64 {
     right.y - left.y
 }
 
-/// Returns the roll angle `atan((zL - zR) / distance)` from the heights of two points and their lateral distance; positive means left up
-/// relative to the body.
+/// Returns the roll angle `atan((zL - zR) / distance)`, in radians, from the heights of two points and their lateral distance. It is
+/// positive with the left point up relative to the body.
 pub fn roll_angle(left: f64, right: f64, distance: f64) -> f64 {
     libm::atan((left - right) / distance)
 }

@@ -4,17 +4,17 @@ use admire_solver::statics::Direction;
 use admire_solver::system::System;
 use admire_syntax::Address;
 
-/// Change of a deck per unit: numbers that change, and markers that turn on their parts.
+/// Change of a deck per unit: changes of numbers, and rotations of markers on their parts.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct DeckChange {
     /// Addresses of numbers, each with its change per unit. Angles are in radians.
     pub numbers: Vec<(Address, f64)>,
-    /// Markers, each with its rotation vector per unit, in radians and in the axes of the marker.
+    /// Markers, each with its rotation vector per unit. The vector is in radians and in the axes of the marker.
     pub turns: Vec<(MarkerIx, Vec3)>,
 }
 
 impl DeckChange {
-    /// Creates the change of numbers alone.
+    /// Creates a change of numbers without rotations of markers.
     pub const fn of_numbers(numbers: Vec<(Address, f64)>) -> Self {
         Self {
             numbers,
@@ -22,8 +22,8 @@ impl DeckChange {
         }
     }
 
-    /// Returns the change as one of the parameters of a system. An address that the system does not have, or that the solver cannot change, is
-    /// left out.
+    /// Converts the change to a direction in the parameters of a compiled system. Addresses that are not parameters of the system are left
+    /// out.
     pub fn direction(&self, system: &System) -> Direction {
         let catalogue = system.catalogue();
         let numbers = self.numbers.iter();

@@ -1,6 +1,6 @@
 //! Kinematics and compliance (K&C) of an axle, as suspension engineers measure them.
 //!
-//! [`run`](fn@run) drives the standard tests of a [`Config`] on a [`Bench`]. [`ride`], [`roll`], [`wheel`], [`anti`] and [`swing_arm`]
+//! [`run`](fn@run) runs the standard tests of a [`Config`] on a [`Bench`]. [`ride`], [`roll`], [`wheel`], [`anti`] and [`swing_arm`]
 //! contain the characteristics, one function for each definition. They are computed from the wheel positions and from the compliance matrix
 //! of the wheel centres, which follows exactly from the tangent stiffness at equilibrium. The guide page `kc` lists definitions, signs and
 //! their sources.

@@ -40,7 +40,7 @@ impl Bench<'_> {
         let warning = |(name, value, (least, most)): (&str, Option<f64>, (f64, f64))| {
             let value = value.filter(|value| !(least..=most).contains(&(value / track)))?;
             let message = format!(
-                "`{name}` = {value} is {:.3} of the deck's track of {track:.0}; usual shares are {least} to {most}",
+                "`{name}` = {value} is {:.3} times the deck's track of {track:.0}; usual ratios are {least} to {most}",
                 value / track
             );
             let span = Span::from(place_of(&config.source, name));

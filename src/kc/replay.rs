@@ -11,7 +11,7 @@ pub enum Road {
     /// Level road in the axes of the vehicle.
     #[default]
     Level,
-    /// Plane along X through both contact points, as on a rolling rig.
+    /// Plane parallel to X through both contact points, as on a rig that rolls the axle.
     Patches,
     /// Level road, or tilted by the file's own `roll_angle.at_contact_patches` in states where the rig of Adams/Car rolls. The rig rolls
     /// where `suspension_exerciser_requests.Roll` is nonzero.
@@ -73,7 +73,7 @@ pub enum ReplayError {
     },
     /// No axis of the part is lateral at design.
     #[error(
-        "no axis of `{name}` lies across the vehicle at design: the nearest leans by {degrees:.0} degrees"
+        "no axis of `{name}` lies across the vehicle at design: the nearest is {degrees:.0} degrees off"
     )]
     NoSpin {
         /// Name of the body.

@@ -200,7 +200,7 @@ fn find(
     }
     if o.y.abs() < LEAST {
         let message = format!(
-            "the spin axis `{}` does not lie across the vehicle: it leans by {:.0} degrees",
+            "the spin axis `{}` does not lie across the vehicle: it is {:.0} degrees off",
             wheel.spin.text,
             libm::acos(o.y.abs()).to_degrees()
         );

@@ -19,12 +19,12 @@ pub(crate) fn opposed_travel_on_tyres(c: &Compliance, tyre: Option<f64>) -> f64 
     opposed_travel(c) + tyre.map_or(0.0, |k| 2.0 / k)
 }
 
-/// Returns the suspension roll rate, the roll moment per roll angle of the suspension: `T^2 / D`.
+/// Returns the suspension roll rate, the roll moment per radian of the suspension's roll angle: `T^2 / D`.
 pub fn suspension_roll_rate(c: &Compliance, track: f64) -> f64 {
     track * track / opposed_travel(c)
 }
 
-/// Returns the total roll rate, the roll moment per roll angle with the tyres in series: `T^2 / Dt`.
+/// Returns the total roll rate, the roll moment per radian of roll angle with the tyres in series: `T^2 / Dt`.
 pub fn total_roll_rate(c: &Compliance, track: f64, tyre: Option<f64>) -> f64 {
     track * track / opposed_travel_on_tyres(c, tyre)
 }

@@ -39,7 +39,8 @@ pub struct Sample {
     /// Motion and load of the wheels per unit of each change of [`Bench::differentiate`](super::Bench::differentiate); empty without changes. The
     /// derivatives include the change of ride height, on which the loads and heights of the rig depend.
     pub changes: Vec<WheelChanges>,
-    /// Probes of [`Bench::probe`](super::Bench::probe). Their derivatives include the change of ride height too.
+    /// Values and derivatives of the probes given to [`Bench::probe`](super::Bench::probe). The derivatives include the effect of the
+    /// change of ride height.
     pub probed: Probed,
 }
 

@@ -45,7 +45,7 @@ pub fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, Str
     let (value, word) = shown(value, unit, units);
     let (force, length) = (units.force.si, units.length.si);
     let (factor, per) = match driven {
-        Driven::Steering => (1.0, " per unit driven"),
+        Driven::Steering => (1.0, " per unit of steering.drive"),
         _ if !metric(units) => {
             let variable = match driven {
                 Driven::Height(_) => Unit::Length,
@@ -66,7 +66,7 @@ pub fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, Str
 pub fn driven_unit(driven: Driven, units: &Units) -> String {
     match driven {
         Driven::Height(_) => Unit::Length.word(units),
-        Driven::Steering => "as driven".to_string(),
+        Driven::Steering => "units of steering.drive".to_string(),
         Driven::Fx(_) | Driven::Fy(_) => shown(0.0, Unit::Force, units).1,
         Driven::Mz(_) => shown(0.0, Unit::Torque, units).1,
     }

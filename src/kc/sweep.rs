@@ -423,8 +423,8 @@ impl Course<'_> {
         Ok(drives)
     }
 
-    /// Solves and evaluates the state at a value of the test's variable, with tangents if `tangents` is true, and with its derivatives along the
-    /// changes of the bench.
+    /// Solves and evaluates the state at a value of the test's variable, with its derivatives along the changes of the bench. Also computes
+    /// tangents if `tangents` is true.
     fn observe(
         &mut self,
         bench: &mut Bench<'_>,

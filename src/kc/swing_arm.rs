@@ -33,8 +33,8 @@ impl VerticalLoad {
     }
 }
 
-/// Returns the slope angle of the front-view swing arm, positive if the instant centre is above the wheel centre. On the left it is
-/// `atan(-C23 / C33)`.
+/// Returns the slope angle of the front-view swing arm in radians, positive if the instant centre is above the wheel centre. On the left it
+/// is `atan(-C23 / C33)`.
 pub fn front_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     libm::atan(side.outboard_sign() * load.per_travel(c, side, 2))
 }
@@ -46,8 +46,8 @@ pub(crate) fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) 
     side.outboard_sign() / (load.per_travel(c, side, 4) * libm::cos(angle))
 }
 
-/// Returns the slope angle of the side-view swing arm: `atan(-C13 / C33)`. It is negative if the instant centre is ahead of the wheel and
-/// above its centre.
+/// Returns the slope angle of the side-view swing arm in radians: `atan(-C13 / C33)`. It is negative if the instant centre is ahead of the
+/// wheel and above its centre.
 pub fn side_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     libm::atan(-load.per_travel(c, side, 1))
 }

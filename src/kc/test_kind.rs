@@ -127,7 +127,7 @@ impl TestKind {
     pub fn unit(self, units: &Units) -> String {
         match self.driven() {
             Driven::Height(_) => Unit::Length.word(units),
-            Driven::Steering => "unit driven".to_string(),
+            Driven::Steering => "unit of steering.drive".to_string(),
             Driven::Fx(_) | Driven::Fy(_) => Unit::Force.word(units),
             Driven::Mz(_) => Unit::Torque.word(units),
         }

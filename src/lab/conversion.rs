@@ -165,7 +165,7 @@ impl RowReader<'_> {
             } else {
                 (
                     format!(
-                        "`{}` is no number{}",
+                        "`{}` is not a number{}",
                         cell.text,
                         more.replace("nor do", "nor are")
                     ),
@@ -274,16 +274,16 @@ impl RowReader<'_> {
             .find(|two| two[0].time == two[1].time);
         if let Some([_, second]) = twice {
             let message = format!(
-                "the rows of the test `{name}` are not in the order of time, and a time occurs twice"
+                "the rows of the test `{name}` are not in time order, and a time occurs twice"
             );
-            let help = "give each run a file of its own, or remove the column of time from the mapping if the rows are in the order driven";
+            let help = "give each run a file of its own, or remove the time column from the mapping if the rows are in the order driven";
             let wrong = self
                 .sheet
                 .error(Code::DuplicateReading, message, second.span);
             out.push(wrong.help(help));
             return;
         }
-        let message = format!("rows of the test `{name}` are put in the order of time");
+        let message = format!("rows of the test `{name}` are sorted by time");
         let note = Diagnostic::note(Code::CsvDialect, message);
         out.push(note.label(self.sheet.source.name(), first, ""));
     }

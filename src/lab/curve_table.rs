@@ -83,7 +83,7 @@ impl CurveTable {
                 let (name, of) = (series.test.name(), driven(series.test).0.word());
                 let message =
                     format!("the test `{name}` is driven by {of}, which no column contains");
-                let help = format!("import it too: is = \"{of}\" in the mapping");
+                let help = format!("name its column in the mapping: is = \"{of}\"");
                 let sheet = &sheets[series.sheet];
                 out.push(
                     sheet

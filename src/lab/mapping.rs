@@ -106,7 +106,7 @@ impl Complaints<'_> {
             let names: Vec<String> = known.iter().map(|name| (*name).to_string()).collect();
             self.wrong(
                 word.span(),
-                format!("`{key}` does not know `{}`", word.get_ref()),
+                format!("`{}` is not a value of `{key}`", word.get_ref()),
                 did_you_mean(word.get_ref(), &format!("`{key}`"), &names),
             );
         }

@@ -18,7 +18,8 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 /// Information that neither the table nor its mapping contains.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OpenPoint {
-    /// Information is missing for the column of this mapping entry. The block and its column serve as an example.
+    /// The mapping entry lacks information about the column to which it refers. `block` and `at` give one such column, which is shown as an
+    /// example.
     Column {
         /// Index of the entry in the mapping.
         entry: usize,
@@ -425,7 +426,7 @@ pub fn complaints(
                 side_lines.extend(point.side_line());
             }
             OpenPoint::NoTest => {
-                let message = "nothing names the test of these rows";
+                let message = "the test of these rows is not stated";
                 let span = blocks.first().and_then(|block| block.headings.first());
                 let wrong = Diagnostic::error(Code::UnclearColumn, message).label(
                     name(0),

@@ -436,7 +436,7 @@ impl Writer<'_> {
         let _ = writeln!(self.text, "Rebuilt from results: {title}");
         let _ = writeln!(
             self.text,
-            "!\n! The state with index k of the results is at TIME = k. Inertias and damping are not seen in equilibria.\n!\n\
+            "!\n! The state with index k of the results is at TIME = k. Inertias and damping cannot be determined from equilibria.\n!\n\
              UNITS/FORCE = {}, MASS = {}\n, LENGTH = {}, TIME = {}",
             units.force.keyword, units.mass.keyword, units.length.keyword, units.time.keyword
         );

@@ -72,7 +72,7 @@ pub(crate) fn signed(value: f64) -> String {
     }
 }
 
-/// Continues an odd curve to both sides of the origin.
+/// Extends a curve given for positive arguments to an odd curve: adds the origin and the mirrored points `(-r, -x)`.
 pub(crate) fn both_sides(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mirrored = points.iter().rev().map(|(r, x)| (-r, -x));
     let mut all: Vec<(f64, f64)> = mirrored.collect();

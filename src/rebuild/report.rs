@@ -18,7 +18,7 @@ pub(crate) fn report(
 ) -> String {
     let units = &record.units;
     let length = units.length.word;
-    let mut text = "# Rebuilt deck\n\n## How well it repeats the results\n\n".to_string();
+    let mut text = "# Rebuilt deck\n\n## How well it reproduces the results\n\n".to_string();
     let _ = writeln!(
         text,
         "| results | states | largest distance of a part ({length}) | largest rotation (rad) |\n|---|---|---|---|"
@@ -63,7 +63,7 @@ fn certain(open: f64) -> &'static str {
     if open < 1e-3 {
         "determined"
     } else {
-        "in part open"
+        "partly determined"
     }
 }
 
@@ -71,7 +71,7 @@ fn parts(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String)
     let units = &record.units;
     let _ = writeln!(
         text,
-        "\n## Parts\n\n| part | id | mass ({}) | mass centre on the part ({}) | centre |\n|---|---|---|---|---|",
+        "\n## Parts\n\n| part | id | mass ({}) | centre of mass on the part ({}) | centre |\n|---|---|---|---|---|",
         units.mass.word, units.length.word
     );
     for (k, body) in record.bodies.iter().enumerate().skip(1) {
@@ -79,7 +79,7 @@ fn parts(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String)
         let (value, centre) = if mass.mass > 0.0 {
             (format!("{:.6}", mass.mass), vector(&mass.centre))
         } else {
-            ("none seen".to_string(), "-".to_string())
+            ("not determined".to_string(), "-".to_string())
         };
         let state = if mass.mass > 0.0 {
             certain(mass.open)
@@ -132,7 +132,7 @@ fn laws(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String) 
     let _ = writeln!(
         text,
         "\n## Laws\n\nStiffness in {} and {}; deflections in {} and rad, in J axes.\n\n\
-         | element | axis | law | preload | stiffness | visited from | to |\n|---|---|---|---|---|---|---|",
+         | element | axis | law | preload | stiffness | deflection from | to |\n|---|---|---|---|---|---|---|",
         per(Dimension::new(1, 0, -1, 0, 0)),
         per(Dimension::TORQUE),
         units.length.word
@@ -201,9 +201,9 @@ fn unknown(record: &Record, mechanism: &Mechanism, text: &mut String) {
     *text += "\n## What the results do not determine\n\n\
         - Moments of inertia: all parts have the same default value.\n\
         - Damping: none.\n\
-        - Laws beyond the deflections that were visited (the bands above): curves continue linearly.\n";
+        - Laws beyond the range of deflections (last two columns of the laws): curves continue linearly.\n";
     if mechanism.down == Vec3::zeros() {
-        *text += "- Gravity: no part shows a weight, so the deck has none.\n";
+        *text += "- Gravity: the results show no weight of any part, so the deck has no gravity.\n";
     } else {
         *text += "- Gravity: masses are weights over standard gravity, 9.80665 m/s^2.\n";
     }

@@ -134,7 +134,7 @@ impl DiagnosisReport<'_> {
              its group.",
         );
         if !diagnosis.detection_limits.is_empty() {
-            page.detail("What cannot be seen");
+            page.detail("Detection limits");
             page.table(&limits::of_points(diagnosis, &scene));
             page.note(
                 "Smallest error of a point of the car, in mm along each axis of ground, that would be named with even odds among \
@@ -145,11 +145,11 @@ impl DiagnosisReport<'_> {
                 "Size of each other cause that would be detected, to first order, at the places where it is detected best and worst; and the number of places where it is not detected. diagnosis.json lists all places, couplings and higher terms.",
             );
         }
-        page.detail("Tests of structure");
+        page.detail("Tests for structure in the residuals");
         page.table(&self.structure());
         page.note(
-            "Chi-square of what the fit leaves along the named directions, with the covariance that the fit leaves it; the worst of many \
-             is corrected for their number.",
+            "Chi-square of the residuals along the named directions, with the covariance of these residuals; the worst of many is corrected for \
+             their number.",
         );
         if !self.diff.is_empty() {
             page.detail("What changes in the deck");
@@ -165,8 +165,8 @@ impl DiagnosisReport<'_> {
         page.detail("Causes and their rivals");
         page.table(&ranking(diagnosis, self.loaded, scene));
         page.note(
-            "Probabilities are those of the cause at its place, among all models looked at. Causes after \"or\" do as well on these \
-             readings, and are less probable by a factor of twenty at most.",
+            "Probabilities are those of the cause at its place, among all models looked at. Causes after \"or\" explain these readings almost as \
+             well: they are at most twenty times less probable.",
         );
         page.detail("Gain on load cases held out");
         if let Some(found) = &diagnosis.hold_out {
@@ -182,9 +182,9 @@ impl DiagnosisReport<'_> {
         if let Some(found) = &diagnosis.cross_validation {
             page.table(&groups(found, length, scene));
             page.note(if found.searched {
-                "Each group of like loads predicted from the others, by a search of their own."
+                "Each group of similar loads, predicted from the other groups by a search in these alone."
             } else {
-                "Each group of like loads predicted from the others, by the model that those choose among all that were fitted."
+                "Each group of similar loads, predicted from the other groups by the model chosen with these among all that were fitted."
             });
         }
         page.detail("Stiffnesses without and with the causes");

@@ -91,13 +91,13 @@ pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str)
     text += if solver.is_negligible(sigma) {
         ", which is small against the noise."
     } else {
-        ": what is found below may be a difference of the solvers."
+        ": the findings below may be due to this difference between the solvers."
     };
     let told = |rms: f64| Decimals::of_error(sigma).finer().format(rms);
     if let Some(both) = solver.residual_rms {
         let [own, other] = both.map(told);
         text += &format!(
-            " Tolerances left out, the marks are missed by {own} {unit} by the built-in solver and by {other} {unit} by the other"
+            " Without tolerances, the marks are missed by {own} {unit} with the built-in solver and by {other} {unit} with the other"
         );
         text += &match solver.held_out_rms {
             Some(both) => {

@@ -36,7 +36,7 @@ fn verdict(outcome: &Outcome<'_>) -> String {
             "consistent: the model explains the data to their noise and tolerances; the probability that no cause acts is {}",
             percent(outcome.diagnosis.none_of_these)
         ),
-        Verdict::Discrepancy => "discrepancy: the model lacks what follows".to_string(),
+        Verdict::Discrepancy => "discrepancy: the model lacks the following causes".to_string(),
         Verdict::Unexplained => {
             "unexplained: structure remains that no known cause explains".to_string()
         }
@@ -44,7 +44,7 @@ fn verdict(outcome: &Outcome<'_>) -> String {
     let mut text = if outcome.is_stopped() {
         format!("interrupted, so far {verdict}")
     } else if outcome.is_late {
-        format!("ended by its budget of time, so far {verdict}")
+        format!("stopped by the time limit, so far {verdict}")
     } else {
         verdict
     };
@@ -53,7 +53,7 @@ fn verdict(outcome: &Outcome<'_>) -> String {
     if let Some(solver) = solver.filter(|solver| !solver.is_negligible(sigma)) {
         let length = outcome.subject.problem.model.units.length.word;
         text += &format!(
-            "; the solver of the study and the built-in one differ by {:.2e} {length} rms, and what is found may be their difference",
+            "; the solver of the study and the built-in one differ by {:.2e} {length} rms, and the findings may be due to this difference",
             solver.rms
         );
     }
@@ -63,8 +63,10 @@ fn verdict(outcome: &Outcome<'_>) -> String {
 /// Describes a finding with its probability, its rivals and its parameters.
 fn item(finding: &Finding, loaded: &LoadedStudy) -> String {
     let minor = if finding.minor { " (minor)" } else { "" };
+    let name = loaded.model.car_name(&finding.address);
+    let name = name.map_or_else(String::new, |name| format!(" ({name})"));
     let mut text = format!(
-        "{} {}{minor}, probability {:.2}",
+        "{} {}{name}{minor}, probability {:.2}",
         finding.cause, finding.address, finding.probability
     );
     for rival in &finding.indistinguishable_from {

@@ -28,7 +28,7 @@ fn predicted(of: &str, length: &str) -> Table {
     );
     Table::new(&[
         ("cases predicted from all others", Align::Left),
-        ("causes that those choose", Align::Left),
+        ("causes of the model", Align::Left),
         (before.as_str(), Align::Right),
         (after.as_str(), Align::Right),
     ])

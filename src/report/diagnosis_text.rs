@@ -69,11 +69,11 @@ impl Text<'_> {
         if self.outcome.is_stopped() {
             out.push("The search was interrupted. Further causes, and rivals of those found, were not looked for.".to_string());
         } else if self.outcome.is_late {
-            out.push("The search was ended by the time that `--budget` allows. Further causes, and rivals of those found, were not looked for.".to_string());
+            out.push("The search was stopped by the time limit `--budget`. Further causes, and rivals of those found, were not looked for.".to_string());
         } else if self.outcome.cut_short {
             let sweeps = self.outcome.subject.sweeps();
             out.push(format!(
-                "The search was ended by its budget: all load cases had been solved {sweeps} times. Further causes, and rivals of those found, were not looked for."
+                "The search was stopped by its limit: all load cases had been solved {sweeps} times. Further causes, and rivals of those found, were not looked for."
             ));
         }
         out
@@ -179,8 +179,8 @@ impl Text<'_> {
         };
         let mut out = Vec::new();
         for (component, turn, more, less) in [
-            (4, "turns the wheel", "too much", "too little"),
-            (3, "leans the wheel", "too much", "too little"),
+            (4, "steers the wheel", "too much", "too little"),
+            (3, "cambers the wheel", "too much", "too little"),
         ] {
             let rows = self.outcome.subject.rows.iter().enumerate();
             let worst = rows
@@ -239,7 +239,7 @@ impl Text<'_> {
                 header.name.clone()
             };
             format!(
-                "The model turns {name} {angle:.3} deg otherwise than the extended model does in {}.",
+                "The model turns {name} {angle:.3} deg differently from the extended model in {}.",
                 self.case_text(case)
             )
         })
@@ -436,9 +436,9 @@ impl Text<'_> {
             "In {} groups of cases, each predicted from the others with the causes {}, {what} from {} to {} {unit} ({}).",
             found.groups.len(),
             if found.searched {
-                "searched anew"
+                "searched for again"
             } else {
-                "chosen anew"
+                "chosen again"
             },
             decimals.format(found.rms_before),
             decimals.format(found.rms_after),

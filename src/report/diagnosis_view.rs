@@ -96,7 +96,7 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
     let stopped = if outcome.is_stopped() {
         "Interrupted; this is what was found so far. "
     } else if outcome.is_late {
-        "Ended by its budget of time; this is what was found so far. "
+        "Stopped by the time limit; this is what was found so far. "
     } else {
         ""
     };

@@ -72,7 +72,7 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         );
     } else if let Some(written) = &fit.written {
         text += &format!(
-            " With them in the deck its error at the marks {} {length}.",
+            " With the identified values in the deck, its error at the marks {} {length}.",
             change(written.marks_rms_before, written.marks_rms_after)
         );
     }
@@ -82,7 +82,7 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         );
     }
     if fit.fit_test.as_ref().is_some_and(misfit) {
-        text += " What is left is more than noise: the model lacks something, and `admire diagnose` looks for it.";
+        text += " The residuals are larger than the noise: the model lacks something, and `admire diagnose` looks for it.";
     }
     text
 }
@@ -127,14 +127,14 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
         _ if !fit.converged => "not at all: the fit did not converge",
         _ if strained.is_some() => strained.as_deref().unwrap_or_default(),
         Some(FitVerdict::Misfit) => {
-            "the intervals cannot be trusted: what is left is more than the noise of the readings"
+            "the intervals cannot be trusted: the residuals are larger than the noise of the readings"
         }
         _ if is_structured(&fit.structure) => {
-            "what is left has structure, so the model lacks something"
+            "the residuals have structure, so the model lacks something"
         }
-        Some(FitVerdict::Noise) => "what is left looks like the noise of the readings",
+        Some(FitVerdict::Noise) => "the residuals look like the noise of the readings",
         Some(FitVerdict::NoiseOverstated) => {
-            "what is left is less than the stated noise of the readings"
+            "the residuals are smaller than the stated noise of the readings"
         }
         None => "there are too few readings for a test",
     };

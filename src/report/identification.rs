@@ -61,7 +61,7 @@ impl IdentificationReport<'_> {
         page.paragraph(&lead(self.fit));
         page.note(
             "K in force per length, KT in torque per radian, as in the deck. Intervals hold the true value in 95 of 100 repetitions of \
-             the measurement if the model is right; whether it is, says the diagnosis. What is not determined is unidentifiable: the readings \
+             the measurement if the model is right; the diagnosis shows whether it is. What is not determined is unidentifiable: the readings \
              say too little about it.",
         );
         self.tolerances(&mut page);
@@ -405,7 +405,7 @@ impl IdentificationReport<'_> {
         let Some(test) = &self.fit.fit_test else {
             return;
         };
-        page.detail("Whether what is left is noise");
+        page.detail("Are the residuals noise?");
         let mut table = Table::new(&[
             ("readings", Align::Left),
             ("number", Align::Right),
@@ -426,7 +426,7 @@ impl IdentificationReport<'_> {
             return;
         }
         let mut table = Table::new(&[
-            ("structure in what is left", Align::Wrap),
+            ("structure in the residuals", Align::Wrap),
             ("probability from noise alone", Align::Right),
         ]);
         let mut tests: Vec<_> = self.fit.structure.iter().collect();
@@ -491,7 +491,7 @@ pub fn lead(fit: &Fit) -> String {
     }
     if let Some(worst) = structured {
         sentences.push(format!(
-            "What is left has structure, most in \"{}\" (p = {}): `admire diagnose` looks for its cause.",
+            "The residuals have structure, most in \"{}\" (p = {}): `admire diagnose` looks for its cause.",
             worst.what,
             probability(worst.p_value)
         ));

@@ -317,7 +317,7 @@ impl KcReport<'_> {
                 _ => "vertical loads",
             },
             match (both, same) {
-                (false, _) => "Driven one way.",
+                (false, _) => "Driven in one direction.",
                 (true, true) => "Both branches are one curve: there is no friction in the deck.",
                 (true, false) => "The branches differ because of friction in the joints. The half widths are below.",
             }
@@ -340,7 +340,7 @@ impl KcReport<'_> {
             .table(&self.gradients(test));
         page.note(
             "Tangent: the exact derivative. Fitted: the least-squares line within the window, mean of both branches. Linear range: up to the last \
-             point that leaves the tangent by less than 5 percent of the whole change or 10 percent of its own.",
+             point that deviates from the tangent by less than 5 percent of the whole change or 10 percent of its own.",
         );
         Ok(())
     }

@@ -31,11 +31,11 @@ pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Sce
         ("cause", Align::Left),
         ("number", Align::Left),
         ("unit", Align::Left),
-        ("seen best", Align::Right),
+        ("best limit", Align::Right),
         ("at", Align::Left),
-        ("seen worst", Align::Right),
+        ("worst limit", Align::Right),
         ("at", Align::Left),
-        ("not seen", Align::Right),
+        ("places not detected", Align::Right),
     ]);
     let all = &diagnosis.cause_limits;
     // All limits in a line have the same unit. Torques of a bushing are therefore separate from its forces, and spring rates from spring

@@ -310,7 +310,7 @@ impl Plausibility {
                     units.length.word
                 ),
                 verdict,
-                "no rubber is so soft or so stiff: are force and length in these units?",
+                "no rubber bushing is so soft or so stiff: are force and length in these units?",
             );
         }
     }

@@ -15,13 +15,13 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
         ("profile likelihood", Align::Right),
     ];
     if bootstrap.is_some() {
-        columns.extend([("bootstrap", Align::Right), ("its width", Align::Right)]);
+        columns.extend([("bootstrap", Align::Right), ("width ratio", Align::Right)]);
     }
     if posterior.is_some() {
         columns.extend([
             ("posterior", Align::Right),
-            ("its width", Align::Right),
-            ("draws worth", Align::Right),
+            ("width ratio", Align::Right),
+            ("effective draws", Align::Right),
             ("R-hat", Align::Right),
         ]);
     }
@@ -69,5 +69,5 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
             100.0 * made.acceptance
         ));
     }
-    page.note("Widths are those of ln K over that by profile likelihood; tolerances are marginalised in all three.");
+    page.note("Width ratio: width of the interval of ln K over that by profile likelihood; tolerances are marginalised in all three.");
 }

@@ -81,7 +81,7 @@ impl Text<'_> {
         }
         if let Some(found) = of(EffectGroup::MountYield) {
             out.push(format!(
-                "The mount of the axle yields: all marks move together with the loads, by {:.3} {} at the largest value of each.",
+                "The mounting of the axle is compliant: all marks move together with the loads, by {:.3} {} at the largest value of each.",
                 found.sd, found.unit
             ));
         }

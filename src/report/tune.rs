@@ -144,7 +144,7 @@ impl TuneReport<'_> {
             "A goal is met if no value misses it by more than its tolerance; a limit has no miss at all. Characteristics are in the axes of \
              Adams/Car, forces in elements and places in the ground axes of the deck.",
         );
-        page.subheading("What moved").table(&self.unknowns());
+        page.subheading("Changed numbers").table(&self.unknowns());
         page.note(
             "Share: the change of the goals, in units of their tolerances, that the number's own move makes, as a part of the sum over all numbers. \
              Pull: decrease of the cost per unit by which the bound is moved outwards; a goal that is missed by its tolerance costs 0.5.",
@@ -153,7 +153,7 @@ impl TuneReport<'_> {
             page.subheading("Tolerances").table(&goals(robust));
             page.note(
                 "Good: the share of axles within the tolerances that meet the goal. Linear: hardpoints, offsets, axes, springs and stiffnesses act \
-                 linearly, with Gaussian distributions. Drawn: axles with drawn tolerances, each solved as a deck of its own.",
+                 linearly, with Gaussian distributions. Monte Carlo: axles with drawn tolerances, each solved as a deck of its own.",
             );
             page.table(&tolerances(robust));
             page.add(&variances(robust));
@@ -162,7 +162,7 @@ impl TuneReport<'_> {
                  hardpoint is that of each coordinate.",
             );
         }
-        page.detail("Which numbers matter");
+        page.detail("Sensitivities");
         page.figures(&self.shares());
         page.table(&self.sensitivities());
         page.add(&self.map());

@@ -5,7 +5,8 @@ use super::{Align, Bars, Chart, DrawingError, Figure, Series, SeriesStyle, Table
 use admire_syntax::units::short_unit;
 use admire_tune::{Front, Robust, ToleranceShare};
 
-/// Range of a goal's miss along a front, as a share of its tolerance, below which the report says that the goals hardly conflict.
+/// Range of a goal's miss along the Pareto front, as a fraction of the goal's tolerance, below which the report states that the goals hardly
+/// conflict.
 const FLAT_FRONT_SHARE: f64 = 0.1;
 /// Largest number of tolerances in the table and in the picture.
 const MAX_TOLERANCES: usize = 12;
@@ -14,7 +15,7 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// Returns the drawn share with its standard deviation, in words.
+/// Describes the share of drawn axles that meet the goals, with its standard deviation.
 fn drawn(robust: &Robust) -> Option<String> {
     let drawn = robust.drawn.as_ref()?;
     let failed = match drawn.failed {
@@ -29,8 +30,8 @@ fn drawn(robust: &Robust) -> Option<String> {
     ))
 }
 
-/// Returns what the tolerances make of the tuned deck, one sentence each: the share of good axles, goals that two standard deviations miss, and
-/// what to tighten first.
+/// Describes the effect of the tolerances on the tuned deck, one sentence per item: the share of good axles, the goals that are not met at two
+/// standard deviations, and the tolerance to reduce first.
 pub(super) fn sentences(robust: &Robust) -> Vec<String> {
     let mut first = format!(
         "{} of axles within the tolerances meet all goals by the linear model",
@@ -63,9 +64,10 @@ fn tighten(robust: &Robust) -> Option<String> {
             percent(first.share_if_halved)
         )
     } else if robust.share > 0.5 {
-        "no tolerance gains axles by being tightened".to_string()
+        "tightening any single tolerance makes no more axles good".to_string()
     } else {
-        "no tolerance gains axles by being tightened: the mean itself is off".to_string()
+        "tightening any single tolerance makes no more axles good: the mean itself is off"
+            .to_string()
     })
 }
 
@@ -74,9 +76,9 @@ pub(super) fn goals(robust: &Robust) -> Table {
     let mut table = Table::new(&[
         ("goal", Align::Left),
         ("good, linear", Align::Right),
-        ("good, drawn", Align::Right),
+        ("good, Monte Carlo", Align::Right),
         ("largest sd, linear", Align::Right),
-        ("largest sd, drawn", Align::Right),
+        ("largest sd, Monte Carlo", Align::Right),
         ("miss of mean and two sd", Align::Right),
         ("met", Align::Left),
     ]);
@@ -153,7 +155,7 @@ fn axis(front: &Front, k: usize) -> String {
 pub(super) fn front_chart(front: &Front) -> Result<Figure, DrawingError> {
     let points = front.points.iter();
     let chart = Chart {
-        title: "What one goal costs the other".to_string(),
+        title: "Trade-off between two goals".to_string(),
         x: axis(front, 0),
         y: axis(front, 1),
         series: vec![

@@ -1,4 +1,4 @@
-//! Numbers of a tuned deck in words.
+//! Formatting of the numbers of a tuned deck, with units and rounded to a few digits.
 
 use admire_syntax::units::short_unit;
 

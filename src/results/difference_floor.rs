@@ -16,7 +16,7 @@ pub struct DifferenceFloor {
 impl DifferenceFloor {
     /// Default share of the largest magnitude up to which a difference counts as round-off.
     pub const DEFAULT_SHARE: f64 = 1e-12;
-    /// Minimum of the largest magnitude, in the unit of the column.
+    /// Lower limit of the largest magnitude of a unit. It replaces smaller magnitudes in the computation of the floor.
     const MIN_LARGEST: f64 = 1e-12;
 
     /// Creates a floor with this share of the largest magnitudes. With a share of 0, values are compared exactly.

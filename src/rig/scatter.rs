@@ -76,7 +76,7 @@ impl Scatter {
                 return Err(Diagnostic::error(
                     Code::BadEffect,
                     format!(
-                        "{} outliers are more than the number of readings",
+                        "there are fewer readings than the {} outliers",
                         self.outliers
                     ),
                 ));

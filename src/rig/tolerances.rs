@@ -17,9 +17,9 @@ pub struct Tolerances {
     /// Standard deviation of each coordinate of each marker at which a joint or spring holds a part, in the deck's length unit. This is an
     /// error of one part alone.
     pub parts: f64,
-    /// Standard deviation of each coordinate of the assembly offset of each bushing, in the deck's length unit.
+    /// Standard deviation of each coordinate of the assembly offset of each bushing and FIELD, in the deck's length unit.
     pub assembly_offset: f64,
-    /// Standard deviation of the rotation of each bushing about each axis, in degrees.
+    /// Standard deviation of the rotation of each bushing and FIELD about each axis, in degrees.
     pub bushing_axis_deg: f64,
     /// Standard deviation of the preload of each spring, relative to its value in the deck.
     pub preload: f64,
@@ -127,15 +127,15 @@ impl Tolerances {
         }
         let mut offsets = Noise::new(seed, "assembly offsets");
         let mut axes = Noise::new(seed, "bushing axes");
-        for bushing in &model.bushings {
-            let id = bushing.header.id;
+        for bushing in model.elastic_pairs() {
+            let (kind, id) = (bushing.kind, bushing.header.id);
             let offset = offsets.vector(self.assembly_offset);
             if self.assembly_offset > 0.0 {
-                texts.push(format!("assembly-offset@BUSHING/{id}:{}", shift(offset)));
+                texts.push(format!("assembly-offset@{kind}/{id}:{}", shift(offset)));
             }
             let turn = axes.vector(self.bushing_axis_deg);
             if self.bushing_axis_deg > 0.0 {
-                texts.push(format!("bushing-orientation@BUSHING/{id}:{}", turned(turn)));
+                texts.push(format!("bushing-orientation@{kind}/{id}:{}", turned(turn)));
             }
         }
         let mut noise = Noise::new(seed, "preload");

@@ -35,10 +35,10 @@ pub(crate) const EXIT_CODES: &str = "\
   what happened                                                            code  MDI_STRICT=1  runStatus in .res
   all commands executed, equilibrium found                                   0        0        Successful
   harmless and ignored (SHOW, EXIT, an id that is not in the dataset)        0        0        Successful
-  no equilibrium was found; the commands went on                             0        3        Failed
+  no equilibrium was found; the commands continued                           0        3        Failed
   the same, and PREFERENCES/SIMFAIL=STOPCF ended them                        3        3        Failed
-  this solver lacks it: an active CONTACT, tyre, user subroutine             1        1        Failed
-  a command cannot be understood                                             1        1        as the simulations
+  not supported by this solver: active CONTACT, tyre, user subroutine        1        1        Failed
+  a command cannot be understood                                             1        1        as for the simulations
   the dataset has errors                                                     1        1        no results
   the command line is wrong; a file cannot be read or written                2        2        none, or cut short
 ";

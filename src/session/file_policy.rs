@@ -80,9 +80,9 @@ impl FilePolicy {
         }
         Err(Diagnostic::error(
             Code::ReadOutside,
-            format!("`{}` lies outside of the folders of this run", path.display()),
+            format!("`{}` is outside the folders that this run may use", path.display()),
         )
-        .help("what a file names is read below its own folder and the working directory; ADMIRE_ALLOW_PATH, and `--allow-path` of `admire solve`, add folders"))
+        .help("a named file is read only if it lies below the folder of the file that names it, or below the working directory; ADMIRE_ALLOW_PATH, or `--allow-path` of `admire solve`, adds folders"))
     }
 
     /// Checks that the file `path` may be written.
@@ -115,7 +115,7 @@ impl FilePolicy {
         if !below && !beside {
             return Err(Diagnostic::error(
                 Code::WriteOutside,
-                format!("`{}` lies outside of the folders of this run", path.display()),
+                format!("`{}` is outside the folders that this run may use", path.display()),
             )
             .help("a command file may write beside itself, beside its model and in the working directory; ADMIRE_ALLOW_PATH adds folders"));
         }

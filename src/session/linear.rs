@@ -22,7 +22,7 @@ impl Session<'_> {
         if !command.has("EIGENSOL") && !command.has("STATEMAT") {
             let refusal = Diagnostic::error(
                 Code::CommandNotSupported,
-                "of LINEAR only EIGENSOL and STATEMAT are executed here; this command is left out",
+                "only EIGENSOL and STATEMAT of LINEAR are supported; this command is skipped",
             );
             return self.refused(refusal, place);
         }
@@ -131,7 +131,7 @@ impl Session<'_> {
             let found = all.position(|v| v.header.id == *id);
             found.ok_or_else(|| {
                 format!(
-                    "{kind}/{} names VARIABLE/{id}, which is not there",
+                    "{kind}/{} names VARIABLE/{id}, which does not exist",
                     port.header.id
                 )
             })
@@ -187,9 +187,9 @@ impl Session<'_> {
         if asked != "MATLAB" {
             let warning = Diagnostic::warning(
                 Code::OutputNotWritten,
-                "the state matrices are written for MATLAB: the form of MATRIXX is not known",
+                "the state matrices are written for MATLAB: the MATRIXX format is not supported",
             )
-            .help("FORMAT=MATLAB asks for it");
+            .help("write FORMAT=MATLAB to request the MATLAB format");
             self.complain(&Some(place).label(warning));
         }
         let CompiledModel {

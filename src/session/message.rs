@@ -86,8 +86,9 @@ impl<'a> Messages<'a> {
         while let Err(TryLockError::WouldBlock) = file.try_lock() {
             if begin.elapsed() > PATIENCE {
                 let message = format!("another run is writing `{}`", path.display());
-                return Err(Diagnostic::error(Code::CannotWrite, message)
-                    .help("wait for its end, or give one of the two another output_prefix"));
+                return Err(Diagnostic::error(Code::CannotWrite, message).help(
+                    "wait for it to end, or give one of the two runs another output_prefix",
+                ));
             }
             std::thread::sleep(Duration::from_millis(20));
         }

@@ -74,7 +74,7 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
             results,
             option,
             &format!("without XRF the results file of ADAMS is {kind}; here it is XML anyway"),
-            Some("RESULTS/XRF asks both for XML, and for the same columns"),
+            Some("with RESULTS/XRF, ADAMS and admire write the same columns in XML"),
         );
     }
     found

@@ -208,7 +208,7 @@ impl<'a> Session<'a> {
         if depth >= DEEPEST {
             let deep = Diagnostic::error(
                 Code::LimitExceeded,
-                format!("command files read command files {DEEPEST} times over"),
+                format!("command files are nested more than {DEEPEST} levels deep"),
             );
             self.complain(&place.label(deep));
             return Err(Stop::File);

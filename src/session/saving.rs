@@ -140,9 +140,9 @@ impl Session<'_> {
                     self.loaded = Some(loaded);
                     let other = Diagnostic::error(
                         Code::CannotRead,
-                        "the file holds another model, and the output files of this one have begun",
+                        "the file contains another model, but output files of the current model are already being written",
                     )
-                    .help("OUTPUT_PREFIX gives the model of the file output files of its own; RELOAD/STATES keeps the model");
+                    .help("OUTPUT_PREFIX gives the model in the file its own output files; RELOAD/STATES keeps the current model");
                     self.misunderstood(other, place)?;
                     return Ok(false);
                 }

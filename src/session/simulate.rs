@@ -150,7 +150,7 @@ impl Analysis {
 pub(super) fn too_many(dt: f64) -> Diagnostic {
     Diagnostic::error(
         Code::LimitExceeded,
-        format!("the DT of a sensor asks for an output every {dt}, more often than is done"),
+        format!("DT of a sensor asks for an output every {dt}, which gives too many output steps"),
     )
 }
 
@@ -223,7 +223,7 @@ fn output_times(command: &Statement, source: &Source, now: f64) -> Result<Output
             span,
             Diagnostic::error(
                 Code::LimitExceeded,
-                format!("{count} output steps are asked for, and at most {MOST_STEPS} are made"),
+                format!("{count} output steps are requested; the limit is {MOST_STEPS}"),
             ),
         )
         .help("split the simulation into several commands if this is intended"));

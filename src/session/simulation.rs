@@ -196,7 +196,10 @@ impl Session<'_> {
         if told.is_empty() {
             return String::new();
         }
-        format!("  Forces summed again leave at most {}\n", told.join(", "))
+        format!(
+            "  Recomputed force balance: at most {} remains\n",
+            told.join(", ")
+        )
     }
 
     /// Warns if the residual of the recomputed force balance exceeds IMBALANCE and round-off.
@@ -207,7 +210,7 @@ impl Session<'_> {
         }
         let told = self.balance_line(balance);
         let text = format!(
-            "{}: more than IMBALANCE and round-off allow.",
+            "{}: this is more than IMBALANCE and round-off allow.",
             told.trim_end()
         );
         self.messages.frame("WARNING", &text);

@@ -124,7 +124,7 @@ impl Loaded {
 
     /// Computes the initial conditions if they are not known or if `anew` is true. Returns the redundant constraint equations.
     ///
-    /// Nothing is reported to the user; [`Session::begin`] does that.
+    /// This function reports nothing to the user; [`Session::begin`] does that.
     pub(super) fn begin(
         &mut self,
         step: f64,

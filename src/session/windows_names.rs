@@ -50,18 +50,16 @@ pub fn check_name(name: &str) -> Result<(), String> {
 fn no_file(name: &str) -> Option<String> {
     let slashed = unquoted(name).replace('\\', "/");
     if slashed.starts_with("//./") {
-        return Some(r"what begins with `\\.\` is a device of Windows".to_string());
+        return Some(r"a path that begins with `\\.\` is a Windows device".to_string());
     }
     let path = slashed.strip_prefix("//?/").unwrap_or(&slashed);
     for part in without_drive(path).split('/') {
         let base = part.split(['.', ':']).next().unwrap_or_default();
         if is_device(base.trim_end()) {
-            return Some(format!("`{}` is a device of Windows", base.trim_end()));
+            return Some(format!("`{}` is a Windows device", base.trim_end()));
         }
         if part.contains(':') {
-            return Some(
-                "on Windows a colon may stand only behind the letter of a drive".to_string(),
-            );
+            return Some("on Windows a colon may appear only after the drive letter".to_string());
         }
     }
     None

@@ -165,15 +165,13 @@ fn load_range<'a>(text: &'a str, entry: &str) -> Result<(&'a str, LoadRange), Di
     }
 }
 
-/// Returns the addresses of all bushings and joints.
+/// Returns the addresses of all bushings, FIELDs and joints.
 fn elements(model: &Model) -> Vec<String> {
     let named = |kind: &'static str| move |header: &Header| format!("{kind}/{}", header.id);
-    let bushings = model.bushings.iter().map(|bushing| &bushing.header);
+    let elastic = model.elastic_pairs();
+    let elastic = elastic.map(|pair| format!("{}/{}", pair.kind, pair.header.id));
     let joints = model.joints.iter().map(|joint| &joint.header);
-    bushings
-        .map(named("BUSHING"))
-        .chain(joints.map(named("JOINT")))
-        .collect()
+    elastic.chain(joints.map(named("JOINT"))).collect()
 }
 
 fn unknown(what: &str, name: &str, known: &[String]) -> Diagnostic {

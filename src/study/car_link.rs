@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use admire_car::{BushingName, HARDPOINT_MATCH_MM, Side, bushing_name};
 use admire_solver::mechanics::Vec3;
-use admire_solver::model::{Header, Model};
+use admire_solver::model::{ElasticPair, Header, Model};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::car::CarSettings;
@@ -19,8 +19,8 @@ const MOST_AT_ONE_PLACE: usize = 8;
 pub struct CarLink {
     /// Hardpoints at each marker, by the id of the marker: index among the hardpoints of the subsystem, and side.
     pub hardpoints: BTreeMap<u32, Vec<(usize, Side)>>,
-    /// Bushings of the subsystem by the id of the BUSHING.
-    pub bushings: BTreeMap<u32, BushingName>,
+    /// Bushings of the subsystem by the statement of the deck: `BUSHING/3` or `FIELD/9`.
+    pub bushings: BTreeMap<String, BushingName>,
 }
 
 impl CarLink {
@@ -112,11 +112,11 @@ impl CarLink {
                 sides.map(move |side| (usage.clone(), *side))
             })
             .collect();
-        for bushing in &model.bushings {
+        for bushing in model.elastic_pairs() {
             let named = bushing_name(&bushing.header.name);
             let named = named.filter(|name| known.contains(&(name.usage.clone(), name.side)));
             if let Some(name) = named {
-                self.bushings.insert(bushing.header.id, name);
+                self.bushings.insert(statement(&bushing), name);
             }
         }
     }
@@ -165,20 +165,20 @@ impl CarLink {
             }
         }
         for (bushing, name) in &car.bushings {
-            let header = object(
-                model.bushings.iter().map(|b| &b.header),
-                "BUSHING",
-                &bushing.text,
-            );
+            let found = ["BUSHING", "FIELD"].into_iter().find_map(|kind| {
+                let own = || model.elastic_pairs().filter(move |pair| pair.kind == kind);
+                let header = object(own().map(|pair| pair.header), kind, &bushing.text)?;
+                own().find(|pair| pair.header.id == header.id)
+            });
             let named = bushing_name(&name.text).filter(|named| {
                 car.subsystem.bushings.iter().any(|one| {
                     one.usage.eq_ignore_ascii_case(&named.usage)
                         && one.symmetry.sides().contains(&named.side)
                 })
             });
-            match (header, named) {
-                (Some(header), Some(named)) => {
-                    self.bushings.insert(header.id, named);
+            match (found, named) {
+                (Some(found), Some(named)) => {
+                    self.bushings.insert(statement(&found), named);
                 }
                 (None, _) => wrong(
                     bushing,
@@ -194,6 +194,11 @@ impl CarLink {
             }
         }
     }
+}
+
+/// Returns the address of a bushing or FIELD.
+fn statement(pair: &ElasticPair<'_>) -> String {
+    format!("{}/{}", pair.kind, pair.header.id)
 }
 
 /// Returns the object with an address such as `MARKER/7`, or with a view name.

@@ -55,7 +55,7 @@ pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mu
         units(to, marks, model, out);
         layouts(to, marks, out);
         noise(to, marks, out);
-        swapped(to, marks, out);
+        swapped(to, marks, model, out);
         missing(to, marks, model, out);
     }
     copied(to, study, out);
@@ -141,7 +141,7 @@ fn units(to: &mut Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<D
             };
             Diagnostic::warning(
                 Code::WrongUnits,
-                format!("{which} look like {name}; they are multiplied by {factor}"),
+                format!("{which} seem to be in {name}; they are multiplied by {factor}"),
             )
             .label(marks.measured.source.name(), place, "")
         });
@@ -206,7 +206,7 @@ fn on_part_units(
             Diagnostic::warning(
                 Code::WrongUnits,
                 format!(
-                    "the marks listed on {part} look like {name}; they are multiplied by {factor}"
+                    "the marks listed on {part} seem to be in {name}; they are multiplied by {factor}"
                 ),
             )
             .label(
@@ -240,13 +240,13 @@ fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
         let [length, lateral, _] = extents(&points);
         let message = if lateral <= LEAST_SPREAD * length {
             format!(
-                "the marks of {} lie on one line ({lateral:.3} wide over {length:.1} long, rms): its rotation about it is not \
+                "the marks of {} lie on one line ({lateral:.3} wide over {length:.1} long, rms): rotation about this line is not \
                  determined, and no pose is computed from them",
                 marked.name
             )
         } else if lateral <= POOR_SPREAD * length {
             format!(
-                "the marks of {} lie almost on one line ({lateral:.2} wide over {length:.1} long, rms): its rotation about it is \
+                "the marks of {} lie almost on one line ({lateral:.2} wide over {length:.1} long, rms): rotation about this line is \
                  poorly known",
                 marked.name
             )
@@ -260,7 +260,7 @@ fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
                     marks.on_parts.header_span(),
                     "",
                 )
-                .help("spread the marks of a part over all of it"),
+                .help("spread the marks over the whole part"),
         );
     }
 }
@@ -300,7 +300,7 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
         out.push(
             Diagnostic::warning(
                 Code::MissingSetting,
-                "the noise of the marks cannot be estimated from them; 0.05 is assumed",
+                "the noise of the marks cannot be estimated from them; 0.05 in the deck's length unit is assumed",
             )
             .label(
                 marks.measured.source.name(),
@@ -318,7 +318,8 @@ fn inconsistent(fit: &Orientation, variance: f64) -> bool {
     fit.dof > 0 && chi_square_p_value(squares / variance, fit.dof) < INCONSISTENT
 }
 
-fn swapped(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
+fn swapped(to: &mut Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Diagnostic>) {
+    let length = model.units.length.word;
     // Exact readings still contain the rounding of their file.
     let floor = 1e-3;
     let variance = (to.sigma * to.sigma + to.sigma_on_parts * to.sigma_on_parts).max(floor * floor);
@@ -358,7 +359,7 @@ fn swapped(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
                     Diagnostic::warning(
                         Code::InconsistentMarks,
                         format!(
-                            "the marks of {part_name} in case {label} do not fit a rigid part: {rms:.3} rms against a noise of {:.3}",
+                            "the marks of {part_name} in case {label} do not fit a rigid part: {rms:.3} {length} rms against a noise of {:.3} {length}",
                             variance.sqrt()
                         ),
                     )

@@ -164,7 +164,7 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
         .collect();
     let iso = looks_like_iso(model, wheel);
     let axes = if iso {
-        "axes = \"iso\"                        # X forward, Y left, Z up, by the names of the sides; CHECK; or \"adams-car\", \"sae\", [\"forward\", \"left\", \"up\"]"
+        "axes = \"iso\"                        # X forward, Y left, Z up, guessed from the names of the sides; CHECK; or \"adams-car\", \"sae\", [\"forward\", \"left\", \"up\"]"
     } else {
         "axes = \"adams-car\"                  # X rearward, Y right, Z up; CHECK; or \"iso\", \"sae\", [\"forward\", \"left\", \"up\"]"
     };
@@ -192,7 +192,7 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
         _ = writeln!(
             text,
             "\n[wheels.{side}]\n\
-             centre = \"MARKER/{}\"              # looks like the wheel centre, on {part}; CHECK: on what carries the wheel and does not spin\n\
+             centre = \"MARKER/{}\"              # looks like the wheel centre, on {part}; CHECK that it is on the wheel carrier, which does not spin\n\
              spin = \"{}\"                         # its axis along the spin axis\n\
              # steer_axis = [\"MARKER/..\", \"MARKER/..\"]  # lower and upper ball joint, for caster, kingpin, scrub and trail",
             marker.header.id,

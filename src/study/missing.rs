@@ -1,17 +1,17 @@
-//! What a study holds, and what it still lacks before anything can be computed from it.
+//! Contents of a study, and the contents that it still lacks before anything can be computed from it.
 
 use super::study::Study;
 use super::table::Table;
 use admire_syntax::Dataset;
 
 impl Study {
-    /// Returns true if anything is measured: marks, curves, readings or the wheel.
+    /// Returns true if the study has measured data: marks, curves, readings or the wheel.
     pub fn is_measured(&self) -> bool {
         let wheel = self.wheel.as_ref().and_then(|(_, table)| table.as_ref());
         self.marks.is_some() || self.readings.is_some() || self.kc.is_some() || wheel.is_some()
     }
 
-    /// Returns true if the study has a target and no readings for an identification.
+    /// Returns true if the study has a target but no readings for an identification.
     pub fn is_target_alone(&self) -> bool {
         self.target.is_some() && (self.columns.is_empty() || !self.is_measured())
     }

@@ -88,7 +88,7 @@ impl NamedProgram {
     /// Returns the question that asks the user for permission. It contains the full command.
     pub fn question(&self) -> String {
         format!(
-            "{} names a program that is started for every run:\n  {}\nstart it, now and later? [no] ",
+            "{} names a program that is started for every run:\n  {}\nallow it, now and in future? [no] ",
             self.file.display(),
             self.shown()
         )

@@ -120,8 +120,8 @@ priors! {
     channel_gain = 0.1, "", 1e-4 to 1.0;
     /// Probability of a force whose law the catalogue lacks, relative to the classes of causes.
     unmodelled_force_odds = 0.1, "", 1e-6 to 1.0;
-    /// Probability that the law of a cause leaves a misfit at its place.
+    /// Probability that the true force at the site of a cause deviates from the law of the cause.
     law_misfit = 0.5, "", 1e-3 to 0.999;
-    /// Largest misfit of the law of a cause at its place, relative to the usual force there.
+    /// Largest deviation of the true force from the law of a cause, relative to the usual force at the site.
     law_misfit_size = 0.3, "", 1e-3 to 10.0;
 }

@@ -69,7 +69,7 @@ impl Quantity {
                 format!("a unit like `{wanted}`")
             };
             return Err(complain(format!(
-                "`{}` has another dimension: the number in the deck has {wanted}",
+                "`{}` has a different dimension: the number in the deck has {wanted}",
                 self.unit
             )));
         }
@@ -135,7 +135,7 @@ impl Section<'_> {
         let (value, span) = self.get(key)?;
         let found = quantity_of(value, span);
         if found.is_none() {
-            self.wrong(key, span, "a number, or a text such as \"3 mm\"", out);
+            self.wrong(key, span, "a number, or a string such as \"3 mm\"", out);
         }
         found
     }

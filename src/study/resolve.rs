@@ -283,7 +283,7 @@ fn mark_readings(
         let Some((part_at, mark_at)) = known else {
             grouped.add(format!("mark {} {}", part.text, mark.text), || {
                 let message = format!(
-                    "mark `{}` of {} was not measured on its part; its readings are left out",
+                    "mark `{}` of {} is not in the table of marks on parts; its readings are left out",
                     mark.text, part.text
                 );
                 Diagnostic::warning(Code::UnknownMark, message).label(file, mark.span, "")

@@ -157,7 +157,7 @@ impl<'a> Section<'a> {
             found.push(section(table, Span::from(item.span()), None));
         }
         if !all_tables || value.get_ref().as_array().is_none() {
-            let expected = format!("tables, each begun by [[{path}]]");
+            let expected = format!("tables, each beginning with [[{path}]]");
             self.wrong(key, Span::from(value.span()), &expected, diagnostics);
         }
         self.asked.insert(key);
@@ -243,7 +243,7 @@ impl<'a> Section<'a> {
         self.note(key, ValueType::Text);
         let (value, span) = self.get(key)?;
         let Some(text) = value.as_str() else {
-            self.wrong(key, span, "a text in quotes", diagnostics);
+            self.wrong(key, span, "a string in quotes", diagnostics);
             return None;
         };
         Some(SpannedText {
@@ -301,7 +301,7 @@ impl<'a> Section<'a> {
             Diagnostic::error(Code::BadSetting, format!("`{name}` must be more than 0"))
                 .label(self.source.name(), span, "")
                 .help(
-                    "readings without noise: write a ten-thousandth of the length unit, 1e-4; remove the key to have it \
+                    "for readings without noise, write a ten-thousandth of the length unit, 1e-4; remove the key to have it \
                      estimated from the marks",
                 ),
         );
@@ -370,7 +370,7 @@ impl<'a> Section<'a> {
         self.note(key, ValueType::Texts);
         let (value, span) = self.get(key)?;
         let Some(array) = value.as_array() else {
-            self.wrong(key, span, "a list of texts", diagnostics);
+            self.wrong(key, span, "a list of strings", diagnostics);
             return None;
         };
         let mut texts = Vec::new();
@@ -381,7 +381,7 @@ impl<'a> Section<'a> {
                     text: text.to_string(),
                     span: at,
                 }),
-                None => self.wrong(key, at, "a list of texts", diagnostics),
+                None => self.wrong(key, at, "a list of strings", diagnostics),
             }
         }
         Some(texts)
@@ -403,7 +403,7 @@ impl<'a> Section<'a> {
                         span: value.1,
                     },
                 )),
-                None => self.wrong(&key.text, value.1, "a text in quotes", diagnostics),
+                None => self.wrong(&key.text, value.1, "a string in quotes", diagnostics),
             }
         }
         found

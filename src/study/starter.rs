@@ -245,7 +245,7 @@ file = \"load_cases.csv\"             # case,<one column per load>, in the order
 [marks]                             # marks on parts, measured by a coordinate measuring machine or cameras
 on_parts = \"marks_on_parts.csv\"     # part,mark,x,y,z       in each part's own frame
 measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground frame
-# sigma = 0.05                      # standard deviation of one coordinate; without it the marks themselves tell
+# sigma = 0.05                      # standard deviation of one coordinate; without it, estimated from the marks
 ";
         }
         if kinds.contains(&Kind::Wheel) {
@@ -269,8 +269,8 @@ file = \"kc.csv\"                     # one row per load case
 # relative_to = \"1\"                 # the case at which the rig's displays stood at zero
 # summary = \"kc_summary.csv\"        # gradients and widths of loops, see `admire guide study`
 [kc.curves]                         # take out what was not read; `admire check` shows which column was taken
-toe = {}                            # or { column = \"Toe-in [min]\", sigma = 0.3 }: sd of a reading; without it
-camber = {}                         # repeats of a case tell, or the fit
+toe = {}                            # or { column = \"Toe-in [min]\", sigma = 0.3 }: sd of a reading; without it,
+camber = {}                         # estimated from repeated cases, or by the fit
 caster = {}
 travel = {}
 base = {}
@@ -321,7 +321,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
         text += "# symmetry = { default = \"radial-z\" }   # round bushings: Kx = Ky, KTx = KTy
 
 # [validate]
-# hold_out = [\"3\", \"7\"]             # cases, or names of curves, that no fit sees: to test the answer on
+# hold_out = [\"3\", \"7\"]             # cases, or names of curves, that no fit sees, to validate the result
 ";
         text
     }
@@ -335,7 +335,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
                 self.marker(at),
                 spin_axis(self.model, at)
             ),
-            None => "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis the wheel spins about\n".to_string(),
+            None => "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis about which the wheel spins\n".to_string(),
         }
     }
 }

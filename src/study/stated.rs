@@ -16,7 +16,7 @@ pub enum PriorSetting {
 /// Settings of `[tolerances]`: standard deviations of groups of errors. Lengths are in millimetres.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ToleranceSettings {
-    /// True if the study has the section.
+    /// True if the study contains the section `[tolerances]`.
     pub is_stated: bool,
     /// Standard deviation of the error of each hardpoint coordinate, in mm.
     pub hardpoints: PriorSetting,

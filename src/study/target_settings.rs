@@ -1,4 +1,4 @@
-//! Section `[target]` of `study.toml`: goals for the characteristics of an axle and for its load cases, and the numbers of the deck that may
+//! Section `[target]` of `study.toml`: goals for characteristics of an axle and for load cases, and the numbers of the deck that may
 //! change.
 
 use super::section::{Section, SpannedText};
@@ -30,7 +30,7 @@ pub enum Wanted {
     Limits([f64; 2]),
 }
 
-/// States of the deck in which a goal is read.
+/// Test or load case in which a goal is read.
 #[derive(Clone, Debug)]
 pub enum GoalPlace {
     /// Name of a test in `kc.toml`, or `ride` for ride height.
@@ -51,7 +51,7 @@ pub struct GoalSettings {
     pub span: Span,
     /// Test or load case.
     pub place: GoalPlace,
-    /// Characteristic such as `toe_angle.left`, or a force, place or reading such as `BUSHING/3.FX`.
+    /// Name of the quantity: a characteristic such as `toe_angle.left`, or a force, position or reading such as `BUSHING/3.FX`.
     pub of: SpannedText,
     /// Part of the characteristic.
     pub scope: GoalScope,
@@ -68,17 +68,17 @@ pub struct GoalSettings {
 /// Settings of section `[target]`.
 #[derive(Clone, Debug)]
 pub struct TargetSettings {
-    /// Contents of `kc.toml`: the wheels and the tests. `None` if all goals are those of load cases.
+    /// Contents of `kc.toml`: the wheels and the tests. `None` if every goal reads a load case.
     pub kc: Option<Source>,
     /// Number of additional starts, from Sobol points within the bounds.
     pub restarts: usize,
     /// Maximum number of evaluations for each start.
     pub evaluations: usize,
-    /// Whether goals are sought for the mean plus two standard deviations of the tolerances.
+    /// True if the search is robust: goals must be met at two standard deviations of the tolerances to either side of the mean.
     pub robust: bool,
-    /// Number of axles that are drawn with their tolerances and solved; none are drawn if it is zero.
+    /// Number of axles that are solved with drawn tolerances; no axle is drawn if it is zero.
     pub draws: usize,
-    /// What is wanted.
+    /// Goals, with names that are not yet resolved.
     pub goals: Vec<GoalSettings>,
     /// Numbers of the deck that may change.
     pub unknowns: Vec<UnknownSettings>,

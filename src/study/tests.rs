@@ -142,7 +142,7 @@ fn metres_are_millimetres_again() {
     let (severity, message) = only(&diagnostics, Code::WrongUnits);
     assert_eq!(severity, Severity::Warning);
     assert!(
-        message.contains("all measured marks look like metres"),
+        message.contains("all measured marks seem to be in metres"),
         "{message}"
     );
     let difference = measured.cases[3].marks[7].x - as_shipped().cases[3].marks[7].x;
@@ -155,7 +155,7 @@ fn metres_are_millimetres_again() {
     assert!(
         only(&diagnostics, Code::WrongUnits)
             .1
-            .contains("listed on FRONT_ARM look like metres")
+            .contains("listed on FRONT_ARM seem to be in metres")
     );
     assert!((measured.parts[0].marks[0].p - as_shipped().parts[0].marks[0].p).norm() < 1e-6);
 }

@@ -45,7 +45,7 @@ pub struct UnknownSettings {
     pub symmetric: bool,
     /// True if a marker moves on its own part alone, without the other markers at the same point.
     pub alone: bool,
-    /// Distance along x over which the change of a SPLINE varies, in the unit of x; `None` for points that change independently.
+    /// Correlation length of the change of a SPLINE along x, in the unit of x. `None` if the points change independently.
     pub smooth: Option<f64>,
     /// Initial value of the search.
     pub start: Option<Quantity>,

@@ -115,11 +115,11 @@ impl AnswerPath {
                 (Some(next), _) => next,
                 (None, Step::Element(word)) if word.contains('@') => return None,
                 (None, Step::Element(word)) if word.contains('*') => {
-                    let text = "the study as it is has nothing there for `*` to stand for; name it, as findings[dry-friction@BUSHING/1.K.1]";
+                    let text = "in the study as it is, `*` matches nothing here; name the element, as in findings[dry-friction@BUSHING/1.K.1]";
                     return Some(text.to_string());
                 }
                 (None, Step::Field(name) | Step::Element(name)) => {
-                    return Some(format!("there is no such place in the answer: `{name}`"));
+                    return Some(format!("the result has no such field: `{name}`"));
                 }
             };
         }

@@ -125,7 +125,7 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let mut wrong = Vec::new();
     for (index, group) in metadata.row_groups().iter().enumerate() {
         let Some(to) = end_of(group) else {
-            return Ok("what it says of itself is".to_string());
+            return Ok("its metadata is".to_string());
         };
         let mut sum = Sha256::new();
         let whole = to >= from && add(file, from..to, &mut sum).is_ok();
@@ -141,7 +141,7 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
         (from, row) = (to, row.saturating_add(group.num_rows()));
     }
     Ok(match wrong.len() {
-        0 => "what it says of itself is".to_string(),
+        0 => "its metadata is".to_string(),
         1 => format!("row group {} is", wrong[0]),
         _ => format!("row groups {} are", wrong.join(", ")),
     })
@@ -273,9 +273,6 @@ mod tests {
         bytes[at] ^= 1;
         std::fs::write(&path, &bytes).unwrap();
         let said = verify(&path).unwrap_err().to_string();
-        assert!(
-            said.contains("what it says of itself is not as written"),
-            "{said}"
-        );
+        assert!(said.contains("its metadata is not as written"), "{said}");
     }
 }

@@ -274,9 +274,9 @@ impl SweepFolder {
             return Ok(());
         }
         strangers.sort();
-        let message = format!("no sweep wrote {}", strangers.join(", "));
+        let message = format!("not written by a sweep: {}", strangers.join(", "));
         Err(Diagnostic::error(Code::CannotWrite, message)
-            .help("name a folder of its own for the sweep"))
+            .help("give the sweep a folder of its own"))
     }
 
     /// Returns the path of a shard's journal.
@@ -319,6 +319,6 @@ fn read_manifest(path: &Path) -> Result<Option<Manifest>, Diagnostic> {
     if let Some(manifest) = manifest.filter(|manifest| manifest.written_by == WRITER) {
         return Ok(Some(manifest));
     }
-    let message = format!("no sweep wrote `{}`", file.display());
-    Err(Diagnostic::error(Code::CannotRead, message).help("name a folder of its own for the sweep"))
+    let message = format!("`{}` was not written by a sweep", file.display());
+    Err(Diagnostic::error(Code::CannotRead, message).help("give the sweep a folder of its own"))
 }

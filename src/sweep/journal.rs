@@ -31,7 +31,7 @@ pub enum JournalError {
     #[error("another process works on `{}`", .0.display())]
     Locked(PathBuf),
     /// The file is not a journal, or belongs to another sweep.
-    #[error("`{}` is not the journal of this sweep by this version", .0.display())]
+    #[error("`{}` is not a journal of this sweep written by this version", .0.display())]
     Foreign(PathBuf),
 }
 

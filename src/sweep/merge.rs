@@ -94,7 +94,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
             if there != own {
                 refuse(
                     Code::ConflictingArguments,
-                    format!("another {what}: {there}, and the sweep has {own}"),
+                    format!("different {what}: {there}, but the sweep has {own}"),
                 );
             }
         }
@@ -114,7 +114,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         if *first.get_or_insert_with(|| columns.clone()) != columns {
             refuse(
                 Code::WrongCount,
-                "other columns than the first part".to_string(),
+                "its columns differ from those of the first part".to_string(),
             );
         }
     }

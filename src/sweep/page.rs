@@ -63,13 +63,13 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     page.found(&[(
         "Tried",
         vec![format!(
-            "{} variants of {numbers} numbers; {ok} have an answer",
+            "{} variants of {numbers} numbers; {ok} have a result",
             summary.cases
         )],
     )]);
     page.table(&ranges(summary));
     page.note("Nine of ten variants lie between the 5 % and the 95 % quantile.");
-    page.detail("Cases without an answer");
+    page.detail("Cases without a result");
     if ok < summary.cases {
         let mut table = Table::new(&[("why", Align::Wrap), ("cases", Align::Right)]);
         for (reason, count) in &summary.reasons {
@@ -109,13 +109,13 @@ fn answer(summary: &Summary, ok: u64) -> String {
         let mut text = format!("{} lies between {low} and {high} {unit}", spread.name);
         text.truncate(text.trim_end().len());
         if let Some(swing) = output.swings.first() {
-            text += &format!(", moved most by {}", swing.name);
+            text += &format!(", most affected by {}", swing.name);
         }
         text + "."
     });
     let told: Vec<String> = told.collect();
     if ok == 0 {
-        return format!("None of the {} variants has an answer.", summary.cases);
+        return format!("None of the {} variants has a result.", summary.cases);
     }
     told.join(" ")
 }
@@ -156,7 +156,7 @@ fn ranges(summary: &Summary) -> Table {
         ("5 %", Align::Right),
         ("median", Align::Right),
         ("95 %", Align::Right),
-        ("moved most by", Align::Left),
+        ("most affected by", Align::Left),
     ]);
     for output in &summary.outputs {
         let spread = &output.spread;
@@ -222,7 +222,7 @@ fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
     }
     points.push((most, 0.0));
     let chart = Chart {
-        title: format!("How {} is spread", spread.name),
+        title: format!("Distribution of {}", spread.name),
         x: labelled(spread),
         y: "cases".to_string(),
         series: vec![Series::new(&spread.name, SeriesStyle::Line, points)],
@@ -236,7 +236,7 @@ fn tornado(output: &OutputSummary) -> Option<Figure> {
     let explained = output.explained?;
     let bars = output.swings.iter().take(MOST_BARS);
     let bars = Bars {
-        title: format!("What moves {}", output.spread.name),
+        title: format!("What affects {}", output.spread.name),
         x: axis_label("change", output.spread.unit.as_deref().unwrap_or_default()),
         rows: bars.map(|s| (s.name.clone(), [s.low, s.high])).collect(),
         level: 0.0,
@@ -252,7 +252,7 @@ fn indices(page: &mut Page, output: &OutputSummary) {
     if output.indices.is_empty() {
         return;
     }
-    page.subheading("Indices of Sobol");
+    page.subheading("Sobol indices");
     let mut table = Table::new(&[
         ("number", Align::Left),
         ("first order", Align::Right),

@@ -77,7 +77,7 @@ pub(super) fn numbers(
         if !names.insert(variation.name.clone()) {
             let message = format!("two variations are called `{}`", variation.name);
             out.wrong(Code::DuplicateId, span, &message);
-            out.help("`name = \"...\"` tells them apart");
+            out.help("give each its own `name = \"...\"`");
         }
     }
     twice(&variations, file, out);
@@ -189,7 +189,7 @@ fn variation(
         (Some(count), None) => count,
         (None, Some(levels)) if *levels.get_ref() > 0 => *levels.get_ref(),
         (Some(_), Some(levels)) => {
-            let message = "`values` are the levels; no other number of them can be asked for";
+            let message = "`values` are the levels, so `levels` cannot be given too";
             out.wrong(Code::ConflictingArguments, levels.span(), message);
             return None;
         }
@@ -344,7 +344,7 @@ fn correlations(
             PlanWord::Random | PlanWord::LatinHypercube | PlanWord::Sobol
         ) {
             let message =
-                "this plan has no correlations: only random, latin-hypercube and sobol have them";
+                "this plan does not support correlations: use random, latin-hypercube or sobol";
             out.wrong(Code::ConflictingArguments, span, message);
             continue;
         }
@@ -373,7 +373,7 @@ fn correlations(
             }
             _ => {
                 let message = format!(
-                    "`coefficient = r` or `matrix` of {n} rows of {n} numbers says how they vary together"
+                    "give their correlation by `coefficient = r`, or by a `matrix` of {n} rows of {n} numbers"
                 );
                 out.wrong(Code::WrongCount, span, &message);
                 continue;
@@ -402,7 +402,7 @@ fn design(
     let size = match &sampling.cases {
         Some(cases) if sized && *cases.get_ref() > 0 => *cases.get_ref(),
         Some(cases) if !sized => {
-            let message = "the number of cases follows from this plan";
+            let message = "this plan determines the number of cases, so `cases` cannot be given";
             out.wrong(Code::ConflictingArguments, cases.span(), message);
             return None;
         }
@@ -411,7 +411,7 @@ fn design(
             return None;
         }
         None if sized => {
-            let message = "`cases` is missing: rows of the answer; base points of sobol-indices; trajectories of morris";
+            let message = "`cases` is missing: the number of cases, of base points for sobol-indices, or of trajectories for morris";
             out.wrong(Code::MissingArgument, sampling.plan.span(), message);
             return None;
         }
@@ -421,7 +421,7 @@ fn design(
     if let Some(asked) = &sampling.levels {
         grid = *asked.get_ref();
         if word != PlanWord::Morris || grid < 2 || grid % 2 == 1 || grid > 1 << 20 {
-            let message = "`levels` of [sampling] must be an even number for `plan = \"morris\"`";
+            let message = "`levels` of [sampling] applies only to `plan = \"morris\"` and must be an even number up to 1048576";
             out.wrong(Code::OutOfRange, asked.span(), message);
             return None;
         }
@@ -433,7 +433,7 @@ fn design(
     };
     if needed > MOST_SOBOL {
         let message =
-            format!("the Sobol sequence has {MOST_SOBOL} numbers here, and {needed} are needed");
+            format!("the Sobol sequence supports {MOST_SOBOL} numbers, but {needed} are needed");
         out.wrong(Code::LimitExceeded, sampling.plan.span(), &message);
         return None;
     }
@@ -494,7 +494,7 @@ fn cases_of(
                     return refuse(
                         1,
                         &format!(
-                            "`{head}` is not a variation, and as an address: {}",
+                            "`{head}` is neither a variation nor an address: {}",
                             why.message
                         ),
                     );

@@ -38,20 +38,20 @@ pub(super) fn keeps(
         if !fits {
             let message = match task {
                 Task::Tests(_) => {
-                    "K&C tests have characteristics only: `characteristic = \"toe_angle.left\"`"
+                    "K&C tests give only characteristics: `characteristic = \"toe_angle.left\"`"
                 }
                 Task::Study(..) => {
-                    "of a study numbers of its answer are kept: `identification = \"parameters[*].value\"` or `diagnosis = \"baseline.chi2_per_dof\"`"
+                    "from a study, numbers of its result are kept: `identification = \"parameters[*].value\"` or `diagnosis = \"baseline.chi2_per_dof\"`"
                 }
                 Task::Commands(_) => {
-                    "a command file has columns and modes; characteristics are those of `kc = \"kc.toml\"`, identification and diagnosis those of a `study`"
+                    "a command file gives columns and modes; characteristics need `kc = \"kc.toml\"`, and identification and diagnosis need a `study`"
                 }
             };
             out.wrong(Code::BadSetting, span, message);
             continue;
         }
         if file.solver.is_some() && matches!(found, OutputSpec::Mode(_)) {
-            let message = "of a program's run only columns are read";
+            let message = "from the run of an external program, only columns can be kept";
             out.wrong(Code::BadSetting, span, message);
             continue;
         }
@@ -83,8 +83,7 @@ fn one(
     ) {
         let path = AnswerPath::parse(answer, text.get_ref());
         if path.is_none() {
-            let message =
-                "a place in an answer is `fit_test.chi2` or `parameters[BUSHING/1.K.1].value`";
+            let message = "a field of the result is written like `fit_test.chi2` or `parameters[BUSHING/1.K.1].value`";
             out.wrong(Code::BadSetting, text.span(), message);
         }
         return path.map(OutputSpec::Answer);
@@ -95,7 +94,7 @@ fn one(
                 (None, None, None) => Reduction::Last,
                 (Some(word), None, None) => {
                     let Some(at) = Reduction::of_word(word.get_ref()) else {
-                        let message = "`at` is last, first, max, min, mean, range or rms; or say `step = 2` or `time = 0.5`";
+                        let message = "`at` is last, first, max, min, mean, range or rms; or write `step = 2` or `time = 0.5`";
                         out.wrong(Code::BadSetting, word.span(), message);
                         return None;
                     };
@@ -103,12 +102,12 @@ fn one(
                 }
                 (None, Some(step), None) if *step.get_ref() > 0 => Reduction::Step(*step.get_ref()),
                 (None, Some(step), None) => {
-                    out.wrong(Code::OutOfRange, step.span(), "steps count from 1");
+                    out.wrong(Code::OutOfRange, step.span(), "steps are counted from 1");
                     return None;
                 }
                 (None, None, Some(time)) => Reduction::Time(*time.get_ref()),
                 _ => {
-                    let message = "one of `at`, `step` and `time` says which step is meant";
+                    let message = "give only one of `at`, `step` and `time`";
                     out.wrong(Code::BadSetting, span.clone(), message);
                     return None;
                 }
@@ -120,7 +119,7 @@ fn one(
         }
         (None, Some(mode), None) if plain => {
             if *mode.get_ref() == 0 {
-                out.wrong(Code::OutOfRange, mode.span(), "modes count from 1");
+                out.wrong(Code::OutOfRange, mode.span(), "modes are counted from 1");
                 return None;
             }
             Some(OutputSpec::Mode(*mode.get_ref()))
@@ -143,7 +142,7 @@ fn one(
             })
         }
         _ => {
-            let message = "one of `column`, `mode`, `characteristic`, `identification` and `diagnosis` says what is kept";
+            let message = "exactly one of `column`, `mode`, `characteristic`, `identification` and `diagnosis` must be given";
             out.wrong(Code::BadSetting, span.clone(), message);
             None
         }

@@ -3,9 +3,9 @@ use nalgebra::{DMatrix, DVector};
 /// Linear least-squares regression of a result on all varied parameters, accumulated over the cases.
 #[derive(Clone, Debug)]
 pub(crate) struct Regression {
-    /// Sums of products of the standardised parameters, with a constant 1 as the first regressor.
+    /// Sums of products of the standardised parameters: a square matrix with a constant 1 as the first regressor.
     products: DMatrix<f64>,
-    /// Sums of products of the standardised parameters with the result.
+    /// Sums of products of the regressors with the result. The first regressor is the constant 1.
     with_answer: DVector<f64>,
     /// Sum of squares of the result.
     answer: f64,

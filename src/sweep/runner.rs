@@ -77,7 +77,9 @@ impl<'p> Runner<'p> {
                 runner.find_columns(&catalogue, &modes, &mut wrong);
                 runner.catalogue = catalogue;
             }
-            Ok(Seen::Steps(None, ..)) => wrong.push(runner.unusable("it runs no simulation")),
+            Ok(Seen::Steps(None, ..)) => {
+                wrong.push(runner.unusable("the command file runs no simulation"))
+            }
             Ok(Seen::Tests(run)) => runner.find_characteristics(&run, &mut wrong),
             Ok(Seen::Answers(answers)) => runner.find_answers(&answers, &mut wrong),
             Err((_, why)) => wrong.push(runner.unusable(&why)),
@@ -87,10 +89,10 @@ impl<'p> Runner<'p> {
         names.extend(OTHER_COLUMNS);
         for output in &runner.outputs {
             if names.contains(&output.name.as_str()) {
-                let message = format!("the answer would have two columns `{}`", output.name);
+                let message = format!("the results would have two columns `{}`", output.name);
                 let found = Diagnostic::error(Code::DuplicateId, message)
                     .label(plan.source.name(), span, "")
-                    .help("`name = \"...\"` of a [[keep]] or [[vary]] tells them apart");
+                    .help("give one of them another name: `name = \"...\"` in its [[keep]] or [[vary]]");
                 wrong.push(found);
             }
             names.push(&output.name);
@@ -100,7 +102,7 @@ impl<'p> Runner<'p> {
             .iter()
             .find(|v| OTHER_COLUMNS.contains(&v.name.as_str()))
         {
-            let message = format!("`{}` is a column of every answer", taken.name);
+            let message = format!("`{}` is a column of every results table", taken.name);
             wrong.push(Diagnostic::error(Code::DuplicateId, message).label(
                 plan.source.name(),
                 span,
@@ -118,7 +120,7 @@ impl<'p> Runner<'p> {
     }
 
     fn unusable(&self, why: &str) -> Diagnostic {
-        let message = format!("the deck as it is does not run: {why}");
+        let message = format!("the unchanged deck does not run: {why}");
         Diagnostic::error(Code::NoEquilibrium, message)
             .label(self.plan.deck.source().name(), Span::at(0), "")
             .help("a sweep needs a deck that runs: try `admire solve` or `admire kc` on it")
@@ -176,7 +178,7 @@ impl<'p> Runner<'p> {
                         refuse(
                             *span,
                             format!("the run finds {} modes", modes.len()),
-                            "LINEAR/EIGENSOL of the command file finds eigenvalues",
+                            "LINEAR/EIGENSOL in the command file computes eigenvalues",
                         );
                     }
                     let name = name.clone().unwrap_or_else(|| format!("mode_{number}"));
@@ -401,7 +403,8 @@ impl<'p> Runner<'p> {
         match seen {
             Seen::Steps(catalogue, steps, modes) => {
                 if catalogue.as_ref() != Some(&self.catalogue) {
-                    let message = "its results have other columns than those of the deck as it is";
+                    let message =
+                        "its results have different columns from those of the unchanged deck";
                     return Err((Status::Invalid, message.to_string()));
                 }
                 let value = |output: &Output| match output.origin {

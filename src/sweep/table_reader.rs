@@ -110,7 +110,7 @@ impl TableReader {
             let seconds = numbers(behind + 2)?;
             for (k, case) in cases.iter().enumerate() {
                 let status = Status::of_word(&statuses[k]).ok_or_else(|| {
-                    ParquetError::General(format!("`{}` is no status", statuses[k]))
+                    ParquetError::General(format!("`{}` is not a status", statuses[k]))
                 })?;
                 let row = Row {
                     case: *case as u64,
@@ -149,7 +149,7 @@ impl TableReader {
             }
             _ => {
                 return Err(ParquetError::General(
-                    "a column holds no numbers".to_string(),
+                    "a column does not contain numbers".to_string(),
                 ));
             }
         }
@@ -166,7 +166,9 @@ impl TableReader {
         let rows = group.metadata().num_rows() as usize;
         let ColumnReader::ByteArrayColumnReader(mut reader) = group.get_column_reader(column)?
         else {
-            return Err(ParquetError::General("a column holds no texts".to_string()));
+            return Err(ParquetError::General(
+                "a column does not contain strings".to_string(),
+            ));
         };
         let (mut values, mut levels): (Vec<ByteArray>, _) = (Vec::new(), Vec::new());
         reader.read_records(rows, Some(&mut levels), None, &mut values)?;

@@ -172,7 +172,7 @@ fn next<'c>(
 ) -> Result<parquet::file::writer::SerializedColumnWriter<'c>, ParquetError> {
     group
         .next_column()?
-        .ok_or_else(|| ParquetError::General("a column too many".to_string()))
+        .ok_or_else(|| ParquetError::General("one column too many".to_string()))
 }
 
 fn doubles(

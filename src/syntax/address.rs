@@ -70,6 +70,16 @@ impl Address {
         })
     }
 
+    /// Returns the address of an argument of a statement, or of one of its values if `index` (from 1) is given.
+    pub fn of_argument(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Self {
+        Self {
+            kind: kind.to_string(),
+            id: Some(id),
+            argument: Some(argument.to_string()),
+            index,
+        }
+    }
+
     /// Builds the address of a statement or command from its definition, its id, and `rest`, the part of the address after the id: `K.2`,
     /// `K` or nothing.
     ///

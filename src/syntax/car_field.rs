@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{Dataset, Stated, Statement, Value, as_id};
+use crate::{Address, Dataset, Stated, Statement, Value, as_id};
 
 /// Axis words in the names of curves and arrays, in the order of the components of a FIELD.
 const WORDS: [&str; 6] = ["tx", "ty", "tz", "rx", "ry", "rz"];
@@ -49,8 +49,16 @@ pub struct CarAxis {
 impl CarAxis {
     /// Number of values in the array of an axis.
     pub const LENGTH: usize = 11;
+    /// Index (from 0) of the scale of the stiffness in the array of an axis.
+    pub const SCALE: usize = 2;
+    /// Index (from 0) of the preload in the array of an axis.
+    pub const PRELOAD: usize = 6;
+    /// Index (from 0) of the offset of the displacement in the array of an axis.
+    pub const OFFSET: usize = 7;
+    /// Index (from 0) of the scale of the displacement in the array of an axis.
+    pub const STRETCH: usize = 8;
     /// Indices (from 0) of scale, preload, offset and stretch in the array of an axis.
-    pub const PLACES: [usize; 4] = [2, 6, 7, 8];
+    pub const PLACES: [usize; 4] = [Self::SCALE, Self::PRELOAD, Self::OFFSET, Self::STRETCH];
 
     /// Reads the array of an axis. Its values have the order of Adams/Car: type, value and scale of the stiffness; type, value and scale of
     /// the damping; preload; offset and scale of the displacement; offset and scale of the velocity.
@@ -83,13 +91,13 @@ impl CarAxis {
         }
         if value != 0.0 {
             return Err(format!(
-                "has the stiffness {value} beside the curve, and which of them acts is not known"
+                "has both a stiffness of {value} and a curve, and it is not known which of them applies"
             ));
         }
         let damping = damping * damping_scale * velocity_scale;
         if damping != 0.0 && velocity_offset != 0.0 {
             return Err(format!(
-                "has the offset {velocity_offset} of the velocity, whose sign is not known"
+                "has a velocity offset of {velocity_offset}, whose sign convention is not known"
             ));
         }
         if !numbers.iter().all(|number| number.is_finite()) {
@@ -204,6 +212,11 @@ impl CarField {
             arrays,
             others,
         })
+    }
+
+    /// Returns the address of a value in the array of an axis. `index` counts from 0, as in [`CarAxis::SCALE`].
+    pub fn parameter(&self, axis: usize, index: usize) -> Address {
+        Address::of_argument("ARRAY", self.arrays[axis], "NUMBERS", Some(index + 1))
     }
 
     /// Returns the name of an axis as used in results: `bkl_arm_outer.fx`.

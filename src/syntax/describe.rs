@@ -29,7 +29,7 @@ pub fn statement(def: &StatementDef) -> String {
     line(
         out,
         match def.role {
-            Role::Dataset => "  Stands in a dataset.",
+            Role::Dataset => "  Used in a dataset.",
             Role::Command => "  Used in a command file.",
             Role::Both => "  Used in a dataset, and in a command file to redefine.",
         },

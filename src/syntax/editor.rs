@@ -232,7 +232,7 @@ impl Dataset {
             return Err(self.refuse(
                 Code::SyntaxError,
                 format!(
-                    "{} cannot hold a line end, a semicolon or an exclamation point",
+                    "{} cannot contain a line break, a semicolon or an exclamation mark",
                     def.name
                 ),
                 statement.keyword,
@@ -342,7 +342,7 @@ impl Dataset {
         if too_far || unreadable || unclear || (is_whole(def) && value.fract() != 0.0) {
             return Err(self.refuse(
                 Code::OutOfRange,
-                format!("{address} is not a place a number can be written at"),
+                format!("no single number can be written at {address}"),
                 written.map_or(statement.keyword, |argument| argument.span),
             ));
         }

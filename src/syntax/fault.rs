@@ -263,7 +263,7 @@ impl Fault<'_> {
             Wrong::Undefined(space, id) => {
                 let object = format!("{}/{id}", space.to_uppercase());
                 let message = format!("{title} names {object}, which is not in {dataset}");
-                (message, format!("add {object}, or name one that is there"))
+                (message, format!("add {object}, or name an existing one"))
             }
             Wrong::Nothing(def, space) => {
                 let kind = space.to_uppercase();

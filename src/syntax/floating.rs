@@ -37,13 +37,13 @@ pub fn floating_faults(
                 (
                     "fixed on its part",
                     "FLOATING: the solver moves it",
-                    "add FLOATING to a marker that nothing else uses, and name that",
+                    "add FLOATING to a marker that nothing else uses, and name that marker",
                 )
             } else {
                 (
-                    "FLOATING and has no place",
+                    "FLOATING and has no fixed position",
                     "fixed on its part",
-                    "name a marker that has a place, or remove FLOATING",
+                    "name a marker with a fixed position, or remove FLOATING",
                 )
             };
             let message = format!(

@@ -107,7 +107,7 @@ impl MarkerPoints {
             } else {
                 Diagnostic::warning(
                     Code::MarkerPoints,
-                    format!("MARKER/{id} turns: QP moved, ZP and XP did not move along with it"),
+                    format!("MARKER/{id} rotates: QP was moved, but ZP and XP were not"),
                 )
             });
         }

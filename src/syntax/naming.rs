@@ -11,7 +11,7 @@ impl Dataset {
     pub(super) fn set_title(&self, text: &str) -> Result<Vec<Edit>, Diagnostic> {
         let line = self.title_span();
         if text.contains(['\n', '\r']) {
-            let message = "the title is one line".to_string();
+            let message = "the title must be a single line".to_string();
             return Err(self.refuse(Code::SyntaxError, message, line));
         }
         if text == self.title() {
@@ -62,7 +62,7 @@ impl Dataset {
                 let start = self.line_start(statement.span.start());
                 let lead = &self.bytes()[start..statement.span.start()];
                 if !lead.trim_ascii().is_empty() {
-                    let message = "a name belongs above the line, which others begin";
+                    let message = "a name is a comment above its statement, but other text precedes the statement on its line";
                     return Err(refused(message.to_string()));
                 }
                 let comment = Style::of(self).name_comment(new);

@@ -195,7 +195,7 @@ impl<'a> StatementParser<'a> {
         let diagnostic = Diagnostic::error(
             Code::UnknownStatement,
             format!(
-                "{} is an argument of the {before} above, and the line does not continue it",
+                "{} is an argument of the {before} above, but this line does not continue it",
                 argument.name
             ),
         )
@@ -240,7 +240,7 @@ impl<'a> StatementParser<'a> {
                     // RESULTS takes effect only in a dataset; in a command file it is ignored.
                     Diagnostic::warning(
                         Code::UnknownStatement,
-                        format!("{typed} is not a {noun}; it has effect in a dataset"),
+                        format!("{typed} is not a {noun}; it has an effect only in a dataset"),
                     )
                 } else if near.is_empty() && assigned {
                     // A word followed by an equals sign cannot begin a statement, even if ADAMS has a statement with this keyword.
@@ -248,15 +248,13 @@ impl<'a> StatementParser<'a> {
                         Code::UnknownStatement,
                         format!("{typed} is not a statement"),
                     )
-                    .help("an argument stands in its statement, as in ACCGRAV/KGRAV=-9806.65; a line that continues one begins with a comma")
+                    .help("an argument belongs inside its statement, as in ACCGRAV/KGRAV=-9806.65; a line that continues one begins with a comma")
                 } else if near.is_empty() {
                     Diagnostic::error(
                         Code::UnknownStatement,
-                        format!(
-                            "{typed} is not a {noun} this program knows; it is kept and takes part in nothing"
-                        ),
+                        format!("{typed} is not a known {noun}; it is kept but has no effect"),
                     )
-                    .help("real ADAMS stops at a keyword that it does not know either")
+                    .help("real ADAMS stops at an unknown keyword")
                 } else {
                     let message = format!("{typed} is not a {noun}");
                     did_you_mean(
@@ -384,9 +382,9 @@ impl<'a> StatementParser<'a> {
                 } else {
                     Diagnostic::note(
                         Code::UnknownArgument,
-                        format!("{typed} of {name} is not known here; it is kept"),
+                        format!("{name} has no known argument {typed}; it is kept unchanged"),
                     )
-                    .help("the list of its arguments may lack some: see `admire explain`")
+                    .help("the list of its arguments may be incomplete: see `admire explain`")
                 }
             }
         };

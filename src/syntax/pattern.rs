@@ -72,7 +72,7 @@ fn compiled(pattern: &str, text: &str) -> Result<Pattern, Diagnostic> {
     Pattern::new(pattern.trim()).map_err(|error| {
         refused(
             Code::SyntaxError,
-            format!("{text} is not a pattern: {error}"),
+            format!("{text} is not a valid pattern: {error}"),
             text,
         )
     })

@@ -19,7 +19,7 @@ impl Dataset {
             let statement = &self.statements()[at];
             let mut written = statement.every(name).peekable();
             if written.peek().is_none() {
-                let message = format!("{address} is not written");
+                let message = format!("{address} is not written in this dataset");
                 return Err(self.refuse(Code::UnknownArgument, message, statement.keyword));
             }
             return Ok(written
@@ -57,7 +57,7 @@ impl Dataset {
         self.refuse(
             Code::MissingArgument,
             format!(
-                "MARKER/{id} is on {address} without naming it: remove it first, or give it a body"
+                "MARKER/{id} is on {address} only because it follows it: remove the marker first, or write its body, such as PART=id"
             ),
             marker.keyword,
         )

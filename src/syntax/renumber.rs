@@ -249,5 +249,5 @@ fn one_warning(places: &[(Arc<str>, Span)]) -> Vec<Diagnostic> {
     for (file, span) in places.iter().take(SHOWN).skip(1) {
         diagnostic = diagnostic.label(file.clone(), *span, "");
     }
-    vec![diagnostic.help("what a subroutine reads is known to its author only")]
+    vec![diagnostic.help("check them: only the author of the subroutine knows what they mean")]
 }

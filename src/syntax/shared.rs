@@ -100,7 +100,7 @@ impl<T> Pool<T> {
         }
     }
 
-    /// Closes the list: all slices handed out so far now show their values.
+    /// Closes the list. All slices handed out so far then contain their values; before, they appear empty.
     pub(crate) fn close(&mut self) {
         let list = std::mem::take(&mut self.list);
         // The list was created by the previous call or by `new`, so it cannot be set already.

@@ -101,7 +101,7 @@ pub(super) fn parse_lines_after(
     if dropped > 0 {
         let mut more = Diagnostic::note(
             Code::LimitExceeded,
-            format!("{dropped} more complaints are not listed"),
+            format!("{dropped} more messages are not listed"),
         )
         .label(source.name(), Span::at(source.bytes().len()), "");
         more.severity = worst;

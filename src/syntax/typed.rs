@@ -31,14 +31,20 @@ impl NewStatement {
                 continue;
             };
             if matches!(def.name, "TITLE" | "END") {
-                diagnostics.push(unknown(statement.keyword, "stands where it stands"));
+                diagnostics.push(unknown(
+                    statement.keyword,
+                    "cannot be added: a dataset has exactly one",
+                ));
             }
             if statement.follows_body() {
                 diagnostics.push(unknown(statement.span, NO_OWNER));
             }
             for argument in &statement.arguments {
                 if argument.def.is_none() {
-                    diagnostics.push(unknown(argument.name, "is no argument that can be added"));
+                    diagnostics.push(unknown(
+                        argument.name,
+                        "is not an argument that can be added",
+                    ));
                 }
             }
         }

@@ -38,10 +38,10 @@ impl StatementParser<'_> {
                 let function = statement.and_then(|statement| statement.argument("FUNCTION"));
                 let help = if function.is_some_and(|f| f.kind == ValueKind::Function) {
                     format!(
-                        "{word} stands alone, and the expression is that of FUNCTION: write `{word}, FUNCTION=` before it"
+                        "{word} is a flag without a value, and the expression belongs to FUNCTION: write `{word}, FUNCTION=` before it"
                     )
                 } else {
-                    format!("{word} stands alone, without `=`")
+                    format!("{word} is a flag: write it without `=`")
                 };
                 let message = format!("{word} takes no value");
                 let diagnostic = Diagnostic::error(Code::WrongCount, message).help(help);
@@ -117,8 +117,8 @@ impl StatementParser<'_> {
         };
         let mut diagnostic = Diagnostic::error(code, format!("{} takes {wanted}", def.name));
         if has_d_exponent(self.source.slice(span)) {
-            diagnostic = diagnostic
-                .help("D behind a number means degrees here; a power of ten is written with E");
+            diagnostic =
+                diagnostic.help("D after a number means degrees here; write a power of ten with E");
         }
         let blanks = self.source.text(span);
         let mut separate = blanks.split_ascii_whitespace();

@@ -1,4 +1,4 @@
-//! What a solution depends on: gradients at the bounds, conflicts of goals, and sensitivities.
+//! Analysis of a solution: gradients at the bounds, conflicts between goals, and sensitivities.
 
 use std::ops::Range;
 
@@ -10,16 +10,18 @@ use admire_study::UnknownForm;
 use nalgebra::DVector;
 use serde::Serialize;
 
-/// Two goals of which each is improved only at the cost of the other.
+/// Two conflicting goals: within the bounds, improving one makes the other worse.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Conflict {
     /// Names of the goals.
     pub goals: [String; 2],
-    /// Cosine of the angle between the directions in which their costs fall fastest, within the bounds.
+    /// Cosine of the angle between the steepest-descent directions of the two costs, within the bounds. The unknowns are scaled by their
+    /// natural sizes.
     pub cosine: f64,
 }
 
-/// Returns the gradient of the cost of each goal by the coordinates. The cost of a minimax goal or limit is replaced by its pull on the rows.
+/// Returns the gradient of each goal's cost with respect to the coordinates. For a minimax goal or a limit, `pulls` (the multiplier of each
+/// row) weights the gradients of the rows.
 fn goal_gradients(tuning: &Tuning, end: &Evaluation, pulls: &[f64]) -> Vec<DVector<f64>> {
     let mut row = 0;
     let mut all = Vec::new();
@@ -60,7 +62,7 @@ fn goal_gradients(tuning: &Tuning, end: &Evaluation, pulls: &[f64]) -> Vec<DVect
     all
 }
 
-/// Returns the gradient of the whole cost by the coordinates, limits included with their multipliers.
+/// Returns the gradient of the total cost with respect to the coordinates. Limits enter through their multipliers.
 pub(crate) fn gradient(
     tuning: &Tuning,
     end: &Evaluation,
@@ -80,7 +82,8 @@ pub(crate) fn gradient(
     sum
 }
 
-/// Returns the conflicting pairs of missed goals: each goal improves only at the cost of the other, within the bounds.
+/// Returns the conflicting pairs among the goals that are missed and the limits that are reached. Two goals conflict if, within the bounds,
+/// improving one makes the other worse.
 pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Conflict> {
     // A limit acts wherever it is reached, so only the sign of its side counts.
     let reached: Vec<f64> = vec![1.0; end.values.len()];
@@ -145,8 +148,8 @@ pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Con
     found
 }
 
-/// Returns the change of a goal's value per unit of each unknown: root mean square over its rows, or with its sign for a single row. A factor
-/// counts per percent.
+/// Returns the change of a goal's value per unit of each unknown, or per percent of a factor. For a single row, the change has its sign.
+/// For several rows, it is the root mean square.
 pub(crate) fn sensitivities(
     tuning: &Tuning,
     end: &Evaluation,
@@ -169,8 +172,8 @@ pub(crate) fn sensitivities(
     .collect()
 }
 
-/// Returns how much each unknown's own move changes the values of the goals, as a part of what all moves change: the root mean square over all
-/// rows in units of their tolerances, of the linear model at the end.
+/// Returns the relative size of the change of the goals' values by each unknown's own move. The size is the root mean square over all rows,
+/// in units of their tolerances, in the linear model at the end. The sizes are divided by their sum.
 pub(crate) fn contributions(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<f64> {
     let mut weights = Vec::new();
     for goal in &tuning.goals {

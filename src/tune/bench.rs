@@ -7,7 +7,7 @@ use admire_study::Noise;
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../corpus");
 
-/// The rig of the double wishbone: its own motions of the wheels are left out.
+/// Rig of the double wishbone. The wheel motions of the deck itself are removed.
 pub(crate) const KC: &str = r#"
 [deck]
 axes = "adams-car"
@@ -20,7 +20,7 @@ range = [-80, 80]
 points = 17
 "#;
 
-/// Both ball joints and both ends of the tie rod: 12 coordinates, each with its mirror image on the right.
+/// Hardpoints of both ball joints and of both ends of the tie rod: 12 coordinates, each with its mirror image on the right.
 pub(crate) const POINTS: &str = r#"
 [[target.unknown]]
 numbers = ["MARKER/112.QP", "MARKER/122.QP", "MARKER/142.QP", "MARKER/141.QP"]
@@ -62,7 +62,7 @@ pub(crate) fn corpus(name: &str) -> Vec<u8> {
     std::fs::read(Path::new(CORPUS).join(name)).expect(name)
 }
 
-/// Returns the curves of a run of the deck as it is, as a table of wanted curves.
+/// Runs the deck unchanged and returns the curves as a table of target curves.
 pub(crate) fn wanted(tuning: &Tuning, of: &[&str]) -> String {
     let mut text = format!(
         "test,value,{}\n",
@@ -92,8 +92,8 @@ pub(crate) fn wanted(tuning: &Tuning, of: &[&str]) -> String {
     text
 }
 
-/// Checks that the search corrects hardpoints that were moved by up to 10 mm: toe and camber over 80 mm of travel to both sides equal those of
-/// the original again.
+/// Checks that the search corrects hardpoints that were moved by up to 10 mm. Afterwards, toe and camber over 80 mm of travel in both
+/// directions equal those of the original deck.
 #[test]
 fn moved_hardpoints_find_the_curves_of_the_original() {
     let original = corpus("double-wishbone/model.adm");
@@ -270,7 +270,8 @@ fn identified(section: &str) -> admire_identify::Fit {
     found.expect("a fit").fit
 }
 
-/// Checks that a table `[[identify.unknown]]` identifies a spring rate like the short form, keeps its bounds, and ties two numbers.
+/// Checks three properties of a table `[[identify.unknown]]`: it identifies a spring rate like the short form, it keeps its bounds, and it
+/// ties two numbers.
 #[test]
 fn tables_of_unknowns_are_identified_like_the_short_form() {
     let bushings = "[identify]\nbushings = [\"BUSHING/1\", \"BUSHING/2\"]\n";
@@ -299,7 +300,8 @@ fn tables_of_unknowns_are_identified_like_the_short_form() {
     assert!(value(&tied, "BUSHING/1.K.1") > 0.0);
 }
 
-/// Checks that limits hold although a goal pulls beyond them, and that a minimax goal has two equal misses. Both are reported by their kind.
+/// Checks that a limit holds although a goal pulls beyond it. Checks that a minimax goal ends with two equal misses. Both are reported with
+/// their kind.
 #[test]
 fn limits_hold_and_minimax_levels_the_misses() {
     let folder = tempfile::tempdir().expect("a folder");

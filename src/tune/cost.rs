@@ -1,4 +1,4 @@
-//! Cost of a set of numbers: misses of goals and moves.
+//! Cost of a set of values of the unknowns: misses of the goals, and moves of the unknowns.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::goal::{Goal, GoalKind};
 use crate::tuning::Tuning;
 
 impl Tuning {
-    /// Returns the goals, each with the range of its rows among those of all goals.
+    /// Returns each goal with the range of its rows in the list of the rows of all goals.
     pub(crate) fn ranges(&self) -> impl Iterator<Item = (&Goal, Range<usize>)> {
         let mut first = 0;
         self.goals.iter().map(move |goal| {
@@ -17,9 +17,12 @@ impl Tuning {
         })
     }
 
-    /// Returns the cost of misses and moves: for each goal half the mean square of its misses or half the square of the largest, in units of
-    /// its tolerance, and for each unknown half the square of its move, in units of its standard deviation. In a robust target the mean square
-    /// has that of two standard deviations by the tolerances beside it, and the largest miss is that of the mean plus two of them.
+    /// Returns the cost of the misses and moves. A goal costs half the mean square of its misses, or half the square of its largest miss if
+    /// it is a minimax goal. Misses are in units of the tolerance. Limits cost nothing. An unknown costs half the square of its move, in
+    /// units of its standard deviation.
+    ///
+    /// In a robust target, the margin of two standard deviations by the tolerances counts too. Its mean square is added to that of the
+    /// misses. The largest miss is that of the mean plus the margin.
     pub(crate) fn cost(&self, at: &Evaluation, x: &[f64]) -> f64 {
         let goals = self.ranges().map(|(goal, rows)| {
             let size = goal_size(goal, rows, at) / goal.tolerance;
@@ -35,7 +38,7 @@ impl Tuning {
         goals.sum::<f64>() + moves.sum::<f64>()
     }
 
-    /// Returns the largest miss of a limit, in units of its tolerance.
+    /// Returns the largest miss of any limit, in units of the tolerance of that limit.
     pub(crate) fn violation(&self, at: &Evaluation) -> f64 {
         let limits = self
             .ranges()
@@ -45,21 +48,23 @@ impl Tuning {
             .fold(0.0, f64::max)
     }
 
-    /// Returns true if the values of all rows meet all goals, for the mean plus two standard deviations if the target is robust.
+    /// Returns true if all rows meet their goals. A robust target must meet them at two standard deviations to either side of the mean.
     pub(crate) fn meets(&self, at: &Evaluation) -> bool {
         self.ranges()
             .all(|(goal, rows)| largest_reach(goal, rows, at) <= goal.allowed())
     }
 }
 
-/// Returns the largest miss of a goal in its unit, for the mean plus two standard deviations if the target is robust.
+/// Returns the largest miss of a goal, in the unit of the goal. In a robust target, it is the largest miss within two standard deviations
+/// of the mean.
 pub(crate) fn largest_reach(goal: &Goal, rows: Range<usize>, at: &Evaluation) -> f64 {
     let each = goal.rows.iter().zip(rows);
     each.map(|(own, row)| own.reach(at.values[row], at.widening(row)))
         .fold(0.0, f64::max)
 }
 
-/// Returns the size that a search makes small: the root mean square of the misses of a goal, or the largest, in its unit.
+/// Returns the measure of a goal's misses that the search minimises, in the unit of the goal. It is the largest miss of a minimax goal or
+/// limit, and the root mean square of the misses of any other goal.
 pub(crate) fn goal_size(goal: &Goal, rows: Range<usize>, at: &Evaluation) -> f64 {
     if goal.kind != GoalKind::Squares {
         return largest_reach(goal, rows, at);

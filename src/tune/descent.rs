@@ -9,7 +9,7 @@ use crate::settings::{
 };
 use admire_identify::global::gauss_newton::{Ending, Tolerances, minimise};
 
-/// Searches from one start, in rounds of multipliers if there are constraints.
+/// Searches from one start. If there are constraints, the search consists of rounds of the method of multipliers.
 pub(crate) fn search_from<'b>(
     evaluator: &'b mut Evaluator<'_>,
     start: &[f64],

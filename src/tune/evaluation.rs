@@ -15,22 +15,22 @@ use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 use nalgebra::{DMatrix, RowDVector};
 
-/// Results of the tests and load cases for one set of numbers.
+/// Results of the tests and load cases for one set of values of the unknowns.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// Coordinates of the unknowns.
     pub x: Vec<f64>,
     /// Results of the tests and load cases.
     pub answers: Answers,
-    /// Values of all rows of all goals, in their order.
+    /// Values of the rows of all goals, in order.
     pub values: Vec<f64>,
     /// Derivatives of the values, one column for each unknown; no columns if they were not requested.
     pub jacobian: DMatrix<f64>,
-    /// Standard deviations of the values by the tolerances, of a robust target.
+    /// Standard deviations of the values that result from the tolerances; `None` unless the target is robust.
     pub spread: Option<Spread>,
 }
 
-/// Standard deviations of values by the tolerances, of the linear model.
+/// Standard deviations of the values that result from the tolerances, in the linear model.
 #[derive(Clone, Debug)]
 pub struct Spread {
     /// Standard deviation of each value.
@@ -40,14 +40,14 @@ pub struct Spread {
 }
 
 impl Evaluation {
-    /// Returns the margin that a robust goal adds to the miss of a row: a multiple of the standard deviation of its value. Zero unless the
-    /// target is robust.
+    /// Returns the margin that a robust target adds to the miss of a row: [`ROBUST_SD`] times the standard deviation of its value. The
+    /// margin is zero if the target is not robust.
     pub(crate) fn widening(&self, row: usize) -> f64 {
         let spread = self.spread.as_ref();
         spread.map_or(0.0, |spread| ROBUST_SD * spread.sd[row])
     }
 
-    /// Returns the derivatives of [`Self::widening`] by the unknowns.
+    /// Returns the derivatives of [`Self::widening`] with respect to the unknowns.
     pub(crate) fn widening_change(&self, row: usize) -> RowDVector<f64> {
         match &self.spread {
             Some(spread) => spread.jacobian.row(row) * ROBUST_SD,
@@ -60,27 +60,27 @@ impl Evaluation {
 #[derive(Debug)]
 pub(crate) struct Evaluator<'a> {
     pub tuning: &'a Tuning,
-    /// Unknowns along which the solver differentiates.
+    /// For each unknown, true if the solver computes its derivatives; otherwise they are finite differences.
     pub is_exact: Vec<bool>,
-    /// Number of runs of the tests, those for differences included.
+    /// Number of runs of the tests, including those for finite differences.
     pub runs: usize,
 }
 
-/// A deck, its tests, and what each standard deviation of a tolerance changes.
+/// Linear model of the tolerances of a deck: the values of the tests, and their changes per standard deviation of each tolerance.
 #[derive(Debug)]
 pub(crate) struct Scatter {
     /// Deck with the numbers of the unknowns.
     pub dataset: Dataset,
-    /// Values of all rows of all goals.
+    /// Values of the rows of all goals.
     pub values: Vec<f64>,
     /// Tolerances of the car.
     pub tolerances: Vec<Tolerance>,
-    /// Change of each value per standard deviation of each tolerance.
+    /// Change of each value (row) per standard deviation of each tolerance (column).
     pub columns: DMatrix<f64>,
 }
 
 impl Scatter {
-    /// Returns the standard deviation of each value, of the linear model.
+    /// Returns the standard deviation of each value, in the linear model.
     pub(crate) fn sd(&self) -> Vec<f64> {
         self.columns.row_iter().map(|row| row.norm()).collect()
     }
@@ -91,16 +91,17 @@ struct Tested {
     dataset: Dataset,
     answers: Answers,
     values: Vec<f64>,
-    /// Tolerances of the car, each with whether the run has its derivatives; empty unless they were requested.
+    /// Tolerances of the car. The flag is true if the solver computes the derivatives along the tolerance. Empty unless they were
+    /// requested.
     tolerances: Vec<(Tolerance, bool)>,
 }
 
-/// What is asked of a run of the tests.
+/// Derivatives that a run of the tests must provide.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Asked {
-    /// Derivatives by the unknowns.
+    /// True for derivatives with respect to the unknowns.
     derivatives: bool,
-    /// Derivatives by the tolerances.
+    /// True for derivatives with respect to the tolerances.
     spread: bool,
 }
 
@@ -128,8 +129,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Runs the tests for coordinates of the unknowns, with the derivatives if `derivatives` is true. `None` if the numbers cannot be written
-    /// into the deck, or a test has no equilibrium there.
+    /// Runs the tests at the given coordinates of the unknowns. Returns derivatives if `derivatives` is true. Returns `None` if the numbers
+    /// cannot be written into the deck, or if a test has no equilibrium.
     pub(crate) fn evaluate(&mut self, x: &[f64], derivatives: bool) -> Option<Evaluation> {
         let tuning = self.tuning;
         let asked = Asked {
@@ -197,7 +198,7 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// Runs the tests on the deck of the study as it is, without derivatives. `None` as of [`Self::evaluate`].
+    /// Runs the tests on the deck of the study without changes and without derivatives. Returns `None` like [`Self::evaluate`].
     pub(crate) fn as_it_is(&mut self) -> Option<Evaluation> {
         let tuning = self.tuning;
         let deck = tuning.dataset.source().clone();
@@ -222,7 +223,7 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// Runs the tests for coordinates of the unknowns, with the changes by the tolerances. `None` as of [`Self::evaluate`].
+    /// Runs the tests at the given coordinates of the unknowns, with the changes by the tolerances. Returns `None` like [`Self::evaluate`].
     pub(crate) fn scattered(&mut self, x: &[f64]) -> Option<Scatter> {
         let asked = Asked {
             derivatives: false,
@@ -232,7 +233,7 @@ impl<'a> Evaluator<'a> {
         self.scatter(&here, 0)
     }
 
-    /// Runs the tests of a deck whose tolerances are off by `z` standard deviations. `None` without an equilibrium.
+    /// Runs the tests on a deck in which each tolerance deviates by `z` standard deviations. Returns `None` if there is no equilibrium.
     pub(crate) fn drawn(
         &mut self,
         dataset: &Dataset,
@@ -264,7 +265,8 @@ impl<'a> Evaluator<'a> {
         Some(found.values)
     }
 
-    /// Returns the coordinates moved by the step of a difference, and the step. It goes to the side where there is more room to the bound.
+    /// Returns the step of a finite difference for unknown `k`, and the coordinates moved by it. The step goes towards the bound that is
+    /// further away.
     fn moved(&self, x: &[f64], k: usize) -> (f64, Vec<f64>) {
         let [least, most] = self.tuning.unknowns[k].bounds;
         let step = DIFFERENCE_STEP * self.tuning.scale()[k];
@@ -291,8 +293,8 @@ impl<'a> Evaluator<'a> {
         tests_on(tuning, deck, (directions, asked.spread), Vec::new()).ok()
     }
 
-    /// Returns the changes of all values by the tolerances. `first` is the index of the first tolerance among the directions of the run. What
-    /// the solver does not differentiate takes central differences over a standard deviation to both sides.
+    /// Returns the changes of all values by the tolerances. `first` is the index of the first tolerance among the directions of the run.
+    /// Derivatives that the solver does not compute are central differences over one standard deviation to each side.
     fn scatter(&mut self, here: &Tested, first: usize) -> Option<Scatter> {
         let goals: &[Goal] = &self.tuning.goals;
         let tolerances: Vec<Tolerance> =
@@ -333,7 +335,7 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Returns true if the solver differentiates by all these numbers.
+/// Returns true if the solver can differentiate with respect to all these numbers.
 fn have_derivatives<'n>(
     bench: &mut Bench<'_>,
     numbers: impl IntoIterator<Item = &'n Address>,
@@ -342,7 +344,7 @@ fn have_derivatives<'n>(
     numbers.all(|address| bench.has_derivative(address).unwrap_or(false))
 }
 
-/// Returns the values of all rows of all goals.
+/// Returns the values of the rows of all goals.
 fn values(tuning: &Tuning, found: &Answers) -> Vec<f64> {
     let goals = tuning.goals.iter();
     goals
@@ -350,7 +352,8 @@ fn values(tuning: &Tuning, found: &Answers) -> Vec<f64> {
         .collect()
 }
 
-/// Runs the tests and load cases on a deck with these markers turned, differentiated along these directions and, on request, along the tolerances.
+/// Runs the tests and load cases on a deck in which the markers `turned` are rotated. The results are differentiated along `directions`,
+/// and also along the tolerances if `spread` is true.
 fn tests_on(
     tuning: &Tuning,
     deck: Source,

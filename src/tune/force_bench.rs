@@ -1,4 +1,4 @@
-//! Forces in elements and load cases as goals: against closed forms, other routes and finite differences.
+//! Tests of forces in elements and of load cases as goals. They are compared with closed forms, other computations and finite differences.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use crate::bench::{KC, corpus, search, study};
 use crate::evaluation::Evaluator;
 use crate::{Tuning, settings};
 
-/// Two carriers that slide along Z, each on a spring of 100 N/mm that is compressed by 20 mm at design.
+/// Two carriers that slide along Z, each on a spring of 100 N/mm that is compressed by 20 mm in the design position.
 const AXLE: &str = "Two wheels on springs\n\
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
 PART/1, GROUND\n\
@@ -34,7 +34,7 @@ const RIG: &str = "[deck]\naxes = \"adams-car\"\n[wheels]\n\
 left = { centre = \"MARKER/20\", spin = \"MARKER/23\" }\nright = { centre = \"MARKER/30\", spin = \"MARKER/33\" }\n\
 [tests.bounce]\nrange = [-20, 20]\npoints = 5\nwindow = 20\n";
 
-/// A carrier that slides along Z on two springs, with a vertical load of its own.
+/// A carrier that slides along Z on two springs and carries a vertical load.
 const LOADED: &str = "A load on two springs\n\
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
 PART/1, GROUND\n\
@@ -52,13 +52,13 @@ SPRINGDAMPER/2, TRANSLATION, I=23, J=12, K=50, LENGTH=300\n\
 SFORCE/3, TRANSLATIONAL, I=20, J=10, ACTIONONLY, FUNCTION=0\n\
 END\n";
 
-/// Load cases of [`LOADED`]: none, and 1000 N downward.
+/// Load cases of [`LOADED`]: no load, and 1000 N downward.
 const LOADS: &str = "[loads]\nfile = \"load_cases.csv\"\ncolumns = { vertical = \"SFORCE/3\" }\n";
 
 const RATE: &str =
     "[[target.unknown]]\nnumbers = [\"SPRINGDAMPER/1.K\"]\nform = \"value\"\nbounds = [20, 900]\n";
 
-/// Reads a study of [`LOADED`] with goals of its load cases. It has no `kc.toml`.
+/// Reads a study of [`LOADED`] with goals in its load cases. The study has no `kc.toml`.
 fn loaded(folder: &Path, target: &str) -> Tuning {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect(name);
     write("model.adm", LOADED);
@@ -69,8 +69,8 @@ fn loaded(folder: &Path, target: &str) -> Tuning {
     found.unwrap_or_else(|_| panic!("{said:#?}"))
 }
 
-/// Checks that rate and preload of a spring are found that give it a wanted force at ride height, and a wanted force per travel. The spring
-/// carries `FORCE + K (420 - 400 + z)`, upward on its upper marker and downward on the carrier.
+/// Checks that the search finds a spring rate and a preload that give a wanted force at ride height and a wanted change of force with
+/// travel. The spring carries `FORCE + K (420 - 400 + z)`, upward on its upper marker and downward on the carrier.
 #[test]
 fn a_spring_has_its_wanted_force_at_ride_height() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -101,8 +101,8 @@ fn a_spring_has_its_wanted_force_at_ride_height() {
     assert_eq!(found.agreeing, 2);
 }
 
-/// Checks that the displacement under a load gives the spring rate `P / z - K2`, and that the share of a spring in the load gives `K2 s / (1 - s)`.
-/// Both need no `kc.toml`. The load of a single spring is shared in proportion to the rates.
+/// Checks the spring rates found from load cases against closed forms. The displacement `z` under a load P gives `P / z - K2`. The share
+/// `s` of a spring in the load gives `K2 s / (1 - s)`. Neither goal needs `kc.toml`.
 #[test]
 fn load_cases_give_the_rates_of_the_closed_form() {
     let goal =
@@ -132,7 +132,7 @@ fn load_cases_give_the_rates_of_the_closed_form() {
     assert_eq!(found.goals[0].name, "case down SPRINGDAMPER/2.FM, limits");
 }
 
-/// Checks that the joint on which a carrier slides takes no force along it, and that limits over several load cases act together.
+/// Checks that a joint takes no force along its sliding direction. Checks that limits over several load cases act together.
 #[test]
 fn several_goals_may_name_the_same_case() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -152,8 +152,8 @@ fn several_goals_may_name_the_same_case() {
     assert!(found.goals[0].rows[0].after.abs() < 1e-9);
 }
 
-/// Checks the share of good axles against the normal distribution: the displacement under a load is proportional to 1 / K, so 2 percent of the
-/// spring rates are 2 percent of it.
+/// Checks the share of good axles against the normal distribution. The displacement under a load is proportional to 1/K, so a tolerance of
+/// 2 percent on the spring rates scatters it by 2 percent.
 #[test]
 fn tolerances_scatter_the_readings_of_load_cases() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -175,7 +175,7 @@ fn tolerances_scatter_the_readings_of_load_cases() {
     assert!((drawn - share).abs() < 3.5 * sd, "{drawn} {share}");
 }
 
-/// Compares the exact derivatives of all values with central differences, in units of the largest derivative of the row.
+/// Compares the exact derivatives of all values with central differences. Deviations are in units of the largest derivative of the row.
 pub(crate) fn assert_derivatives(tuning: &Tuning, within: f64) {
     let mut evaluator = Evaluator::new(tuning);
     assert!(evaluator.is_exact.iter().all(|exact| *exact));
@@ -217,8 +217,8 @@ pub(crate) fn assert_derivatives(tuning: &Tuning, within: f64) {
     }
 }
 
-/// Checks the derivatives of forces in every test against differences: of bushings by their own stiffnesses and by hardpoints, of a spring, of
-/// joints, and of magnitudes.
+/// Checks the derivatives of forces in every test against finite differences. The forces are those of bushings (with respect to their
+/// stiffnesses and hardpoints), of a spring and of joints, and magnitudes.
 #[test]
 fn derivatives_of_forces_in_tests_are_those_of_differences() {
     let goal = |test: &str, of: &str, rest: &str| {
@@ -312,7 +312,7 @@ fn a_limit_on_a_joint_force_holds_in_a_test() {
     }
 }
 
-/// Checks that wrong names are reported at their place, with what was meant.
+/// Checks that wrong names are reported at their position, with a suggestion.
 #[test]
 fn wrong_names_are_reported_at_their_place() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -372,7 +372,7 @@ fn wrong_names_are_reported_at_their_place() {
     }
 }
 
-/// Checks that a reading along a motion that nothing resists is refused.
+/// Checks that a reading along a direction without stiffness is refused.
 #[test]
 fn a_free_motion_determines_no_reading() {
     let folder = tempfile::tempdir().expect("a folder");

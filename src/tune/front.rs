@@ -1,4 +1,4 @@
-//! Pareto front of two goals: what each costs the other.
+//! Pareto front of two goals: the trade-off between them.
 
 use crate::cost::goal_size;
 use crate::descent::search_from;
@@ -9,21 +9,21 @@ use crate::settings::{FRONT_END_WEIGHT, FRONT_POINTS, FRONT_SLACK, FRONT_SPACING
 use crate::tuning::Tuning;
 use serde::Serialize;
 
-/// Pareto front of two goals: sets of numbers within the bounds of which each improves one goal only at the cost of the other. All other goals,
-/// limits and the cost of moves count as in the search.
+/// Pareto front of two goals: points within the bounds at which one goal cannot be improved without making the other worse. All other
+/// goals, the limits and the cost of moves count as in the search.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Front {
     /// Names of the goals.
     pub goals: [String; 2],
-    /// Units of their misses.
+    /// Units of the misses of the goals.
     pub units: [String; 2],
-    /// What a miss is: `rms` or `largest`.
+    /// Measure of the misses of each goal: `rms` or `largest`.
     pub measures: [&'static str; 2],
     /// Tolerances of the goals, in their units.
     pub tolerances: [f64; 2],
-    /// Misses of the tuned deck.
+    /// Misses of the two goals in the tuned deck.
     pub tuned: [f64; 2],
-    /// Points, in the order of the first goal's miss.
+    /// Points in ascending order of the first goal's miss.
     pub points: Vec<FrontPoint>,
     /// Number of evaluations with derivatives.
     pub evaluations: usize,
@@ -32,12 +32,12 @@ pub struct Front {
 /// A point of a Pareto front.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FrontPoint {
-    /// Misses of the two goals: root mean square over the rows, or the largest of a minimax goal or limit. In a robust target they include two
-    /// standard deviations by the tolerances.
+    /// Misses of the two goals: the root mean square over the rows, or the largest miss of a minimax goal or limit. In a robust target,
+    /// they include the margin of two standard deviations by the tolerances.
     pub misses: [f64; 2],
-    /// Weights of the two goals with which the point was found.
+    /// Weights of the two goals in the search for this point.
     pub weights: [f64; 2],
-    /// Values of the unknowns, in their order.
+    /// Values of the unknowns, in the order of the unknowns.
     pub values: Vec<f64>,
     /// True if all limits among the other goals hold.
     pub keeps_limits: bool,
@@ -45,24 +45,24 @@ pub struct FrontPoint {
     pub converged: bool,
 }
 
-/// A search with weights of the two goals.
+/// Result of a search with given weights of the two goals.
 struct Tried {
-    /// Logarithm of the weight of the first goal over that of the second.
+    /// Natural logarithm of the ratio of the first goal's weight to the second goal's weight.
     ratio: f64,
     x: Vec<f64>,
     point: FrontPoint,
 }
 
 impl Tuning {
-    /// Returns the Pareto front of two goals, by their places. The searches begin at the coordinates `x` of a solution.
+    /// Returns the Pareto front of the two goals with the indices `pair`. The first searches begin at the coordinates `x` of a solution.
     ///
-    /// Each point minimises the cost with other weights of the two goals. After both ends, the next point lies in the widest gap. For a
-    /// limit, the largest miss is minimised.
+    /// Each point minimises the cost with different weights of the two goals. The first two points are the ends of the front. Each further
+    /// point is sought in the widest gap. For a limit, the largest miss is minimised.
     ///
-    /// `watch` receives the number of points and of evaluations so far, and returns false to stop.
+    /// `watch` receives the numbers of points and of evaluations so far. It returns false to stop.
     ///
     /// # Panics
-    /// If a place is not that of a goal.
+    /// If an index in `pair` is not the index of a goal.
     pub fn front(
         &self,
         x: &[f64],
@@ -148,7 +148,7 @@ impl Tuning {
     }
 }
 
-/// Returns the extent of the points along both misses.
+/// Returns the range of each of the two misses over all points. A range of zero is replaced by one.
 fn extent(tried: &[Tried]) -> [f64; 2] {
     [0, 1].map(|k| {
         let each = tried.iter().map(|own| own.point.misses[k]);
@@ -159,7 +159,8 @@ fn extent(tried: &[Tried]) -> [f64; 2] {
     })
 }
 
-/// Returns the weights in the middle of the widest gap between neighbours, and where to begin. `None` if all are near each other.
+/// Returns the logarithmic weight ratio in the middle of the widest gap between neighbouring points, and the coordinates at which to begin.
+/// Returns `None` if the gap is too small, or if no ratio lies between those of the neighbours.
 fn widest_gap(tried: &[Tried]) -> Option<(f64, Vec<f64>)> {
     let size = extent(tried);
     let gap = |pair: &[Tried]| {
@@ -174,7 +175,7 @@ fn widest_gap(tried: &[Tried]) -> Option<(f64, Vec<f64>)> {
     (gap(widest) > FRONT_SPACING && is_apart).then(|| (ratio, widest[0].x.clone()))
 }
 
-/// Returns the points that no other is better than, in the order of the first miss.
+/// Returns the nondominated points, in ascending order of the first miss.
 fn undominated(tried: Vec<Tried>) -> Vec<FrontPoint> {
     let slack = extent(&tried).map(|size| FRONT_SLACK * size);
     let mut points: Vec<FrontPoint> = tried.into_iter().map(|own| own.point).collect();

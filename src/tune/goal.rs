@@ -1,4 +1,4 @@
-//! Goals: the tests and load cases that each goal reads, and the misses of its values.
+//! Goals: the tests and load cases that each goal reads, and the misses of the values.
 
 use crate::answers::Answers;
 use crate::settings::LIMIT_SLACK;
@@ -8,64 +8,64 @@ use admire_study::GoalScope;
 /// Contribution of the misses of a goal to the cost.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum GoalKind {
-    /// Half the mean square of the misses, in units of the tolerance, is part of the cost.
+    /// Half the mean square of the misses, in units of the tolerance, is added to the cost.
     Squares,
-    /// Half the square of the largest miss is part of the cost.
+    /// Half the square of the largest miss, in units of the tolerance, is added to the cost.
     Minimax,
-    /// No miss is allowed.
+    /// Constraint: misses are not allowed, and nothing is added to the cost.
     Limit,
 }
 
-/// What a goal reads in a state of the deck.
+/// Quantity that a goal reads in a state of the deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Reads {
     /// A characteristic of the axle.
     Characteristic,
-    /// The probe with this index among those of the tests or of the load cases.
+    /// Probe with this index among the probes of the tests or of the load cases.
     Probe(usize),
 }
 
-/// A goal with its names resolved. Characteristics are in the units of `curves.csv` and `gradients.csv`, in the axes of Adams/Car. Forces and
-/// places are in units of the deck and in ground axes of the deck, angles in degrees.
+/// A goal with its names resolved. Characteristics are in the units of `curves.csv` and `gradients.csv`, in the axes of Adams/Car. Forces
+/// and positions are in units of the deck, in its ground axes. Angles are in degrees.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Goal {
-    /// Name of the test; `ride` for ride height. Empty for a goal of a load case.
+    /// Name of the test, or `ride` for ride height; empty if the goal reads a load case.
     pub test: String,
-    /// Label of the load case; `None` for a goal of a test.
+    /// Label of the load case; `None` if the goal reads a test.
     pub case: Option<String>,
-    /// Characteristic such as `toe_angle.left`, or a force, place or reading such as `BUSHING/3.FX`.
+    /// Name of the quantity: a characteristic such as `toe_angle.left`, or a force, position or reading such as `BUSHING/3.FX`.
     pub of: String,
-    /// Part of the characteristic.
+    /// Part of the characteristic: its curve, one value or its gradient.
     pub scope: GoalScope,
     /// Contribution of the misses to the cost.
     pub kind: GoalKind,
-    /// Unit of values, tolerance and misses.
+    /// Unit of the values, of the tolerance and of the misses.
     pub unit: String,
-    /// Unit of the test's variable; empty at ride height and in a load case.
+    /// Unit of the test's variable; empty at ride height and for a load case.
     pub at_unit: String,
-    /// Unit of the misses, and largest miss with which the goal is met.
+    /// Tolerance: the unit in which misses are counted, and the largest miss at which the goal counts as met.
     pub tolerance: f64,
     /// Values that are compared.
     pub rows: Vec<Row>,
-    /// True if the derivatives of the values are exact; otherwise they are differences.
+    /// True if the derivatives of the values are exact; false if they are finite differences.
     pub is_exact: bool,
-    /// Factor of the goal in the cost; 1 unless a Pareto front is sought.
+    /// Factor of the goal in the cost: 1, except in the search for a Pareto front.
     pub weight: f64,
     pub(crate) reads: Reads,
 }
 
-/// One value that a goal compares: a linear combination of the values in single states.
+/// Value that a goal compares: a linear combination of values in single states.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Row {
-    /// Value of the test's variable; 0 for a gradient, at ride height and in a load case.
+    /// Value of the test's variable; 0 for a gradient, at ride height and for a load case.
     pub at: f64,
-    /// Smallest and largest wanted value. They are equal unless the goal is a limit.
+    /// Lower and upper limit of the wanted value. They are equal unless the goal is a limit.
     pub wanted: [f64; 2],
     /// States of the combination, each with its factor.
     pub(crate) parts: Vec<(StateIx, f64)>,
 }
 
-/// A state among the answers.
+/// Reference to a state in [`Answers`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum StateIx {
     /// Ride height.
@@ -77,7 +77,8 @@ pub(crate) enum StateIx {
 }
 
 impl Goal {
-    /// Returns the name: the test or load case, the characteristic, and the part of the characteristic unless it is a whole curve.
+    /// Returns the name of the goal: the test or load case, the characteristic, and the part of the characteristic unless it is a whole
+    /// curve.
     pub fn name(&self) -> String {
         let part = match (self.scope, &self.case) {
             (GoalScope::Curve, _) | (_, Some(_)) => "",
@@ -96,7 +97,7 @@ impl Goal {
         format!("{place} {}{part}{limits}", self.of)
     }
 
-    /// Returns the miss up to which the goal is met, in its unit.
+    /// Returns the largest miss at which the goal counts as met, in the unit of the goal.
     pub(crate) fn allowed(&self) -> f64 {
         match self.kind {
             GoalKind::Limit => LIMIT_SLACK * self.tolerance,
@@ -104,7 +105,7 @@ impl Goal {
         }
     }
 
-    /// Returns the value of a row; NaN if the goal is not defined there.
+    /// Returns the value of a row; NaN if the quantity is undefined in a state.
     pub fn value(&self, row: &Row, found: &Answers) -> f64 {
         let one = |at: StateIx| match self.reads {
             Reads::Characteristic => value(reading(sample(found.run.as_ref()?, at)?, &self.of)?),
@@ -115,7 +116,7 @@ impl Goal {
             .sum()
     }
 
-    /// Returns the exact derivative of a row along a direction of the answers; NaN if there is none.
+    /// Returns the exact derivative of a row along direction `direction` of the answers; NaN if there is none.
     pub(crate) fn change(&self, row: &Row, found: &Answers, direction: usize) -> f64 {
         let one = |at: StateIx| match self.reads {
             Reads::Characteristic => {
@@ -150,7 +151,7 @@ impl Row {
         }
     }
 
-    /// Returns the largest size of a miss over all values that are off by `widening` at most, to both sides.
+    /// Returns the largest absolute miss over all values that deviate from `value` by at most `widening`.
     pub(crate) fn reach(&self, value: f64, widening: f64) -> f64 {
         let [least, most] = self.wanted;
         let beyond = (value + widening - most).max(least - (value - widening));
@@ -181,7 +182,7 @@ fn probed(found: &Answers, at: StateIx) -> Option<&Probed> {
     }
 }
 
-/// Returns the reading of a characteristic, given as its path.
+/// Returns the reading of the characteristic with this path.
 pub(crate) fn reading<'r>(sample: &'r Sample, path: &str) -> Option<&'r Reading> {
     let (entity, component) = path.split_once('.')?;
     let mut all = sample.readings.iter();

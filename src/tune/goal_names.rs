@@ -1,4 +1,4 @@
-//! Names of load cases and readings in the goals of a target, resolved before anything is solved.
+//! Names of load cases and readings in the goals of a target. They are resolved before anything is solved.
 
 use std::collections::BTreeMap;
 
@@ -13,28 +13,28 @@ use admire_study::{GoalPlace, GoalSettings, Measurement, Study, did_you_mean, pr
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Goal of a load case.
+/// Goal that reads a load case.
 #[derive(Clone, Debug)]
 pub(crate) struct CaseGoal {
-    /// Index of the load case among those that goals name.
+    /// Index of the load case among the load cases that goals name.
     pub case: usize,
-    /// Index of the load case whose value is subtracted.
+    /// Index of the load case whose value is subtracted; `None` if none is.
     pub relative_to: Option<usize>,
-    /// Index of the probe among those of the load cases.
+    /// Index of the probe among the probes of the load cases.
     pub probe: usize,
     pub named: Named,
 }
 
-/// Names of all goals.
+/// Resolved names of all goals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GoalNames {
-    /// Goals of load cases, by their index among all goals.
+    /// Goals that read load cases, by goal index.
     pub of_cases: BTreeMap<usize, CaseGoal>,
-    /// Goals of tests that name no characteristic, by their index among all goals: the index of the probe, and what it reads.
+    /// Goals that read a probe in a test, by goal index. The value is the index of the probe and the quantity that it reads.
     pub of_tests: BTreeMap<usize, (usize, Named)>,
     /// Probes of the tests.
     pub probes: Vec<Probe>,
-    /// Load cases that goals name, with the probes there.
+    /// Load cases that goals name, with their probes.
     pub cases: LoadCases,
 }
 
@@ -45,7 +45,7 @@ struct OfStudy {
 }
 
 impl GoalNames {
-    /// Resolves the load cases, forces, places and readings that goals name. What cannot be resolved is reported in `out`.
+    /// Resolves the load cases, forces, positions and readings that goals name. Names that cannot be resolved are reported in `out`.
     pub(crate) fn new(
         goals: &[GoalSettings],
         study: &Study,
@@ -116,7 +116,7 @@ impl GoalNames {
         new
     }
 
-    /// Keeps the load cases that goals name, in the order of the study.
+    /// Keeps only the load cases that goals name, in the order of the study, and renumbers them in the goals.
     fn take(&mut self, found: BTreeMap<usize, CaseGoal>, own: OfStudy) {
         let mut used: Vec<usize> = found
             .values()
@@ -143,7 +143,7 @@ impl GoalNames {
     }
 }
 
-/// Reads the load cases and readings of a study. `None` after an error.
+/// Reads the load cases and readings of a study. Returns `None` after an error.
 fn of_study(
     study: &Study,
     dataset: &Dataset,
@@ -194,7 +194,7 @@ impl OfStudy {
         found
     }
 
-    /// Returns the load case whose value is subtracted: that of the goal, or else that of its channel.
+    /// Returns the load case whose value is subtracted. The goal may state it; otherwise its channel does.
     fn relative_to(
         &self,
         goal: &GoalSettings,
@@ -225,7 +225,7 @@ impl OfStudy {
     }
 }
 
-/// Returns the index of a probe in a list, to which it is added if it is new.
+/// Returns the index of a probe in a list. A new probe is added to the list.
 fn index_of(probe: &Probe, all: &mut Vec<Probe>) -> usize {
     if let Some(k) = all.iter().position(|own| own == probe) {
         return k;

@@ -13,19 +13,19 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 use admire_syntax::units::Units;
 
-/// States of a row, each with its factor.
+/// States of a row, each with its factor in the linear combination.
 type Parts = Vec<(StateIx, f64)>;
 
 /// Inputs for the resolution of goals.
 struct Reader<'a> {
     study: &'a Source,
-    /// Answers of the deck of the study.
+    /// Results on the deck of the study.
     answers: &'a Answers,
     config: Option<&'a Config>,
     units: &'a Units,
 }
 
-/// What a goal of a test reads: probe or characteristic, with its factor and unit.
+/// Quantity that a goal of a test reads: a probe or characteristic, with its factor and unit.
 struct Read {
     reads: Reads,
     factor: f64,
@@ -33,8 +33,8 @@ struct Read {
     is_exact: bool,
 }
 
-/// Resolves the goals of a target. `names` are those of [`GoalNames::new`], and `answers` those of the deck of the study with the probes of these
-/// names. Names that cannot be resolved are reported in `out`.
+/// Resolves the goals of a target. `names` come from [`GoalNames::new`]. `answers` are the results on the deck of the study, with the
+/// probes of these names. Names that cannot be resolved are reported in `out`.
 pub(crate) fn goals(
     settings: &[GoalSettings],
     study: &Source,
@@ -71,7 +71,7 @@ impl Reader<'_> {
         Box::new(error.label(self.study.name(), span, "").help(help))
     }
 
-    /// Resolves a goal of a test. `named` is the probe that it names, with its index.
+    /// Resolves a goal that reads a test. `named` is the index of its probe and what the probe reads; `None` for a characteristic.
     fn of_test(
         &self,
         goal: &GoalSettings,
@@ -162,7 +162,7 @@ impl Reader<'_> {
                 ),
                 Reads::Probe(_) => (
                     format!("`{}` has no value on the rig", of.text),
-                    "`without` and the free steering of kc.toml leave statements of the deck out",
+                    "kc.toml leaves statements of the deck out, by `without` or by free steering",
                 ),
             };
             return Err(complain(of.span, message, help.to_string()));
@@ -170,7 +170,7 @@ impl Reader<'_> {
         Ok(found)
     }
 
-    /// Returns what a goal of a test reads: a probe, or else a characteristic of the axle.
+    /// Returns the quantity that a goal of a test reads: its probe, or otherwise a characteristic of the axle.
     fn read(
         &self,
         goal: &GoalSettings,
@@ -208,7 +208,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Resolves a goal of a load case.
+    /// Resolves a goal that reads a load case.
     fn of_case(
         &self,
         goal: &GoalSettings,
@@ -295,7 +295,7 @@ impl Reader<'_> {
         let own = heads
             .iter()
             .position(named)
-            .ok_or_else(|| lacks(format!("no column is `{}`", goal.of.text)))?;
+            .ok_or_else(|| lacks(format!("there is no column `{}`", goal.of.text)))?;
         let word = heads[own]
             .split_once('[')
             .map_or("", |(_, word)| word.trim_end_matches([']', ' ']));
@@ -332,14 +332,15 @@ impl Reader<'_> {
     }
 }
 
-/// Returns the samples of a test one by one, with the value of its variable.
+/// Returns each sample of a test as a separate row, with the value of the test's variable.
 fn curve((k, test): (usize, &TestRun), factor: f64) -> Vec<(f64, Parts)> {
     let each = test.samples.iter().enumerate();
     each.map(|(n, sample)| (sample.value, vec![(StateIx::Sample(k, n), factor)]))
         .collect()
 }
 
-/// Returns the weights of the samples in a gradient: the slope of the least-squares line within the window, averaged over both branches.
+/// Returns the weights of the samples in a gradient. The gradient is the slope of the least-squares line within the window, averaged over
+/// both branches.
 fn gradient((k, test): (usize, &TestRun), factor: f64) -> Parts {
     let inside = |sample: &Sample| sample.value.abs() <= test.settings.window * (1.0 + 1e-9);
     let branch = |branch: Branch| -> Vec<(usize, f64)> {
@@ -363,8 +364,8 @@ fn gradient((k, test): (usize, &TestRun), factor: f64) -> Parts {
         .collect()
 }
 
-/// Returns the weights of the two samples next to a value of the test's variable, on the upward branch. Returns `None` outside of the test's
-/// range.
+/// Returns the weights of the two samples on the upward branch between which a value of the test's variable lies. Returns `None` outside of
+/// the test's range.
 fn value_at((k, test): (usize, &TestRun), at: f64, factor: f64) -> Option<Parts> {
     let each = test.samples.iter().enumerate();
     let up: Vec<(usize, f64)> = each
@@ -399,7 +400,7 @@ fn interpolated(points: &[(f64, f64)], at: f64) -> Option<f64> {
     Some(a.1 + (b.1 - a.1) * (at - a.0) / (b.0 - a.0))
 }
 
-/// Returns a goal without its place and rows.
+/// Returns a goal without its test or load case, and without rows.
 fn of_settings(goal: &GoalSettings, read: Read) -> Goal {
     Goal {
         test: String::new(),

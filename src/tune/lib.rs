@@ -1,11 +1,12 @@
-//! Design to a target: numbers of a deck that give wanted kinematics and compliance, forces in elements, and readings in load cases.
+//! Design to a target: values of numbers in a deck that give the wanted kinematics and compliance, forces in elements, and readings in load
+//! cases.
 //!
-//! [`Tuning`] is a study with a section `[target]`, with all names resolved. [`Tuning::search`] looks for the numbers, from the start of the
-//! study and from Sobol points within the bounds. [`Outcome`] states the moved numbers, the goals that are met, the conflicts, and the
-//! importance of each unknown.
+//! [`Tuning`] is a study with a section `[target]`, with all names resolved. [`Tuning::search`] searches for values of the unknowns. It
+//! begins at the start of the study and at Sobol points within the bounds. [`Outcome`] states the changed numbers, the goals that are met,
+//! the conflicts, and the importance of each unknown.
 //!
-//! [`Tuning::robust`] says which share of axles is good if they differ by the tolerances of the study, and [`Tuning::front`] what one goal
-//! costs another.
+//! [`Tuning::robust`] computes the share of axles that meet the goals if the axles scatter by the tolerances of the study.
+//! [`Tuning::front`] computes the trade-off between two goals.
 //!
 //! The misses of all goals form a least-squares problem, which the trust-region Gauss-Newton method of `admire-identify` solves within the
 //! bounds. The derivatives of positions, angles, wheel loads, forces in elements and readings of load cases are exact. Limits and minimax

@@ -13,24 +13,24 @@ use admire_solver::system::{Parameters, Scratch, State, System};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Load cases that goals name, and what is read there.
+/// Load cases that goals name, with the probes that are read there.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LoadCases {
-    /// Loads and load cases, in the order of the study.
+    /// Loads and load cases that goals name, in the order of the study.
     pub programme: LoadProgramme,
-    /// What is read in each of them.
+    /// Probes that are read in each load case.
     pub probes: Vec<Probe>,
 }
 
-/// Change of a deck on which the load cases are solved, and the changes along which they are differentiated.
+/// Derivatives and marker rotations that a solution of the load cases must include.
 pub(crate) struct Asked<'a> {
     /// Changes along which the equilibria are differentiated.
     pub directions: &'a [DeckChange],
-    /// Markers that are turned on their parts, each by a rotation vector in radians and in its own axes.
+    /// Markers that are rotated on their parts. Each rotation vector is in radians and in the axes of the marker.
     pub turned: &'a [(MarkerIx, Vec3)],
 }
 
-/// Deck that is compiled with its probes and loads.
+/// Deck compiled with its probes and loads.
 struct CompiledCases {
     system: System,
     probes: Probes,
@@ -51,7 +51,7 @@ impl CompiledCases {
         })
     }
 
-    /// Returns a change of the deck without the numbers that the loads set.
+    /// Returns a change of the deck as a direction of the compiled system. Numbers that the loads set are left out.
     fn direction(&self, change: &DeckChange) -> Direction {
         let mut direction = change.direction(&self.system);
         direction
@@ -60,7 +60,7 @@ impl CompiledCases {
         direction
     }
 
-    /// Solves the load cases in their order. `visit` receives the number of each case and its equilibrium.
+    /// Solves the load cases in order. `visit` receives the index of each case and its equilibrium.
     fn solve(
         &self,
         cases: &LoadCases,
@@ -112,7 +112,7 @@ impl<'a> Solved<'a> {
 }
 
 impl LoadCases {
-    /// Returns which numbers the solver differentiates the equilibria by.
+    /// Returns the numbers with respect to which the solver can differentiate the equilibria.
     ///
     /// # Errors
     /// [`BenchError::Deck`] if the deck cannot be solved.
@@ -124,10 +124,10 @@ impl LoadCases {
         Ok(Differentiable(Some(compiled.system)))
     }
 
-    /// Solves the load cases on a deck.
+    /// Solves the load cases on a deck and reads the probes.
     ///
     /// # Errors
-    /// [`BenchError`] with the load case that has no equilibrium, or with the faults of the deck.
+    /// [`BenchError`] with the load case that has no equilibrium, or with the errors of the deck.
     pub(crate) fn solve(
         &self,
         model: &Model,
@@ -165,7 +165,8 @@ impl LoadCases {
         Ok(found)
     }
 
-    /// Returns the pairs of a load case and a probe that depend on a motion without stiffness. The equilibrium does not determine them.
+    /// Returns the undetermined readings as pairs (load case, probe). Such a probe changes along a motion without stiffness, so the
+    /// equilibrium does not determine its value.
     ///
     /// # Errors
     /// As [`Self::solve`].
@@ -197,12 +198,12 @@ impl LoadCases {
     }
 }
 
-/// Numbers by which the load cases are differentiated; all if there are none.
+/// Numbers with respect to which the load cases can be differentiated. Without load cases, these are all numbers.
 #[derive(Debug)]
 pub(crate) struct Differentiable(Option<System>);
 
 impl Differentiable {
-    /// Returns true if the solver differentiates by all these numbers.
+    /// Returns true if the solver can differentiate with respect to all these numbers.
     pub(crate) fn has_all<'n>(&self, numbers: impl IntoIterator<Item = &'n Address>) -> bool {
         let mut numbers = numbers.into_iter();
         match &self.0 {
@@ -212,7 +213,7 @@ impl Differentiable {
     }
 }
 
-/// Returns why a deck cannot be solved.
+/// Converts the reason why a deck cannot be solved.
 fn refused(why: BackendError) -> BenchError {
     match why {
         BackendError::NotSolvable(wrong) => BenchError::Deck(wrong),

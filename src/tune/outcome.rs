@@ -15,95 +15,99 @@ use admire_identify::DeckUnknown;
 use admire_kc::BenchError;
 use admire_study::{GoalScope, UnknownForm};
 
-/// A number of the deck that moved.
+/// A number of the deck that was changed.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NumberOutcome {
     /// Address of the number.
     pub address: String,
-    /// Value in the deck of the study, in its units and radians.
+    /// Value in the deck of the study, in units of the deck and radians.
     pub before: f64,
-    /// Value in the tuned deck.
+    /// Value in the tuned deck, in units of the deck and radians.
     pub after: f64,
 }
 
-/// An unknown at the end of a search. Its values are changes, factors or values, as its form says; angles are in radians.
+/// An unknown at the end of a search. `form` states whether its values are changes, factors or the numbers themselves. Angles are in
+/// radians.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct UnknownOutcome {
     /// Name of the unknown.
     pub name: String,
     /// `change`, `factor` or `value`.
     pub form: &'static str,
-    /// Unit of the values; empty without one.
+    /// Unit of the values; empty if they have none.
     pub unit: String,
-    /// Value that the search began with.
+    /// Value at which the search began.
     pub start: f64,
     /// Value found.
     pub value: f64,
     /// Lower and upper bound.
     pub bounds: [f64; 2],
-    /// `lower` or `upper` if the bound stops the search there.
+    /// `lower` or `upper` if this bound stops the search; `None` otherwise.
     pub at_bound: Option<&'static str>,
-    /// Decrease of the cost per unit of the value by which the bound is moved outwards; zero away from bounds.
+    /// Decrease of the cost per unit by which the bound is moved outward; zero if no bound stops the search.
     pub pull: f64,
-    /// Decrease of the cost of the misses that this unknown's own move makes, of the decrease that all moves make; from the linear model.
+    /// Relative size of the change of the goals' values by this unknown's own move, in the linear model. The values of all unknowns add up
+    /// to 1.
     pub matters: f64,
-    /// True if the solver has derivatives by this unknown; otherwise they are differences.
+    /// True if the solver computes the derivatives with respect to this unknown; false if they are finite differences.
     pub exact_derivatives: bool,
     /// Numbers of the deck that the unknown sets.
     pub numbers: Vec<NumberOutcome>,
 }
 
-/// One compared value. Values are in the unit of the goal.
+/// A value that a goal compares, in the unit of the goal.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct RowOutcome {
     /// Value of the test's variable.
     pub at: f64,
-    /// Least value that is wanted; `None` without a limit.
+    /// Lower limit of the wanted value; `None` without a limit.
     pub least: Option<f64>,
-    /// Greatest value that is wanted; `None` without a limit.
+    /// Upper limit of the wanted value; `None` without a limit.
     pub most: Option<f64>,
-    /// Value of the deck of the study.
+    /// Value in the deck of the study.
     pub before: f64,
-    /// Value of the tuned deck.
+    /// Value in the tuned deck.
     pub after: f64,
 }
 
 /// A goal at the end of a search.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct GoalOutcome {
-    /// Name: test or load case, characteristic, and which part of it.
+    /// Name: test or load case, characteristic, and part of the characteristic.
     pub name: String,
-    /// Name of the test; empty for a goal of a load case.
+    /// Name of the test; empty if the goal reads a load case.
     pub test: String,
-    /// Label of the load case; `None` for a goal of a test.
+    /// Label of the load case; `None` if the goal reads a test.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
-    /// Characteristic, force, place or reading.
+    /// Name of the characteristic, force, position or reading.
     pub of: String,
-    /// `curve`, `value` or `gradient`.
+    /// Part of the characteristic: `curve`, `value` or `gradient`.
     pub scope: &'static str,
-    /// `squares`, `minimax` or `limit`.
+    /// Kind of the goal: `squares`, `minimax` or `limit`.
     pub kind: &'static str,
-    /// Unit of values, misses and tolerance.
+    /// Unit of the values, of the misses and of the tolerance.
     pub unit: String,
     /// Unit of the test's variable.
     pub at_unit: String,
-    /// Miss up to which the goal is met.
+    /// Largest miss at which the goal counts as met. For a limit, only the unit in which misses are counted.
     pub tolerance: f64,
-    /// Root mean square of the misses of the deck of the study.
+    /// Root mean square of the misses in the deck of the study.
     pub rms_before: f64,
-    /// Root mean square of the misses of the tuned deck.
+    /// Root mean square of the misses in the tuned deck.
     pub rms_after: f64,
-    /// Largest miss of the tuned deck.
+    /// Largest miss in the tuned deck.
     pub largest_after: f64,
-    /// True if no miss is larger than the tolerance; a limit has no miss at all. A robust goal is met for the mean plus two standard deviations.
+    /// True if no miss exceeds the tolerance or, for a limit, a thousandth of the tolerance. In a robust target, the misses include two
+    /// standard deviations.
     pub is_met: bool,
-    /// Sum of the multipliers of a limit or of a minimax goal: how strongly it holds the others back. Zero where it does not bind.
+    /// Sum of the multipliers of a limit or minimax goal: a measure of how strongly the goal restricts the others. Zero if the goal does
+    /// not restrict them.
     pub multiplier: f64,
-    /// True if the derivatives of the values come from the solver; otherwise they are differences.
+    /// True if the solver computes the derivatives of the values; false if they are finite differences.
     pub exact_derivatives: bool,
-    /// Change of the value per unit of each unknown, in their order: root mean square over a curve, with its sign for a single value. A factor
-    /// counts per percent.
+    /// Change of the goal's value per unit of each unknown, or per percent of a factor, in the order of the unknowns. For a curve, it is
+    /// the root mean square over its rows; for a single value, it has its sign.
     pub sensitivities: Vec<f64>,
     /// The compared values.
     pub rows: Vec<RowOutcome>,
@@ -118,15 +122,15 @@ pub struct StartOutcome {
     pub end: Vec<f64>,
     /// Cost at the end; `None` without an equilibrium at the start.
     pub cost: Option<f64>,
-    /// Largest miss of a limit, in units of its tolerance.
+    /// Largest miss of any limit, in units of the tolerance of that limit.
     pub violation: f64,
     /// Number of evaluations with derivatives.
     pub evaluations: usize,
-    /// True if the search converged.
+    /// True if this search converged.
     pub converged: bool,
     /// True if all goals are met at the end.
     pub met: bool,
-    /// True if the end is as good as the best one.
+    /// True if the end is as good as that of the best search.
     pub agrees: bool,
 }
 
@@ -137,9 +141,10 @@ pub struct Outcome {
     pub converged: bool,
     /// True if all goals are met.
     pub met: bool,
-    /// Largest miss of a limit, in units of its tolerance; more than a thousandth if no numbers within the bounds keep all limits.
+    /// Largest miss of any limit, in units of the tolerance of that limit. A value above 0.001 means that no point within the bounds was
+    /// found at which all limits hold.
     pub violation: f64,
-    /// True if no miss of a limit counts.
+    /// True if all limits hold: no miss exceeds a thousandth of the tolerance.
     pub keeps_limits: bool,
     /// Cost of the deck of the study.
     pub cost_before: f64,
@@ -147,22 +152,22 @@ pub struct Outcome {
     pub cost: f64,
     /// Number of evaluations with derivatives, over all starts.
     pub evaluations: usize,
-    /// Number of runs of the tests and load cases, those for differences included.
+    /// Number of runs of the tests and load cases, including those for finite differences.
     pub runs: usize,
-    /// Number of starts whose end is as good as the best.
+    /// Number of starts from which the search ended as well as from the best one.
     pub agreeing: usize,
-    /// The unknowns.
+    /// Unknowns at the end of the best search.
     pub unknowns: Vec<UnknownOutcome>,
-    /// The goals.
+    /// Goals at the end of the best search.
     pub goals: Vec<GoalOutcome>,
-    /// Goals that conflict.
+    /// Pairs of goals that conflict.
     pub conflicts: Vec<Conflict>,
-    /// The searches, that of the study first.
+    /// Searches from all starts; the first begins at the start of the study.
     pub starts: Vec<StartOutcome>,
-    /// What the tolerances of the study make of the tuned deck; `None` without section `[tolerances]`, or before [`Tuning::robust`].
+    /// Effect of the tolerances of the study on the tuned deck; `None` without the section `[tolerances]`, or before [`Tuning::robust`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust: Option<Robust>,
-    /// Pareto front of two goals, if one was requested with [`Tuning::front`].
+    /// Pareto front of two goals, if it was requested with [`Tuning::front`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pareto: Option<Front>,
     /// Text of the tuned deck.
@@ -285,7 +290,7 @@ fn shown(tuning: &Tuning, x: &[f64]) -> Vec<f64> {
     each.map(|(unknown, x)| unknown.shown(*x)).collect()
 }
 
-/// Returns which bound stops an unknown: it is there, and the cost would fall beyond.
+/// Returns the bound that stops an unknown. The unknown lies at this bound, and the cost would decrease beyond it.
 fn stopped(unknown: &DeckUnknown, x: f64, gradient: f64) -> Option<&'static str> {
     let [least, most] = unknown.bounds;
     let near = AT_BOUND * (most - least);

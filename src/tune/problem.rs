@@ -10,24 +10,25 @@ use nalgebra::{DMatrix, DVector};
 /// Callback that receives the number of evaluations from the current start. It returns false to stop the search.
 pub type Watch<'a> = dyn FnMut(usize) -> bool + 'a;
 
-/// A constraint `(sign (value - bound) + widening) / tolerance - t <= 0` on a value; `t` is zero for limits and the largest miss of a minimax
-/// goal. The widening is a multiple of the standard deviation by the tolerances, or zero.
+/// Constraint `(sign (value - bound) + widening) / tolerance - t <= 0` on a value. `t` is the largest miss of a minimax goal, and zero for
+/// a limit. The widening is a multiple of the standard deviation by the tolerances, and zero if the target is not robust.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
-    /// Index of the value among all rows of all goals.
+    /// Index of the value in the list of the rows of all goals.
     pub row: usize,
     /// Index of the goal.
     pub goal: usize,
     sign: f64,
     bound: f64,
-    /// Index of the unknown `t` among those of minimax goals.
+    /// Index of `t` among the largest misses of the minimax goals; `None` for a limit.
     largest: Option<usize>,
 }
 
-/// Least squares over the coordinates of the unknowns, followed by the largest miss of each minimax goal.
+/// Least-squares problem of a search. Its unknowns are the coordinates of the deck's unknowns, followed by the largest miss of each minimax
+/// goal.
 ///
-/// A constraint `c <= 0` adds `max(0, c + lambda / rho)^2 rho / 2` to the cost, with the multiplier `lambda` and the penalty `rho`. Source: the
-/// augmented Lagrangian for inequalities (Rockafellar 1973; Conn, Gould and Toint, Trust-Region Methods, section 14.4).
+/// A constraint `c <= 0` adds `max(0, c + lambda / rho)^2 rho / 2` to the cost, with the multiplier `lambda` and the penalty `rho`. Source:
+/// the augmented Lagrangian for inequalities (Rockafellar 1973; Conn, Gould and Toint, Trust-Region Methods, section 14.4).
 pub(crate) struct Problem<'a, 'b> {
     pub evaluator: &'b mut Evaluator<'a>,
     pub constraints: Vec<Constraint>,
@@ -39,11 +40,11 @@ pub(crate) struct Problem<'a, 'b> {
     pub evaluations: usize,
     /// Number of evaluations after which the search stops.
     pub most: usize,
-    /// Cache of at most two evaluations, the latest one used at the end.
+    /// Cache of at most two evaluations. The one used last is at the end.
     kept: Vec<Evaluation>,
-    /// Number of minimax goals.
+    /// Number of minimax goals, each of which has a largest miss as an unknown.
     pub largest: usize,
-    /// Callback that observes the search, and can stop it.
+    /// Callback that observes the search and can stop it.
     pub watch: &'b mut Watch<'b>,
     /// True once the callback has stopped the search.
     pub is_stopped: bool,
@@ -112,7 +113,7 @@ impl<'a, 'b> Problem<'a, 'b> {
         self.kept.last()
     }
 
-    /// Returns all constraint values for an evaluation and the largest misses.
+    /// Returns the values of all constraints, given an evaluation and the largest misses of the minimax goals.
     pub(crate) fn constraint_values(&self, at: &Evaluation, largest: &[f64]) -> Vec<f64> {
         let goals = &self.evaluator.tuning.goals;
         let of = |own: &Constraint| {
@@ -138,7 +139,8 @@ impl<'a, 'b> Problem<'a, 'b> {
         found
     }
 
-    /// Returns the priors of all coordinates: the cost of moves, and half the square of each largest miss.
+    /// Returns the priors of all coordinates. For the deck's unknowns, they are the cost of moves; for each largest miss, they are the cost
+    /// of its minimax goal.
     pub(crate) fn priors(&self) -> Vec<Prior> {
         let unknowns = &self.evaluator.tuning.unknowns;
         let own = unknowns.iter().map(|unknown| Prior {

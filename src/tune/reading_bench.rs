@@ -1,4 +1,5 @@
-//! Forces and readings of load cases on the pseudo McPherson axle: against the poses of a sweep, and derivatives against finite differences.
+//! Tests of forces and readings of load cases on the pseudo McPherson axle. Values are compared with the poses of a sweep, and derivatives
+//! with finite differences.
 
 use std::path::Path;
 
@@ -11,7 +12,7 @@ use admire_identify::marker_pose;
 use admire_session::backend::{Backend, NativeBackend, SweepRequest};
 use admire_solver::model::MarkerIx;
 
-/// Section `[target]` that reads everything a load case of the pseudo McPherson axle has.
+/// Section `[target]` that reads everything available in a load case of the pseudo McPherson axle.
 const MCPHERSON: &str = r#"
 [loads]
 file = "load_cases.csv"
@@ -64,8 +65,8 @@ fn mcpherson(folder: &Path, of: &[&str]) -> Tuning {
     study(folder, &deck, "value\n", &target, "")
 }
 
-/// Checks the readings of a load case against the poses of a sweep of the study: places of markers and marks, the wheel as the measurement
-/// has it, and the force of the spring by its law. The balance of the knuckle gives the load.
+/// Checks the readings of a load case against the poses of a sweep of the study. The readings are positions of markers and marks, wheel
+/// readings as defined by the measurement, and the spring force by its law. The load follows from the force balance of the knuckle.
 #[test]
 fn readings_of_a_load_case_are_those_of_the_sweep() {
     let of = [
@@ -142,7 +143,7 @@ fn readings_of_a_load_case_are_those_of_the_sweep() {
     near("top", top);
 }
 
-/// Checks the derivatives of all kinds of readings in a load case against differences.
+/// Checks the derivatives of all kinds of readings in a load case against finite differences.
 #[test]
 fn derivatives_in_load_cases_are_those_of_differences() {
     let of = [
@@ -166,8 +167,8 @@ fn derivatives_in_load_cases_are_those_of_differences() {
     assert_derivatives(&tuning, 2e-5);
 }
 
-/// Checks what the tolerances of the axle do to forces and readings of a load case and of a test, against central differences: hardpoints, axes of
-/// bushings and joints, preloads and rates.
+/// Checks the effect of the axle's tolerances on forces and readings of a load case and of a test against central differences. The
+/// tolerances are those of hardpoints, axes of bushings and joints, preloads and spring rates.
 #[test]
 fn changes_by_tolerances_are_those_of_differences() {
     let folder = tempfile::tempdir().expect("a folder");

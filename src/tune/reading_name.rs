@@ -1,4 +1,4 @@
-//! Names of forces, places and readings in goals, beside the characteristics of an axle.
+//! Names of forces, positions and readings in goals, in addition to the characteristics of an axle.
 
 use std::cell::Cell;
 
@@ -12,20 +12,20 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Units;
 use admire_syntax::{Address, Dataset};
 
-/// Components of a marker: its place in ground, and the rotation of its part since the design position about the axes of ground.
+/// Components of a marker: its position in ground, and the rotation of its part from the design position about the ground axes.
 const OF_MARKER: [&str; 6] = ["X", "Y", "Z", "AX", "AY", "AZ"];
-/// Readings of the wheel, as the columns of `wheel.csv`.
+/// Readings of the wheel, named like the columns of `wheel.csv`.
 const OF_WHEEL: [&str; 5] = ["x", "y", "z", "camber_deg", "steer_deg"];
 
-/// Force, place or reading that a goal names.
+/// Force, position or reading that a goal names.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Named {
     pub probe: Probe,
-    /// Unit of the probe's value; `None` for a channel, whose function is in any unit.
+    /// Unit of the probe's value; `None` for a channel, because its function may have any unit.
     pub unit: Option<Unit>,
-    /// Unit of a channel as the study states it.
+    /// Unit of a channel as stated in the study; empty for other quantities.
     pub stated_unit: String,
-    /// Index of the channel among those of the study.
+    /// Index of the channel among the channels of the study; `None` for other quantities.
     pub channel: Option<usize>,
 }
 
@@ -39,7 +39,7 @@ impl Named {
         }
     }
 
-    /// Returns the factor from the value of the probe to the value of the goal, and the unit of the goal.
+    /// Returns the factor that converts the probe's value to the goal's value, and the unit of the goal.
     pub(crate) fn shown(&self, units: &Units) -> (f64, String) {
         match self.unit {
             Some(unit) => shown(1.0, unit, units),
@@ -52,11 +52,12 @@ impl Named {
 pub(crate) struct Names<'a> {
     dataset: &'a Dataset,
     model: &'a Model,
-    /// Readings of the study; `None` for goals of tests.
+    /// Readings of the study; `None` for goals that read tests.
     measurement: Option<&'a Measurement>,
     /// Force elements and constraints of the deck, by keyword and id.
     elements: Vec<(&'static str, u32)>,
-    /// Next id of an auxiliary marker. They count down from the largest id, because rig and wheel gauge count up from the ids of the deck.
+    /// Next id of an auxiliary marker. These ids count down from the largest id, because the ids of the rig and of the wheel gauge count up
+    /// from the ids of the deck.
     next_id: Cell<u32>,
 }
 
@@ -79,7 +80,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Resolves a name. Returns `None` if it is none of an object of the deck or of a reading, so that it may be a characteristic.
+    /// Resolves a name. Returns `None` if it names neither an object of the deck nor a reading; it may then be a characteristic.
     pub(crate) fn named(&self, of: &str) -> Option<Result<Named, Box<Diagnostic>>> {
         let found = self.reading(of).or_else(|| self.wheel(of));
         if let Some(found) = found.or_else(|| self.mark(of)) {
@@ -99,7 +100,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Returns the complaint about a name that is nothing which a goal can read.
+    /// Returns the diagnostic for a name that refers to nothing that a goal can read.
     pub(crate) fn unknown(&self, of: &str) -> Box<Diagnostic> {
         let message = format!("`{of}` is not a force, position or reading of this study");
         let help = did_you_mean(of, "the study", &self.all());
@@ -115,7 +116,7 @@ impl<'a> Names<'a> {
         elements.chain(markers).collect()
     }
 
-    /// Returns one name of each element, marker, mark and reading.
+    /// Returns the names of all elements, markers, marks and readings, one name each.
     fn all(&self) -> Vec<String> {
         let mut all: Vec<String> = Vec::new();
         if let Some(measurement) = self.measurement {
@@ -186,7 +187,7 @@ impl<'a> Names<'a> {
         Ok(Named::of(probe, unit_of(component)))
     }
 
-    /// Returns the force of an NFORCE at its first I marker, or with `FX_2` at the second, as result files name them.
+    /// Returns the force of an NFORCE at its first I marker, or at the second with a name such as `FX_2`. Result files use the same names.
     fn of_nforce(&self, id: u32, word: &str) -> Option<Named> {
         let (word, number) = word.split_once('_').unwrap_or((word, "1"));
         let component = FORCE_COMPONENTS.iter().position(|own| *own == word)?;
@@ -201,7 +202,7 @@ impl<'a> Names<'a> {
         Some(Named::of(probe, unit_of(component)))
     }
 
-    /// Returns a channel of the study by its name.
+    /// Returns the channel of the study with this name.
     fn reading(&self, of: &str) -> Option<Named> {
         let channels = &self.measurement?.channels;
         let k = channels.iter().position(|own| own.name == of)?;
@@ -223,7 +224,8 @@ impl<'a> Names<'a> {
         })
     }
 
-    /// Returns a reading of the wheel: `wheel.x`, `wheel.camber_deg`, as the columns of `wheel.csv`.
+    /// Returns the reading of the wheel with this name, such as `wheel.x` or `wheel.camber_deg`. The names are those of the columns of
+    /// `wheel.csv`.
     fn wheel(&self, of: &str) -> Option<Named> {
         let wheel = self.measurement?.wheel.as_ref()?;
         let word = of.strip_prefix("wheel.")?;
@@ -259,7 +261,7 @@ impl<'a> Names<'a> {
         Some(Named::of(probe, Unit::Angle))
     }
 
-    /// Returns the place of a mark in ground: `KNUCKLE 3.X`.
+    /// Returns a coordinate of a mark in ground, given by a name such as `KNUCKLE 3.X`.
     fn mark(&self, of: &str) -> Option<Named> {
         let (object, component) = of.rsplit_once('.')?;
         let (name, label) = object.trim().rsplit_once(' ')?;
@@ -274,7 +276,7 @@ impl<'a> Names<'a> {
         Some(Named::of(place(id, k, vec![marker]), Unit::Length))
     }
 
-    /// Returns the rotation of a marker's part since the design position about an axis of ground.
+    /// Returns the rotation of a marker's part from the design position about ground axis `k`.
     fn rotation(&self, marker: MarkerIx, k: usize) -> Probe {
         let own = self.model.markers[marker.0].part;
         let upright = self.model.parts[own.0].pose.R.transpose();
@@ -286,7 +288,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Creates an auxiliary marker on a part. Its id is free in the deck.
+    /// Creates an auxiliary marker on a part. No marker of the deck has its id.
     fn helper(&self, part: PartIx, qp: Vec3, R: Mat3, relative: Option<Relative>) -> Marker {
         let taken = |id: &u32| self.model.marker(*id).is_some();
         let mut down = (0..=self.next_id.get()).rev().skip_while(taken);
@@ -310,7 +312,7 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Returns the coordinate `k` of a marker in ground.
+/// Returns coordinate `k` (0 to 2) of a marker's position in ground.
 fn place(id: u32, k: usize, markers: Vec<Marker>) -> Probe {
     Probe::Function {
         text: format!("D{}({id})", ["X", "Y", "Z"][k]),

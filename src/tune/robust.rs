@@ -1,4 +1,4 @@
-//! Which share of axles is good, if they differ by the tolerances of the study.
+//! Share of axles that meet the goals if the axles scatter by the tolerances of the study.
 
 use std::ops::Range;
 
@@ -11,77 +11,79 @@ use admire_study::Noise;
 use nalgebra::DVector;
 use serde::Serialize;
 
-/// What the tolerances of a study make of a deck. Shares are those of axles within the bands of the goals: a miss up to the tolerance of a
-/// goal, or between its limits.
+/// Effect of the tolerances of a study on a deck. An axle counts as good if every miss is within the tolerance of its goal and all limits
+/// hold.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Robust {
-    /// Share of axles that meet all goals, of the linear model.
+    /// Share of axles that meet all goals, in the linear model.
     pub share: f64,
-    /// Axles that were drawn and solved; `None` if none were requested.
+    /// Statistics of the drawn axles; `None` if none were requested.
     pub drawn: Option<DrawnAxles>,
-    /// True if all goals are met for the mean plus two standard deviations, of the linear model.
+    /// True if all goals are met at two standard deviations to either side of the mean, in the linear model.
     pub met_two_sd: bool,
-    /// The goals, in their order.
+    /// Scatter of each goal, in the order of the goals.
     pub goals: Vec<GoalSpread>,
-    /// Hardpoints and elements with their tolerances, the one first whose tightening gains most.
+    /// Tolerances of hardpoints and elements. The first is the one whose reduction increases the share of good axles most.
     pub tolerances: Vec<ToleranceShare>,
 }
 
-/// Axles whose tolerances were drawn, each solved as a deck of its own.
+/// Statistics of axles with drawn tolerances, each solved as a separate deck.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DrawnAxles {
     /// Number of axles.
     pub count: usize,
-    /// Number of axles without an equilibrium; they count as bad.
+    /// Number of axles without an equilibrium. They count as not meeting the goals.
     pub failed: usize,
     /// Share of axles that meet all goals.
     pub share: f64,
-    /// Standard deviation of the share by the number of axles, counted with one good and one bad axle more.
+    /// Standard deviation of the share that results from the finite number of axles. It is estimated after adding one good and one bad
+    /// axle.
     pub share_sd: f64,
-    /// True if all goals are met for the mean of the axles plus two of their standard deviations.
+    /// True if all goals are met at two standard deviations of the drawn axles to either side of their mean.
     pub met_two_sd: bool,
 }
 
-/// Spread of a goal by the tolerances. Values are in the unit of the goal.
+/// Scatter of a goal's values by the tolerances, in the unit of the goal.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct GoalSpread {
     /// Name of the goal.
     pub name: String,
-    /// Share of axles that meet the goal, of the linear model.
+    /// Share of axles that meet the goal, in the linear model.
     pub share: f64,
     /// Share of the drawn axles that meet the goal; `None` if none were drawn.
     pub share_drawn: Option<f64>,
-    /// Largest standard deviation of a value, of the linear model.
+    /// Largest standard deviation of a value, in the linear model.
     pub sd: f64,
     /// Largest standard deviation of a value over the drawn axles; `None` if fewer than two were solved.
     pub sd_drawn: Option<f64>,
-    /// Largest miss of the mean plus two standard deviations, of the linear model.
+    /// Largest miss within two standard deviations of the mean, in the linear model.
     pub two_sd: f64,
-    /// True if the goal is met for the mean plus two standard deviations, of the linear model.
+    /// True if the goal is met at two standard deviations to either side of the mean, in the linear model.
     pub is_met_two_sd: bool,
-    /// The same for the mean and the standard deviations of the drawn axles.
+    /// Like `is_met_two_sd`, but with the mean and standard deviations of the drawn axles; `None` if fewer than two were solved.
     pub is_met_two_sd_drawn: Option<bool>,
 }
 
-/// What the tolerance of a hardpoint or element does to the goals.
+/// Effect of the tolerance of a hardpoint or element on the goals.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ToleranceShare {
-    /// `hardpoints`, `assembly-offsets`, `axes`, `spring-preloads`, `spring-rates` or `known-stiffnesses`.
+    /// Group of the tolerance: `hardpoints`, `assembly-offsets`, `axes`, `spring-preloads`, `spring-rates` or `known-stiffnesses`.
     pub group: &'static str,
-    /// Address of the element; of one marker of a hardpoint.
+    /// Address of the element, or of one marker of the hardpoint.
     pub element: String,
-    /// Standard deviation.
+    /// Standard deviation of the tolerance.
     pub sd: f64,
-    /// Unit of the standard deviation; `%` for a relative one.
+    /// Unit of the standard deviation; `%` for a relative tolerance.
     pub unit: String,
-    /// Share of the variance of all values, in units of the tolerances of their goals, with equal weight for each goal.
+    /// Fraction of the variance of all values that this tolerance causes. Values are in units of the tolerances of their goals, and all
+    /// goals have equal weight.
     pub variance: f64,
-    /// Share of axles that meet all goals if the standard deviation is halved, of the linear model.
+    /// Share of axles that meet all goals if the standard deviation is halved, in the linear model.
     pub share_if_halved: f64,
 }
 
 impl ToleranceShare {
-    /// Returns what the tolerance is of, in words.
+    /// Returns a description of the object that has the tolerance.
     pub fn name(&self) -> String {
         let what = match self.group {
             "hardpoints" => "hardpoint",
@@ -95,20 +97,21 @@ impl ToleranceShare {
     }
 }
 
-/// Tolerances of one group at one element.
+/// Tolerances of one group at one hardpoint or element.
 struct Item {
     group: EffectGroup,
     element: String,
     sd: f64,
-    /// Their columns.
+    /// Indices of the columns of these tolerances in [`Scatter::columns`].
     columns: Vec<usize>,
 }
 
 impl Tuning {
-    /// Returns what the tolerances of the study make of the deck with the coordinates `x` of the unknowns: by the linear model, and by solving
-    /// `draws` axles with drawn tolerances. `None` if the study has no section `[tolerances]`, or no equilibrium there.
+    /// Returns the effect of the tolerances of the study on the deck at the coordinates `x` of the unknowns. It is computed with the linear
+    /// model, and with `draws` decks with drawn tolerances. Returns `None` if the study has no section `[tolerances]`, or if the deck has
+    /// no equilibrium.
     ///
-    /// `watch` receives the number of axles drawn so far, and returns false to draw no more.
+    /// `watch` receives the number of axles drawn so far. It returns false to stop drawing.
     pub fn robust(
         &self,
         x: &[f64],
@@ -195,7 +198,8 @@ impl Tuning {
         })
     }
 
-    /// Returns the shares of the linear model. The normal distribution gives those of a single value; others are drawn.
+    /// Returns the shares of good axles in the linear model. For a single value, they follow from the normal distribution; otherwise they
+    /// are estimated from random draws.
     fn linear(&self, scatter: &Scatter, items: &[Item]) -> Linear {
         let rows: Vec<(&Goal, Range<usize>)> = self.ranges().collect();
         let count = scatter.tolerances.len();
@@ -260,7 +264,7 @@ impl Tuning {
         found
     }
 
-    /// Solves axles with drawn tolerances. `None` if none are requested.
+    /// Solves axles with drawn tolerances. Returns `None` if no axle was drawn.
     fn draw(
         &self,
         evaluator: &mut Evaluator<'_>,
@@ -304,7 +308,7 @@ impl Tuning {
         (found.count > 0).then_some(found)
     }
 
-    /// Returns the share of each item in the variance of all values, in units of the tolerances of their goals.
+    /// Returns the fraction of the variance of all values that each item causes. Values are in units of the tolerances of their goals.
     fn variances(&self, scatter: &Scatter, items: &[Item]) -> Vec<f64> {
         let of = |item: &Item| {
             let goals = self.ranges().map(|(goal, rows)| {
@@ -322,11 +326,11 @@ impl Tuning {
     }
 }
 
-/// Shares of axles of the linear model.
+/// Shares of good axles in the linear model.
 struct Linear {
     all: f64,
     goals: Vec<f64>,
-    /// Share in which all goals are met if the standard deviation of an item is halved.
+    /// Share of axles that meet all goals if the standard deviation of one item is halved, for each item.
     halved: Vec<f64>,
 }
 
@@ -336,7 +340,7 @@ struct Drawn {
     failed: usize,
     good_in_all: usize,
     good: Vec<usize>,
-    /// Sums of the differences from `middle`, and of their squares.
+    /// Sum over the solved axles of the differences of each value from `middle`.
     sum: Vec<f64>,
     squares: Vec<f64>,
     middle: Vec<f64>,
@@ -383,13 +387,13 @@ fn items(scatter: &Scatter) -> Vec<Item> {
     all
 }
 
-/// Returns true if these values of all rows meet a goal.
+/// Returns true if the values of the rows meet the goal.
 fn holds(goal: &Goal, rows: Range<usize>, values: &[f64]) -> bool {
     let mut each = goal.rows.iter().zip(&values[rows]);
     each.all(|(own, value)| own.miss(*value).abs() <= goal.allowed())
 }
 
-/// Returns the largest miss of the mean plus two standard deviations.
+/// Returns the largest miss of a goal within two standard deviations of the mean.
 fn two_sd(goal: &Goal, rows: Range<usize>, mean: &[f64], sd: &[f64]) -> f64 {
     let each = goal.rows.iter().zip(rows);
     each.map(|(own, row)| own.reach(mean[row], ROBUST_SD * sd[row]))
@@ -400,7 +404,7 @@ fn two_sd_met(goal: &Goal, rows: Range<usize>, drawn: &Drawn) -> bool {
     two_sd(goal, rows, &drawn.mean(), &drawn.sd()) <= goal.allowed()
 }
 
-/// Returns the share of a normal distribution in which the only value of a goal meets it.
+/// Returns the probability that the only value of a goal meets the goal if it is normally distributed.
 fn normal_share(goal: &Goal, mean: f64, sd: f64) -> f64 {
     let [least, most] = goal.rows[0].wanted;
     let (least, most) = (least - goal.allowed(), most + goal.allowed());

@@ -1,9 +1,10 @@
-//! Tolerances and Pareto fronts: against closed forms on a wheel that a spring carries, and linear against drawn on the double wishbone.
+//! Tests of tolerances and Pareto fronts. Closed forms are checked on a wheel that a spring carries. On the double wishbone, the linear
+//! model is compared with drawn axles.
 
 use crate::bench::{KC, POINTS, corpus, search, study, wanted};
 use crate::{Outcome, Robust, Tuning};
 
-/// A carrier that slides along Z on a spring of 50 N/mm: the wheel rate is the spring rate.
+/// A carrier that slides along Z on a spring of 50 N/mm, so the wheel rate is the spring rate.
 const DECK: &str = "A wheel on a spring\n\
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
 PART/1, GROUND\n\
@@ -18,11 +19,11 @@ JOINT/1, TRANSLATIONAL, I=20, J=10\n\
 SPRINGDAMPER/1, TRANSLATION, I=21, J=11, K=50, LENGTH=400\n\
 END\n";
 
-/// Its rig: the wheel is held at heights around design.
+/// Rig of this deck: the wheel is held at several heights around the design position.
 const RIG: &str = "[deck]\naxes = \"adams-car\"\n[wheels]\nmirror = true\n\
 left = { centre = \"MARKER/20\", spin = \"MARKER/23\" }\n[tests.bounce]\nrange = [-20, 20]\npoints = 5\nwindow = 20\n";
 
-/// Springs differ by 5 percent, and nothing else does.
+/// Tolerances: the spring rates scatter by 5 percent, and nothing else scatters.
 const SPRINGS: &str =
     "[tolerances]\nhardpoints = 0\naxes_deg = 0\npreloads = 0\nspring_rates = 0.05\n";
 
@@ -48,7 +49,7 @@ fn robust(tuning: &Tuning, found: &Outcome, draws: usize) -> Robust {
     robust.expect("tolerances and an equilibrium")
 }
 
-/// Share of a normal distribution between limits, from its density alone.
+/// Probability of the interval between two limits under a normal distribution, integrated from its density.
 fn share_between(least: f64, most: f64, mean: f64, sd: f64) -> f64 {
     let (from, to) = (least.max(mean - 12.0 * sd), most.min(mean + 12.0 * sd));
     let count = 20_000;
@@ -62,14 +63,14 @@ fn share_between(least: f64, most: f64, mean: f64, sd: f64) -> f64 {
         .sum()
 }
 
-/// Asserts that a share of drawn axles is this one, within three standard deviations of the draws.
+/// Asserts that a share estimated from draws agrees with `share` within three standard deviations.
 fn assert_drawn(drawn: f64, share: f64, count: usize) {
     let sd = (share * (1.0 - share) / count as f64).sqrt();
     assert!((drawn - share).abs() <= 3.0 * sd, "{drawn} {share} {sd}");
 }
 
-/// The share of good axles is that of the normal distribution where the goal is linear in one number; half the tolerance gives the share of half
-/// the standard deviation.
+/// For a goal that is linear in one number, the share of good axles is that of the normal distribution. Halving the tolerance gives the
+/// share of half the standard deviation.
 #[test]
 fn shares_of_a_linear_goal_are_those_of_the_normal_distribution() {
     // The spring stays at 52 N/mm: 2.6 N/mm is one standard deviation.
@@ -100,7 +101,7 @@ fn shares_of_a_linear_goal_are_those_of_the_normal_distribution() {
     }
 }
 
-/// Two goals of one value, drawn from the linear model: the share of both is that of the narrower band.
+/// Two goals read the same value. The share of axles that meet both is that of the goal with the narrower band.
 #[test]
 fn shares_of_several_values_are_drawn() {
     let fixed = RATE.replace("[20, 100]", "[52, 52.000001]") + "start = 52\n";
@@ -112,7 +113,8 @@ fn shares_of_several_values_are_drawn() {
     assert_drawn(found.share, share_between(46.0, 54.0, 52.0, 2.6), 20_000);
 }
 
-/// A robust limit is kept by the mean less two standard deviations, which grow with the number. A robust goal is traded against its spread.
+/// A robust search keeps a limit at two standard deviations from the mean. The standard deviation grows with the number. A robust goal is a
+/// compromise between miss and scatter.
 #[test]
 fn a_robust_search_keeps_two_standard_deviations() {
     // K - 2 (0.05 K) = 45, while another goal pulls down.
@@ -135,7 +137,7 @@ fn a_robust_search_keeps_two_standard_deviations() {
     assert!(found.met && robust(&tuning, &found, 0).met_two_sd);
 }
 
-/// A robust target without tolerances is refused at its place.
+/// A robust target without tolerances is rejected, and the diagnostic points at its position.
 #[test]
 fn a_robust_target_needs_tolerances() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -156,8 +158,8 @@ fn a_robust_target_needs_tolerances() {
     assert_eq!(spans, ["true"], "{said:#?}");
 }
 
-/// The shares by the linear model and by drawn axles agree on the double wishbone, and so do the standard deviations. Tightening a tolerance
-/// gains most where its share of the variance is large.
+/// On the double wishbone, the linear model and the drawn axles agree in shares and standard deviations. Reducing a tolerance helps most if
+/// its fraction of the variance is large.
 #[test]
 fn linear_and_drawn_axles_agree_on_the_double_wishbone() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -204,7 +206,7 @@ fn linear_and_drawn_axles_agree_on_the_double_wishbone() {
     );
 }
 
-/// The front of two goals of one value is the line on which their misses add up to the distance between them.
+/// For two goals of one value, the front is the line on which the sum of the misses equals the distance between the wanted values.
 #[test]
 fn the_front_of_two_values_of_one_number_is_a_line() {
     let goals = goal("gradient = 50\ntolerance = 1") + &goal("gradient = 60\ntolerance = 3");
@@ -245,7 +247,7 @@ fn the_front_of_two_values_of_one_number_is_a_line() {
     }
 }
 
-/// Along the front of the double wishbone one miss grows and the other falls.
+/// Along the front of the double wishbone, one miss increases and the other decreases.
 #[test]
 fn the_front_of_the_double_wishbone_is_monotone() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -265,7 +267,7 @@ fn the_front_of_the_double_wishbone_is_monotone() {
     }
 }
 
-/// What each tolerance changes is the same by the solver's derivatives and by solving the deck with the tolerance, for hardpoints, offsets, axes,
+/// The solver's derivatives along a tolerance agree with solutions of decks with that tolerance. This holds for hardpoints, offsets, axes,
 /// springs and bushings.
 #[test]
 fn changes_by_tolerances_are_those_of_solved_decks() {
@@ -341,7 +343,7 @@ fn changes_by_tolerances_are_those_of_solved_decks() {
     }
 }
 
-/// Every point of the front keeps a limit that is neither of its two goals.
+/// Every point of the front keeps a limit that is not one of the two goals.
 #[test]
 fn a_front_keeps_the_other_limits() {
     let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/../../corpus/double-wishbone");

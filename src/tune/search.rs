@@ -10,7 +10,7 @@ use crate::outcome::Outcome;
 use crate::tune_error::TuneError;
 use crate::tuning::Tuning;
 
-/// Number of dimensions up to which the small table of direction numbers suffices.
+/// Number of dimensions up to which the small table of direction numbers of the Sobol sequence is large enough.
 const SMALL_TABLE: usize = 100;
 
 impl Tuning {
@@ -41,7 +41,7 @@ impl Tuning {
         Outcome::of(self, &mut evaluator, found)
     }
 
-    /// Returns the starts: that of the study, then the points of the Sobol sequence within the bounds, from its second point on.
+    /// Returns the starts: that of the study, followed by the points of the Sobol sequence within the bounds, without its first point.
     fn starts(&self) -> Vec<Vec<f64>> {
         let (count, restarts) = (self.unknowns.len(), self.target.restarts);
         let mut all = vec![self.start()];

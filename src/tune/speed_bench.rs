@@ -1,4 +1,4 @@
-//! Time of derivatives and of a whole search, in sweeps of the tests measured beside them.
+//! Run time of derivatives and of a whole search, relative to a sweep of the tests measured at the same time.
 
 use std::time::{Duration, Instant};
 
@@ -6,10 +6,10 @@ use crate::bench::{KC, POINTS, TOE_AND_CAMBER, corpus, search, study, wanted};
 use crate::evaluation::Evaluator;
 use admire_study::Noise;
 
-/// Number of rounds. The fastest counts, because other work on the machine only slows a round down.
+/// Number of rounds. The fastest round counts, because other processes on the machine can only slow a round down.
 const ROUNDS: usize = 12;
 
-/// Derivatives by 12 unknowns take at most 2.5 times the sweep alone, and a search at most as long as 60 sweeps.
+/// Derivatives with respect to 12 unknowns take at most 2.5 times as long as the sweep alone. A search takes at most as long as 60 sweeps.
 #[test]
 fn derivatives_and_searches_cost_few_sweeps() {
     let folder = tempfile::tempdir().expect("a folder");

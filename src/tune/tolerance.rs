@@ -1,4 +1,4 @@
-//! Tolerances of the car: small errors by which no two axles of a drawing are alike.
+//! Tolerances of the car: small errors by which axles built to the same drawing differ.
 
 use crate::settings::SAME_PLACE_M;
 use admire_identify::tolerance::{
@@ -11,27 +11,28 @@ use admire_solver::model::{MarkerIx, Model};
 use admire_study::ToleranceSettings;
 use admire_syntax::Address;
 
-/// An error of the car with a Gaussian distribution of mean zero.
+/// A manufacturing error of the car, normally distributed with mean zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Tolerance {
     /// Group of the error.
     pub group: EffectGroup,
-    /// Hardpoint or element that has the error, as the address of its statement.
+    /// Hardpoint or element that has the error, as the address of its statement in the deck.
     pub element: String,
-    /// Standard deviation: in the deck's unit of length, in radians, or relative.
+    /// Standard deviation of the error: in the deck's unit of length, in radians, or as a fraction, depending on the group.
     pub sd: f64,
     /// Change of the deck per standard deviation.
     pub change: DeckChange,
-    /// True if the change moves a marker of a wheel. The rig replaces these by its own, and its derivatives do not see the change.
+    /// True if the change moves a marker of a wheel. The rig replaces such a marker by its own, so the derivatives on the rig do not
+    /// include the change.
     pub moves_wheel: bool,
 }
 
-/// Markers of `kc.toml`; none if no goal is one of a test.
+/// Markers that `kc.toml` names; none if no goal reads a test.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RigMarkers {
     /// Markers of the wheel centres and of the spin axes.
     pub wheels: Vec<MarkerIx>,
-    /// All markers that are named for the wheels.
+    /// All markers that `kc.toml` names for the wheels.
     pub named: Vec<MarkerIx>,
 }
 
@@ -63,9 +64,9 @@ impl RigMarkers {
     }
 }
 
-/// Returns the tolerances of a car: hardpoints, offsets and axes of bushings and joints, spring forces, spring rates and stiffnesses. Groups
-/// without a stated size have the usual one. Errors of marks, loads and measuring frames are left out. Axes of joints at a marker of
-/// a wheel are left out: they turn the wheel itself, which the rig sets.
+/// Returns the tolerances of a car: hardpoints, offsets and axes of bushings and joints, spring forces, spring rates and stiffnesses.
+/// Groups without a stated size have the default size. Errors of marks, loads and measuring frames are left out. Axis errors of joints at a
+/// wheel marker are left out, because they turn the wheel itself, whose orientation the rig sets.
 pub(crate) fn tolerances(
     settings: &ToleranceSettings,
     model: &Model,

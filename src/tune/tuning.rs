@@ -28,21 +28,21 @@ pub struct Tuning {
     pub target: TargetSettings,
     /// Deck of the study.
     pub dataset: Dataset,
-    /// Files that the deck names.
+    /// Contents of the files to which the deck refers.
     pub files: Files,
     /// Model of the deck.
     pub model: Model,
-    /// Tests of `kc.toml` that the goals need; `None` if all goals are those of load cases.
+    /// Tests of `kc.toml` that the goals need; `None` if every goal reads a load case.
     pub config: Option<Config>,
-    /// Numbers that may move.
+    /// Numbers of the deck that the search may change.
     pub unknowns: Vec<DeckUnknown>,
-    /// What is wanted.
+    /// Goals with their names resolved.
     pub goals: Vec<Goal>,
     /// Results of the tests and load cases on the deck of the study.
     pub before: Answers,
-    /// Markers of `kc.toml`.
+    /// Markers that `kc.toml` names for the wheels.
     pub(crate) rig: RigMarkers,
-    /// Forces and places that are read in the tests.
+    /// Forces and positions that are read in the tests.
     pub(crate) probes: Vec<Probe>,
     /// Load cases that goals name.
     pub(crate) cases: LoadCases,
@@ -61,7 +61,7 @@ impl Tuning {
     /// Reads a study and resolves its target. The tests and load cases are run once on the deck of the study.
     ///
     /// # Errors
-    /// [`Refused`] if an input is wrong or the deck has no equilibrium on the rig or in a load case. The diagnostics hold all that is to be said.
+    /// [`Refused`] if an input is wrong or the deck has no equilibrium on the rig or in a load case. The diagnostics state the reason.
     pub fn read(folder: &Path) -> (Result<Self, Refused>, Vec<Diagnostic>) {
         let read = Study::read(folder);
         let mut out = read.diagnostics;
@@ -147,8 +147,7 @@ impl Tuning {
             }
         }
         if target.robust && !study.tolerances.is_stated {
-            let message =
-                "a robust target needs the section [tolerances]: how much do axles differ?";
+            let message = "a robust target needs the section [tolerances], which states how much axles differ";
             out.push(
                 Diagnostic::error(Code::MissingSetting, message)
                     .label(study.source.name(), study.place(&["target", "robust"]), "")
@@ -211,10 +210,10 @@ impl Tuning {
         Ok(new)
     }
 
-    /// Puts a deck on the rig; `None` if no goal is one of a test.
+    /// Mounts a deck on the rig. Returns `None` if no goal reads a test.
     ///
     /// # Errors
-    /// As of [`Bench::new`].
+    /// The errors of [`Bench::new`].
     pub(crate) fn bench<'a>(
         &'a self,
         dataset: &'a Dataset,
@@ -243,15 +242,15 @@ impl Tuning {
         Ok(Answers { run, cases })
     }
 
-    /// Returns the coordinates at which the search of the study begins.
+    /// Returns the coordinates of the unknowns at the start of the study.
     pub fn start(&self) -> Vec<f64> {
         self.unknowns.iter().map(|unknown| unknown.start).collect()
     }
 
-    /// Returns the place of a goal, by its name as the output has it or by its number, from 1 on.
+    /// Returns the index of a goal, given by its name as printed in the output, or by its number (from 1).
     ///
     /// # Errors
-    /// A diagnostic with all names if no goal or several have this name.
+    /// Returns a diagnostic that lists all names if no goal or more than one goal has this name.
     pub fn goal_named(&self, word: &str) -> Result<usize, Box<Diagnostic>> {
         let number = word.parse::<usize>().ok();
         if let Some(k) = number.filter(|k| (1..=self.goals.len()).contains(k)) {
@@ -265,7 +264,7 @@ impl Tuning {
         let message = if names.iter().any(|name| name == word) {
             format!("several goals are called `{word}`")
         } else {
-            format!("`{word}` is no goal of this target")
+            format!("`{word}` is not a goal of this target")
         };
         let each = names.iter().enumerate();
         let all: Vec<String> = each
@@ -277,16 +276,16 @@ impl Tuning {
         ))
     }
 
-    /// Returns the places of the two goals of a Pareto front.
+    /// Returns the indices of the two goals of a Pareto front.
     ///
     /// # Errors
-    /// As of [`Self::goal_named`], and if both are the same goal.
+    /// The errors of [`Self::goal_named`], and a diagnostic if both goals are the same.
     pub fn pair_named(&self, words: [&str; 2]) -> Result<[usize; 2], Box<Diagnostic>> {
         let [first, second] = words;
         let pair = [self.goal_named(first)?, self.goal_named(second)?];
         if pair[0] == pair[1] {
             let message = format!("`{first}` and `{second}` are the same goal");
-            let help = "a Pareto front is that of two goals".to_string();
+            let help = "a Pareto front needs two different goals".to_string();
             return Err(Box::new(
                 Diagnostic::error(Code::BadSetting, message).help(help),
             ));
@@ -294,7 +293,8 @@ impl Tuning {
         Ok(pair)
     }
 
-    /// Returns the natural size of each coordinate: half the width between its bounds, or the standard deviation of its prior if that is less.
+    /// Returns the natural size of each coordinate: half the distance between its bounds, or the standard deviation of its prior if that is
+    /// smaller.
     pub(crate) fn scale(&self) -> Vec<f64> {
         let of = |unknown: &DeckUnknown| {
             let [least, most] = unknown.bounds;
@@ -303,20 +303,20 @@ impl Tuning {
         self.unknowns.iter().map(of).collect()
     }
 
-    /// Returns the deck for coordinates of the unknowns, as edits of the user's own file. All other text is unchanged. Numbers have twelve
-    /// significant digits, more than any axle is built to.
+    /// Returns the deck with the unknowns at these coordinates, as edits of the user's own file. All other text is unchanged. Numbers are
+    /// written with twelve significant digits, which exceeds any manufacturing precision.
     ///
     /// # Errors
-    /// A diagnostic if a number cannot be written into the deck, such as a negative stiffness.
+    /// Returns a diagnostic if a number cannot be written into the deck, such as a negative stiffness.
     pub fn deck(&self, x: &[f64]) -> Result<Source, Box<Diagnostic>> {
         rewritten(&self.dataset, &written_numbers(&self.unknowns, x))
     }
 }
 
-/// Returns the text of a deck with these numbers. Numbers that do not change keep their digits; others have twelve.
+/// Returns the text of a deck with these numbers. Unchanged numbers keep their digits; changed numbers have twelve significant digits.
 ///
 /// # Errors
-/// As of [`Tuning::deck`].
+/// The errors of [`Tuning::deck`].
 pub(crate) fn rewritten(
     dataset: &Dataset,
     numbers: &[(Address, f64)],

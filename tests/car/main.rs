@@ -3,6 +3,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[path = "../common/car_axle.rs"]
+mod car_axle;
+mod field;
 mod learned_curve;
 mod real_files;
 mod toolkit;

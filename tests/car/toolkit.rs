@@ -116,7 +116,7 @@ fn what_cannot_be_is_refused_and_nothing_is_written() {
         (
             vec!["set", "front.sub", "UNITS.LENGTH='mm"],
             1,
-            "cannot hold a quote",
+            "cannot contain a quote",
         ),
         (vec!["set", "front.sub", "UNITS.LENGTH"], 2, "has no `=`"),
         (

@@ -4,6 +4,8 @@ mod adams_car_axle;
 mod arm;
 mod axles;
 mod blind;
+#[path = "../common/car_axle.rs"]
+mod car_axle;
 mod car_bushing;
 mod causes;
 mod chain;

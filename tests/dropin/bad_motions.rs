@@ -48,7 +48,7 @@ fn bad() -> Vec<Bad> {
         Bad {
             statements: "MOTION/1, JOINT=1, FUNCTION=1\nMOTION/2, I=20, J=1, Z, FUNCTION=1+MAX(0,TIME-0.1)**2\n".into(),
             commands: plain,
-            told: &["time 0.1", "MOTION/2", "was redundant and is violated"],
+            told: &["time 0.1", "MOTION/2", "was removed as redundant but is now violated"],
             ends: Some((0.1, 0.12)),
         },
         Bad {
@@ -220,7 +220,7 @@ fn what_an_argument_cannot_be_is_an_input_error() {
         (
             "MOTION/1, JOINT=1, VELOCITY=3*TIME\n",
             "",
-            "VELOCITY stands alone, and the expression is that of FUNCTION: write `VELOCITY, FUNCTION=` before it",
+            "VELOCITY is a flag without a value, and the expression belongs to FUNCTION: write `VELOCITY, FUNCTION=` before it",
         ),
     ] {
         let deck = format!("{BALL}{statement}END\n");
@@ -253,7 +253,7 @@ fn many_steps_between_two_outputs_are_told_of() {
     let told = "20000 steps since time 0 without an output";
     assert_eq!(said.matches(told).count(), 1, "{said}");
     assert!(
-        said.contains("the next of 3.0e-6: the error is that of PART/2 along z."),
+        said.contains("the next of 3.0e-6: the largest error is that of PART/2 along z."),
         "{said}"
     );
     let said = run("-0.1*VZ(20)");

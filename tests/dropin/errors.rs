@@ -57,7 +57,7 @@ fn an_argument_of_a_statement_known_in_part() {
     let deck = |line: &str| SLIDER.replacen("END", &format!("{line}\nEND"), 1);
     let said_in_part = said(&deck("INTEGRATOR/PROFILE"), RUN);
     assert!(said_in_part.starts_with("exit code 0"), "{said_in_part}");
-    assert!(said_in_part.contains("PROFILE of INTEGRATOR is not known here"));
+    assert!(said_in_part.contains("INTEGRATOR has no known argument PROFILE"));
     let deck = SLIDER.replace("SPRINGDAMPER/1", "SPRINGDAMPER/1, PROFILE");
     assert_ne!(deck, SLIDER);
     let said = said(&deck, RUN);

@@ -114,7 +114,7 @@ fn no_bad_run_is_taken_for_an_answer() {
     );
     says(
         after("sed 's/^0.25 /nan /; s/ 0.25 / nan /; s/ 0.25$/ nan/' run.res > x; mv x run.res"),
-        "holds values that are no numbers",
+        "contains values that are not finite",
     );
     // A program that changes its deck has not solved the requested model.
     says(

@@ -152,7 +152,7 @@ fn a_driven_wheel_goes_its_way() {
     let (folder, ran) = run(&wheel, "SIM/KIN, END=2, STEPS=10", true);
     assert_eq!(ran.code, 3, "{}", ran.stdout);
     let told = text(folder.path(), "ball.msg");
-    assert!(told.contains("holds velocities"), "{told}");
+    assert!(told.contains("constrains velocities"), "{told}");
 }
 
 /// Checks that statics ignores the GCON with a message, and that a following motion applies it again.
@@ -163,7 +163,7 @@ fn statics_leaves_it_out_by_name() {
     let (folder, ran) = run(&held, "SIM/STAT\nSIM/DYN, END=0.1, STEPS=10", false);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     assert!(
-        ran.stdout.contains("GCON/1 'roll' holds velocities"),
+        ran.stdout.contains("GCON/1 'roll' constrains velocities"),
         "{}",
         ran.stdout
     );

@@ -178,7 +178,7 @@ fn a_saved_system_replaces_another_model() {
     near(&z(), &[0.5]);
     let ran = again("SFORCE/1, FUNCTION=5\nSIM/STAT\nRELOAD/SYSTEM, FILE=here.sav\nSIM/STAT");
     assert!(
-        ran.code == 1 && ran.stdout.contains("holds another model"),
+        ran.code == 1 && ran.stdout.contains("contains another model"),
         "{}",
         ran.stdout
     );

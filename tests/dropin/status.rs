@@ -58,7 +58,7 @@ fn what_is_not_solved_ends_the_simulation_by_name() {
             &[("ADMIRE_IGNORE", kind)],
         );
         assert_eq!(ran.code, 0, "{}", ran.stdout);
-        let said = ran.stdout.matches("is left out as asked").count();
+        let said = ran.stdout.matches("is left out as requested").count();
         assert_eq!(said, 1, "{}", ran.stdout);
         assert_eq!(ran.stdout, text(folder.path(), "slider.msg"));
         let z = Results::read(folder.path(), "slider.res").column("block_XFORM", "Z");
@@ -123,7 +123,7 @@ fn admire_solve_leaves_out_what_it_is_told_to() {
     let found: serde_json::Value = serde_json::from_slice(&found.stdout).unwrap();
     let said = found["left_out"][0].as_str().unwrap();
     assert!(
-        said.starts_with("CONTACT/7 'stop' is left out as asked"),
+        said.starts_with("CONTACT/7 'stop' is left out as requested"),
         "{said}"
     );
 }

@@ -122,7 +122,7 @@ fn one_line_changes_the_solver_and_a_recording_needs_none() {
     assert_eq!(record.status.code(), Some(3), "{}", errors(&record));
     let said = String::from_utf8_lossy(&record.stdout).into_owned();
     assert!(
-        said.contains(&format!("{kept} of {kept} runs gave an answer")),
+        said.contains(&format!("{kept} of {kept} runs gave a result")),
         "{said}"
     );
 
@@ -371,7 +371,7 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
         let words: Vec<&str> = said.split_whitespace().collect();
         let warned = words
             .join(" ")
-            .contains("what is found may be their difference");
+            .contains("the findings may be due to this difference");
         assert_eq!(warned, out == "other", "{said}");
         serde_json::from_str(&text(&folder.join(out), "diagnosis.json")).unwrap()
     };

@@ -105,14 +105,14 @@ fn devices_are_refused_by_name() {
     let ran = mdi(place.path(), &["ru-s", "run"]);
     assert_eq!(ran.code, 2, "{}", ran.stdout);
     assert!(
-        ran.stdout.contains("`NUL` is a device of Windows"),
+        ran.stdout.contains("`NUL` is a Windows device"),
         "{}",
         ran.stdout
     );
     let ran = mdi(place.path(), &["ru-s", "CON"]);
     assert_eq!(ran.code, 2, "{}", ran.stdout);
     assert!(
-        ran.stdout.contains("`CON` is a device of Windows"),
+        ran.stdout.contains("`CON` is a Windows device"),
         "{}",
         ran.stdout
     );
@@ -124,7 +124,7 @@ fn devices_are_refused_by_name() {
     ] {
         let (code, said) = admire(place.path(), words);
         assert_eq!(code, Some(1), "{words:?}: {said}");
-        let why = ["is a device of Windows", "a colon may stand only"];
+        let why = ["is a Windows device", "a colon may appear only"];
         assert!(
             why.iter().any(|why| said.contains(why)),
             "{words:?}: {said}"

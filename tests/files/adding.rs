@@ -66,7 +66,7 @@ fn nothing_is_added_or_removed_that_leaves_a_fault() {
         (
             &["add", "a.adm", "MARKER/5, QP=1, 2, 3"],
             1,
-            "does not say what it is on",
+            "does not name its body",
         ),
         (
             &["add", "a.adm", "PART/2, MASS=1"],

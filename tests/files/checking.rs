@@ -262,7 +262,7 @@ fn a_table_sets_what_a_folder_shows() {
     let (code, said) = check(&[]);
     assert_eq!(code, 1);
     assert!(
-        said.contains("admire.toml:2:11: error[unknown-key]: `tabs` is not a code"),
+        said.contains("admire.toml:2:11: error[unknown-key]: `tabs` is not a message code"),
         "{said}"
     );
     folder.write("models/admire.toml", "[check]\nignored = []\n");

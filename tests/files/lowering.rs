@@ -246,7 +246,7 @@ fn undefined_and_duplicate_ids_are_located() {
     assert_eq!(
         shown,
         [
-            "4:8 MARKER/10 is defined twice; the first one counts None",
+            "4:8 MARKER/10 is defined twice; the first definition is used None",
             "3:17 MARKER/10 names PART/2, which is not in this dataset Some(\"did you mean PART/1?\")",
             "5:19 SFORCE/1 names MARKER/100, which is not in this dataset Some(\"did you mean MARKER/10?\")",
             "5:36 SFORCE/1 names MARKER/11, which is not in this dataset Some(\"did you mean MARKER/10?\")",

@@ -90,13 +90,13 @@ fn a_point_with_a_value_of_its_own_stays_and_the_marker_turns() {
         let (code, deck, said) = folder.run(&["set", "d.adm", order[0], order[1]]);
         assert_eq!(code, 0, "{said}");
         assert!(deck.contains("QP=115,20,30, ZP=120,120,130"), "{deck}");
-        assert!(said.contains("MARKER/3 turns"), "{said}");
+        assert!(said.contains("MARKER/3 rotates"), "{said}");
     }
     let json = folder.run(&["export", "d.adm", "--json"]).1;
     folder.write("d.json", &json.replace("110,", "112,"));
     let (code, deck, said) = folder.run(&["import", "d.adm", "d.json"]);
     assert_eq!(code, 0, "{said}");
-    assert!(deck != DECK && !said.contains("turns"), "{said}");
+    assert!(deck != DECK && !said.contains("rotates"), "{said}");
 }
 
 /// Checks sensitivities to numbers of the deck against central differences of edited and solved decks.

@@ -45,7 +45,7 @@ fn the_last_of_a_repeated_argument_counts_for_everyone() {
     );
     let (code, said, _) = folder.run(&["check", "d.adm", "--format", "plain"]);
     assert_eq!(code, 0, "{said}");
-    assert!(said.contains("K twice; the later one counts"), "{said}");
+    assert!(said.contains("K twice; the later one is used"), "{said}");
     let drop = |text: &str| {
         let read = admire::Deck::parse("d.adm", text.as_bytes());
         let run = read.solve().unwrap();

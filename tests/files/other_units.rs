@@ -109,7 +109,7 @@ fn settings_are_converted_or_named() {
     assert!(out.contains("IMBALANCE=1E-9, TLIMIT=0.02"), "{out}");
     assert!(out.contains("PIN_RADIUS=0.001"), "{out}");
     assert!(
-        said.contains("ERROR of INTEGRATOR keeps its number"),
+        said.contains("ERROR of INTEGRATOR keeps its value"),
         "{said}"
     );
     folder.write("r.acf", "d\n\nSIMULATE/STATICS\n");

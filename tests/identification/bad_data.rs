@@ -195,6 +195,6 @@ fn marks_close_together_are_not_taken_for_centimetres() {
     assert!(!said.contains("wrong-units"), "{said}");
 
     let (said, _) = both_changed(|text, _| columns_scaled(text, 0.1));
-    let all_listed = "the marks listed on FRONT_ARM look like centimetres";
+    let all_listed = "the marks listed on FRONT_ARM seem to be in centimetres";
     assert!(said.contains(all_listed), "{said}");
 }

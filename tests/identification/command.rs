@@ -175,14 +175,14 @@ fn a_diagnosis_keeps_its_budget_of_time() {
     let said = String::from_utf8_lossy(&ended.stdout);
     assert_eq!(ended.status.code(), Some(0), "{said}");
     assert!(
-        said.starts_with("ended by its budget of time, so far "),
+        said.starts_with("stopped by the time limit, so far "),
         "{said}"
     );
     assert!(said.contains("a larger `--budget`"), "{said}");
     let json = std::fs::read_to_string(out.join("diagnosis.json")).unwrap();
     assert!(json.contains("\"interrupted\": true"), "{json}");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("Ended by its budget of time; this is what was found so far."));
+    assert!(page.contains("Stopped by the time limit; this is what was found so far."));
     for wrong in ["soon", "-1"] {
         assert_eq!(run(wrong).status.code(), Some(2), "{wrong}");
     }

@@ -71,7 +71,7 @@ fn structure_shows_where_the_sum_of_squares_does_not() {
     let name = &loaded.measurement.parts[0].name;
     let first = lack_of_fit::worst(&fit.structure).unwrap();
     assert!(first.what.starts_with(name.as_str()), "{first:?}");
-    assert!(lead(&fit).contains("has structure"), "{}", lead(&fit));
+    assert!(lead(&fit).contains("have structure"), "{}", lead(&fit));
 }
 
 /// Checks a study with wheel and sensors only.

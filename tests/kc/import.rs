@@ -361,7 +361,7 @@ fn faults_have_places() {
         (
             "z;toe\n1;2\n3;bad\n4;5\n",
             "lab.csv:3:3",
-            "`bad` is no number",
+            "`bad` is not a number",
         ),
         ("z;toe\n1,5;2\n3;1.500\n4;5\n", "lab.csv:3:3", "decimal"),
         ("z;tow\n1;2\n3;4\n", "map.toml:6:1", "no column `toe`"),
@@ -423,7 +423,7 @@ fn time_restores_the_order_driven() {
         &admire(folder.path(), &["import-kc", "lab.csv", "--test", "bounce"]),
         0,
     );
-    assert!(errors.contains("order of time"), "{errors}");
+    assert!(errors.contains("sorted by time"), "{errors}");
     let all = columns(&read(folder.path(), "lab-kc.csv"));
     assert_eq!(
         all.iter().find(|(head, _)| head == "value").unwrap().1,

@@ -135,9 +135,9 @@ fn tolerances_and_fronts_are_in_every_output() {
     assert_eq!(json["robust"]["goals"].as_array().unwrap().len(), 3);
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     for piece in [
-        "What one goal costs the other",
+        "Trade-off between two goals",
         "Pareto front",
-        "good, drawn",
+        "good, Monte Carlo",
         "good if halved",
         "hardpoint MARKER/",
     ] {
@@ -147,7 +147,10 @@ fn tolerances_and_fronts_are_in_every_output() {
     let wrong = admire(&[&base[..], &["--pareto", "toe", "2", "--force"]].concat());
     assert_eq!(wrong.status.code(), Some(2));
     let said = text(&wrong.stderr);
-    assert!(said.contains("`toe` is no goal of this target"), "{said}");
+    assert!(
+        said.contains("`toe` is not a goal of this target"),
+        "{said}"
+    );
     assert!(said.contains("1 \"bounce toe_angle.left\""), "{said}");
 }
 

@@ -298,7 +298,7 @@ fn quick_fixes_mend_what_they_say() {
     let tab = actions(2, json!(["quickfix"]));
     assert_eq!(
         (&tab[0]["title"], &tab[0]["isPreferred"]),
-        (&json!("write a blank for each tab"), &json!(true))
+        (&json!("replace each tab with a blank"), &json!(true))
     );
     let silenced = edited(&text, edits_of(&tab[1]["edit"], &uri).expect("it changes"));
     assert_eq!(

@@ -124,7 +124,9 @@ fn the_page_of_the_papers_validations_is_whole() {
                     .collect(),
             }],
         }],
-        findings: texts(&["the step test of equation 17 fired while BUSHING/1.KT.3 still moves"]),
+        findings: texts(&[
+            "the step test of equation 17 was met while BUSHING/1.KT.3 still changes",
+        ]),
         limits: texts(&["Figure 9 has no numbers."]),
     };
     let report = ReproductionReport {

@@ -45,7 +45,7 @@ def test_the_command_gives_the_same(tmp_path: Path, command: Callable[..., objec
 
 
 def test_what_is_wrong_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(admire.AdmireError, match="no goal of this target") as caught:
+    with pytest.raises(admire.AdmireError, match="not a goal of this target") as caught:
         admire.tune(STUDY, restarts=0, draws=0, pareto=("toe", 2))
     assert "1 \"bounce toe_angle.left\"" in str(caught.value)
     with pytest.raises(admire.AdmireError, match="same goal"):

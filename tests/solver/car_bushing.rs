@@ -218,13 +218,13 @@ fn what_does_not_fit_is_refused_by_name() {
         (
             "NUMBERS = 2.0, 0.0,",
             "NUMBERS = 2.0, 120.0,",
-            "has the stiffness 120 beside the curve",
+            "has both a stiffness of 120 and a curve",
         ),
         ("NUMBERS = 2.0,", "NUMBERS = 2.5,", "has the type 2.5"),
         (
             "0.0, 1.0\n! adams_view_name='axle.bkl_arm_outer.ty_d",
             "0.3, 1.0\n! adams_view_name='axle.bkl_arm_outer.ty_d",
-            "offset 0.3 of the velocity",
+            "velocity offset of 0.3",
         ),
         (
             "X = -6.0",

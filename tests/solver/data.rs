@@ -125,7 +125,7 @@ fn a_prescribed_speed_is_held() {
             .told
             .iter()
             .any(|t| t
-                == "MOTION/1 prescribes a rate, which has no static meaning: it is held at 30"),
+                == "MOTION/1 prescribes a velocity or acceleration, which has no meaning in statics: its displacement is held at 30"),
         "{:?}",
         solved.told
     );
@@ -183,7 +183,7 @@ fn friction_at_rest_is_told() {
     assert!(!compiled.has_errors());
     let told = &compiled.diagnostics[0].message;
     assert!(
-        told.starts_with("FRICTION/1 exerts nothing in statics"),
+        told.starts_with("FRICTION/1 exerts no friction in statics"),
         "{told}"
     );
     close(shown(&deck, "DZ(21,1)").shown(0), 25.0);
@@ -249,7 +249,7 @@ fn a_force_that_reads_itself() {
     assert_eq!(said.message, "the function of GFORCE/1 reads its own force");
     assert_eq!(
         said.help.as_deref(),
-        Some("let a VARIABLE carry the force: it is solved for")
+        Some("define the force by a VARIABLE, which is solved for")
     );
     // F = 20 + F / 2 gives 40 N, on a spring of 10 N/mm with length 25.
     let carried = format!("{}VARIABLE/1, FUNCTION=GFORCE(1,0,4,0)", force("VARVAL(1)"));
@@ -324,21 +324,21 @@ fn matrices_and_arrays_of_other_sizes_are_told() {
         (
             "X, SIZE=2",
             "X, SIZE=3",
-            "the array of X has 3 elements, and there are 2 states of A",
+            "the array of X has 3 elements, but there are 2 states of A",
         ),
         (
             "NUMBERS=0.5,-0.25",
             "NUMBERS=0.5",
             "the array of IC has 1 elements",
         ),
-        ("B=2", "B=3", "B has 1 rows, and there are 2 states"),
+        ("B=2", "B=3", "B has 1 rows, but there are 2 states"),
         (
             "B=2",
             "B=1",
-            "B has 2 columns, and there are 1 elements in U",
+            "B has 2 columns, but there are 1 elements in U",
         ),
-        ("C=3", "C=4", "C has 1 columns, and there are 2 states"),
-        ("D=4", "D=2", "D has 2 rows, and there are 1 elements in Y"),
+        ("C=3", "C=4", "C has 1 columns, but there are 2 states"),
+        ("D=4", "D=2", "D has 2 rows, but there are 1 elements in Y"),
         ("U=2, ", "", "B of LSE/1 needs U"),
         (
             "U, SIZE=1, VARIABLES=1",
@@ -363,14 +363,17 @@ fn matrices_and_arrays_of_other_sizes_are_told() {
         "FULL=RORDER, ROWS=2, COLUMNS=2, VALUES=-2,1,0,-4",
         "SPARSE, ROWS=2, COLUMNS=2, I=1,3, J=1,2, VALUES=-2,-4",
     );
-    assert_eq!(messages(&sparse), ["MATRIX/1: I names 3, and there are 2"]);
+    assert_eq!(
+        messages(&sparse),
+        ["MATRIX/1: I names 3, but there are only 2"]
+    );
     let transfer = "VARIABLE/1, FUNCTION=3\nVARIABLE/2, FUNCTION=3\nARRAY/1, X, SIZE=2\nARRAY/2, U, VARIABLES=1,2\n\
         ARRAY/3, Y, SIZE=1\nTFSISO/1, X=1, U=2, Y=3, NUMERATOR=1, DENOMINATOR=1,2";
     assert_eq!(
         messages(transfer),
         [
-            "TFSISO/1: the array of X has 2 elements, and there is 1 state of the denominator",
-            "TFSISO/1: the array of U has 2 elements, and there is 1 signal of a transfer function"
+            "TFSISO/1: the array of X has 2 elements, but there is 1 state of the denominator",
+            "TFSISO/1: the array of U has 2 elements, but there is 1 signal of a transfer function"
         ]
     );
 }

@@ -163,7 +163,7 @@ fn as_many_iterations_as_stated_and_no_more() {
                 assert!(
                     causes
                         .iter()
-                        .any(|c| *c == format!("MAXIT={most} ended the iteration")),
+                        .any(|c| *c == format!("the iteration reached MAXIT={most}")),
                     "{causes:?}"
                 );
             }

@@ -181,7 +181,7 @@ fn a_stop_with_a_block_of_its_own_keeps_its_subroutine() {
     let told = |text: &str| done.diagnostics.iter().any(|d| d.message == text);
     assert!(
         told(
-            "SFORCE/6 keeps its subroutine: `stop.bum` has a block [DAMPING], and what that does to the force is not known"
+            "SFORCE/6 keeps its subroutine: `stop.bum` has a block [DAMPING], whose effect on the force is not known"
         ),
         "{:?}",
         done.diagnostics

@@ -60,7 +60,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "\"latin-hypercube\"",
             "\"sobol-indices\"",
-            "has no correlations",
+            "does not support correlations",
             "sweep.toml:23",
         ),
         (
@@ -84,7 +84,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "name = \"strut_mount\"",
             "name = \"status\"",
-            "`status` is a column of every answer",
+            "`status` is a column of every results table",
             "sweep.toml",
         ),
     ];

@@ -97,11 +97,11 @@ fn places_that_no_answer_has_are_refused() {
     for (keep, message) in [
         (
             "[[keep]]\nidentification = \"parametres[*].value\"\n",
-            "no such place",
+            "no such field",
         ),
         (
             "[[keep]]\nidentification = \"a[b\"\n",
-            "a place in an answer",
+            "a field of the result",
         ),
         (
             "[[keep]]\nidentification = \"parameters[BUSHING/9.K.1].value\"\n",
@@ -111,7 +111,7 @@ fn places_that_no_answer_has_are_refused() {
             "[[keep]]\nidentification = \"parameters[BUSHING/1.K.1].unit\"\n",
             "is not a number",
         ),
-        ("[[keep]]\ncolumn = \"KNUCKLE_XFORM.Z\"\n", "of a study"),
+        ("[[keep]]\ncolumn = \"KNUCKLE_XFORM.Z\"\n", "from a study"),
     ] {
         let bench = plan(keep);
         let ran = bench.sweep("out", &[]);

@@ -3,22 +3,16 @@
 //! The translational offset of every bushing is a random effect. It becomes a finding if it exceeds its tolerance group. A rotational offset
 //! is a separate effect.
 
-use super::super::candidate_effect::{
-    CandidateEffect, EffectParameter, Parametrisation, SIX, Sensitivity, number,
-};
+use super::super::candidate_effect::{CandidateEffect, EffectParameter, SIX};
 use super::super::cause::Cause;
-use super::super::elastic_element::bushing_stiffness;
+use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
-/// Adds candidates for a translational and a rotational offset of every bushing.
+/// Adds candidates for a translational and a rotational offset of every bushing or FIELD.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
-    for (k, bushing) in survey.model.bushings.iter().enumerate() {
-        if !bushing.header.active {
-            continue;
-        }
-        let id = bushing.header.id;
-        let address = format!("BUSHING/{id}");
+    for element in ElasticElement::all(survey) {
+        let address = element.statement();
         let members = survey.members(EffectGroup::Offsets, &address);
         if !members.is_empty() {
             out.push(CandidateEffect::outstanding(
@@ -29,19 +23,14 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 survey.priors().bushing_offset_mm * survey.millimetre(),
             ));
         }
-        let stiffnesses = bushing_stiffness(survey, k);
-        let numbers = (3..6).filter(|axis| stiffnesses[*axis] > 0.0).map(|axis| {
-            let [stiffness, preload] =
-                ["KT", "TORQUE"].map(|word| number("BUSHING", id, word, Some(axis - 2)));
-            let column = Sensitivity::Always(vec![(preload.clone(), stiffnesses[axis])]);
-            EffectParameter {
+        let stiff = (3..6).filter(|axis| element.stiffness[*axis] > 0.0);
+        let numbers = stiff.filter_map(|axis| {
+            let (unknown, column) = element.offset(survey, axis)?;
+            let sd = survey.priors().bushing_offset_deg.to_radians();
+            Some(EffectParameter {
                 column,
-                ..EffectParameter::new(
-                    SIX[axis],
-                    survey.priors().bushing_offset_deg.to_radians(),
-                    Parametrisation::Offset { stiffness, preload },
-                )
-            }
+                ..EffectParameter::new(SIX[axis], sd, unknown)
+            })
         });
         let numbers: Vec<EffectParameter> = numbers.collect();
         if !numbers.is_empty() {

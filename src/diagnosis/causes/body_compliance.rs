@@ -6,11 +6,12 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
 use super::super::candidate_effect::{
-    CandidateEffect, EffectParameter, Parametrisation, Sensitivity, Term, number,
+    CandidateEffect, EffectParameter, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use crate::settings::SPLIT_STIFFNESS_N_PER_MM;
+use admire_syntax::Address;
 
 /// Name of the form in which the attachment holds a link: a part with exactly two attachments. Along the link, such a compliance is
 /// indistinguishable from compliance of the link.
@@ -41,7 +42,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 .collect();
             let column = (0..3)
                 .map(|k| {
-                    let slot = number("MARKER", id, "QP", Some(k + 1));
+                    let slot = Address::of_argument("MARKER", id, "QP", Some(k + 1));
                     (slot, shifts.iter().map(|s| s[k]).collect())
                 })
                 .collect();
@@ -53,7 +54,8 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 [0.0; 3],
                 [SPLIT_STIFFNESS_N_PER_MM * per_length; 3],
             );
-            let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));
+            let stiffnesses =
+                (1..=3).map(|k| Address::of_argument("BUSHING", bushing, "K", Some(k)));
             out.push(CandidateEffect {
                 cause: Cause::BodyCompliance,
                 address,

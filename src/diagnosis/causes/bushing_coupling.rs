@@ -1,13 +1,13 @@
 //! `bushing-coupling`: off-diagonal stiffness of a conical or inclined bushing, constant or growing with the deflection.
 
 use admire_solver::mechanics::Vec6;
-use admire_syntax::{Expression, NewStatement};
+use admire_syntax::{Address, Expression, NewStatement};
 
 use super::super::candidate_effect::{
-    CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term, number,
+    CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
-use super::super::elastic_element::bushing_stiffness;
+use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::OperatingPoints;
 
 /// Pairs of coupled components with their names. Components 0 to 2 are translations, components 3 to 5 rotations.
@@ -29,22 +29,19 @@ const PAIRS: [(usize, usize, &str); 15] = [
     (4, 5, "ry-rz"),
 ];
 
-/// Adds candidates for a coupling between every pair of components of every bushing.
+/// Adds candidates for a coupling between every pair of components of every bushing or FIELD.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
-    for (at, bushing) in survey.model.bushings.iter().enumerate() {
-        if !bushing.header.active {
-            continue;
-        }
-        let id = bushing.header.id;
-        let deflections = survey.bushing_deflections(at);
-        let stiffness = bushing_stiffness(survey, at);
+    for element in ElasticElement::all(survey) {
+        let (stiffness, pair) = (element.stiffness, element.pair);
+        let [i, j] = [pair.0, pair.1].map(|marker| survey.marker_id(marker).to_string());
         let field = survey.free_id("FIELD");
         for (a, b, form) in PAIRS {
             let size = (stiffness[a] * stiffness[b]).max(0.0).sqrt();
             if size <= 0.0 {
                 continue;
             }
-            let wrench = deflections
+            let wrench = element
+                .deflections
                 .iter()
                 .map(|u| {
                     let mut w = Vec6::zeros();
@@ -55,7 +52,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 .collect();
             let entry = |row: usize, column: usize| {
                 (
-                    number("FIELD", field, "KMATRIX", Some(6 * column + row + 1)),
+                    Address::of_argument("FIELD", field, "KMATRIX", Some(6 * column + row + 1)),
                     1.0,
                 )
             };
@@ -64,26 +61,20 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 id: Some(field),
                 view_name: None,
                 arguments: vec![
-                    (
-                        "I".to_string(),
-                        Some(survey.marker_id(bushing.i).to_string()),
-                    ),
-                    (
-                        "J".to_string(),
-                        Some(survey.marker_id(bushing.j).to_string()),
-                    ),
+                    ("I".to_string(), Some(i.clone())),
+                    ("J".to_string(), Some(j.clone())),
                     ("KMATRIX".to_string(), Some(["0.0"; 36].join(", "))),
                     ("CMATRIX".to_string(), Some(["0.0"; 36].join(", "))),
                 ],
             };
             out.push(CandidateEffect {
                 cause: Cause::BushingCoupling,
-                address: format!("BUSHING/{id}"),
+                address: element.statement(),
                 members: Vec::new(),
                 side: "",
                 form,
                 numbers: vec![EffectParameter {
-                    column: Sensitivity::Wrench((bushing.i, bushing.j), wrench),
+                    column: Sensitivity::Wrench(pair, wrench),
                     ..EffectParameter::new(
                         form,
                         survey.priors().bushing_coupling * size,
@@ -108,13 +99,12 @@ pub(crate) fn growth(
     constant: &CandidateEffect,
 ) -> Option<CandidateEffect> {
     let (a, b, form) = *PAIRS.iter().find(|(.., form)| *form == constant.form)?;
-    let at_place = |id: u32| {
-        constant.address == format!("BUSHING/{id}") && constant.cause == Cause::BushingCoupling
-    };
-    let bushings = &survey.model.bushings;
-    let at = bushings.iter().position(|b| at_place(b.header.id))?;
-    let pair = (bushings[at].i, bushings[at].j);
-    let deflections = survey.bushing_deflections(at);
+    if constant.cause != Cause::BushingCoupling {
+        return None;
+    }
+    let mut elements = ElasticElement::all(survey).into_iter();
+    let element = elements.find(|element| element.statement() == constant.address)?;
+    let (pair, deflections) = (element.pair, element.deflections);
     let largest = |axis: usize| {
         deflections
             .iter()
@@ -137,7 +127,7 @@ pub(crate) fn growth(
             Expression::parse_str(&term[side]).map_or(0, |text| text.literals.len())
         };
         let first: usize = terms[..term].iter().map(before).sum();
-        number("GFORCE", force, FORCES[[a, b][side]], Some(1 + first))
+        Address::of_argument("GFORCE", force, FORCES[[a, b][side]], Some(1 + first))
     };
     let along = |rise: &dyn Fn(f64, f64) -> [f64; 2]| {
         let of = |u: &[f64; 6]| {

@@ -2,16 +2,14 @@
 
 use super::super::candidate_effect::{CandidateEffect, SIX};
 use super::super::cause::Cause;
+use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
-/// Adds candidates for the rotation of every bushing: about each of its axes alone, and about all axes together.
+/// Adds candidates for the rotation of every bushing or FIELD: about each of its axes alone, and about all axes together.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
-    for bushing in &survey.model.bushings {
-        if !bushing.header.active {
-            continue;
-        }
-        let address = format!("BUSHING/{}", bushing.header.id);
+    for element in ElasticElement::all(survey) {
+        let address = element.statement();
         let members = survey.members(EffectGroup::Axes, &address).into_iter();
         let angles: Vec<(usize, String)> = members
             .zip(SIX)

@@ -6,12 +6,13 @@ use admire_solver::mechanics::Vec6;
 
 use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, MemoryPlan, Parametrisation, Sensitivity,
-    Term, number,
+    Term,
 };
 use super::super::cause::Cause;
 use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::{OperatingPoints, statement};
 use crate::settings::START_CREEP_RATES;
+use admire_syntax::Address;
 
 /// Names of the first guesses of the creep rate.
 const FORMS: [&str; 3] = ["slow", "middle", "fast"];
@@ -24,7 +25,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
             let (place, flow) = (survey.free_id("VARIABLE"), survey.free_id("VARIABLE") + 1);
             let law = format!("0.0*VARVAL({place})");
             let (force, added) = survey.vector_force(pair, &[(axis, &law)]);
-            let literal = |id| number("VARIABLE", id, "FUNCTION", Some(1));
+            let literal = |id| Address::of_argument("VARIABLE", id, "FUNCTION", Some(1));
             for (rate, form) in START_CREEP_RATES.into_iter().zip(FORMS) {
                 let mut flown = 0.0;
                 let forces = element.deflections.iter().map(|deflection| {
@@ -38,7 +39,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                         "stiffness",
                         survey.priors().creep_share * stiffness[axis],
                         Parametrisation::Extended(vec![(
-                            number("GFORCE", force, FORCES[axis], Some(1)),
+                            Address::of_argument("GFORCE", force, FORCES[axis], Some(1)),
                             1.0,
                         )]),
                     )

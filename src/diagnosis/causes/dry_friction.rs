@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, MemoryPlan, Parametrisation, Sensitivity,
-    Term, number,
+    Term,
 };
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
@@ -18,6 +18,7 @@ use crate::site::{Reduced, Site, SiteModel, Sites};
 use crate::site_law::{Scanned, SiteMotion, SliderPriors, SliderStart};
 
 use super::super::operating_points::statement;
+use admire_syntax::Address;
 
 /// Returns, for each friction in the model, a term that makes the friction limit larger in one direction and smaller in the other. The term is a
 /// constant force parallel to the slider. The force shifts both limits of the friction, and it shifts the displacement at which the friction
@@ -44,7 +45,7 @@ pub(crate) fn by_direction(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect>
                 "asymmetry",
                 survey.priors().friction_asymmetry_size * force,
                 Parametrisation::Extended(vec![(
-                    number("GFORCE", gforce, FORCES[axis], Some(1)),
+                    Address::of_argument("GFORCE", gforce, FORCES[axis], Some(1)),
                     1.0,
                 )]),
             )
@@ -171,10 +172,10 @@ pub(crate) fn slider(
         .chain(added)
         .map(Change::Add)
         .collect();
-    let literal = |k: usize| number("GFORCE", force, FORCES[axis], Some(k));
+    let literal = |k: usize| Address::of_argument("GFORCE", force, FORCES[axis], Some(k));
     // Marker ids are literals too; the slip length is the last literal.
     let last = admire_syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
-    let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
+    let at_start = Address::of_argument("VARIABLE", anchor, "FUNCTION", Some(1));
     let wrench = pattern
         .iter()
         .map(|p| admire_solver::mechanics::Vec6::ith(axis, *p))

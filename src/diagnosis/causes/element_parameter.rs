@@ -1,12 +1,13 @@
 //! `element-parameter`: a deck parameter that the study takes as known is wrong.
 
 use super::super::candidate_effect::{
-    CandidateEffect, EffectParameter, Parametrisation, Sensitivity, number,
+    CandidateEffect, EffectParameter, Parametrisation, Sensitivity,
 };
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::model::SpringKind;
+use admire_syntax::Address;
 
 /// Adds candidates for wrong rates and preloads of springs, and for wrong stiffnesses of bushings that the study does not identify.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
@@ -45,7 +46,7 @@ fn free_lengths(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
         if spring.stiffness <= 0.0 || spring.reference <= 0.0 {
             continue;
         }
-        let length = number("SPRINGDAMPER", spring.header.id, "LENGTH", None);
+        let length = Address::of_argument("SPRINGDAMPER", spring.header.id, "LENGTH", None);
         let change = EffectParameter {
             column: Sensitivity::Always(vec![(length.clone(), 1.0)]),
             ..EffectParameter::new(

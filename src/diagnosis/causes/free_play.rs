@@ -3,12 +3,13 @@
 //! The part is split at one of its ends. A weak spring holds the end within the play, and a stiff contact holds it beyond the play.
 
 use super::super::candidate_effect::{
-    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use super::link_compliance::link_ends;
 use crate::settings::START_PLAY_STIFFNESSES;
+use admire_syntax::Address;
 
 /// Adds candidates for free play at both ends of every movable part with exactly two attachments.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
@@ -32,7 +33,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
         // The first literal is the contact stiffness. Each of the two terms ends with half of the play as its last literal.
         let first = admire_syntax::Expression::parse_str(&format!("{half})"));
         let first = first.map_or(0, |e| e.literals.len());
-        let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k)), 0.5);
+        let slot = |k: usize| (Address::of_argument("GFORCE", force, "FZ", Some(k)), 0.5);
         let halves = vec![slot(first), slot(2 * first - 1)];
         out.push(CandidateEffect {
             cause: Cause::FreePlay,
@@ -49,7 +50,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     "stiffness",
                     survey.priors().free_play_stiffness_ln_sd,
                     Parametrisation::Rate {
-                        address: number("BUSHING", bushing, "K", Some(3)),
+                        address: Address::of_argument("BUSHING", bushing, "K", Some(3)),
                         usual: within,
                     },
                 ),
@@ -57,7 +58,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     "contact",
                     survey.priors().contact_stiffness_ln_sd,
                     Parametrisation::Rate {
-                        address: number("GFORCE", force, "FZ", Some(1)),
+                        address: Address::of_argument("GFORCE", force, "FZ", Some(1)),
                         usual: contact,
                     },
                 ),

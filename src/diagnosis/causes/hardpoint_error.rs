@@ -4,12 +4,13 @@
 //! `part`, only one side is displaced: a part was made wrong and is assembled under strain. For a bushing, a displaced side is
 //! `assembly-offset`.
 
-use super::super::candidate_effect::{CandidateEffect, EffectParameter, SIX, Sensitivity, number};
+use super::super::candidate_effect::{CandidateEffect, EffectParameter, SIX, Sensitivity};
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
+use admire_syntax::Address;
 
 /// Adds candidates for the displacement of every hardpoint, in all directions together and along each axis alone, and of every end of a
 /// joint, primitive or spring.
@@ -69,7 +70,12 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 let unit = own.as_written(&Vec3::ith(k, 1.0));
                 let column = (0..3)
                     .filter(|c| unit[*c] != 0.0)
-                    .map(|c| (number("MARKER", id, "QP", Some(c + 1)), unit[c]))
+                    .map(|c| {
+                        (
+                            Address::of_argument("MARKER", id, "QP", Some(c + 1)),
+                            unit[c],
+                        )
+                    })
                     .collect();
                 let sd = survey.priors().part_end_mm * survey.millimetre();
                 EffectParameter::linear(SIX[k], sd, Sensitivity::Always(column))

@@ -7,7 +7,7 @@ use admire_solver::mechanics::{Mat3, Vec3, psi_theta_phi};
 use admire_syntax::Address;
 
 use super::super::candidate_effect::{
-    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
@@ -72,7 +72,7 @@ impl LinkEnd {
     pub(super) fn moved(&self, by: impl Fn(f64) -> f64) -> Vec<(Address, Vec<f64>)> {
         let column = |k: usize| {
             let shift = self.tension.iter().map(|n| by(*n) * self.written[k]);
-            let slot = number("MARKER", self.marker, "QP", Some(k + 1));
+            let slot = Address::of_argument("MARKER", self.marker, "QP", Some(k + 1));
             (slot, shift.collect())
         };
         (0..3).map(column).collect()
@@ -122,7 +122,12 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 ..EffectParameter::new(
                     "compliance",
                     survey.priors().link_compliance_mm_per_n / per_length,
-                    Parametrisation::Compliance(vec![number("BUSHING", bushing, "K", Some(3))]),
+                    Parametrisation::Compliance(vec![Address::of_argument(
+                        "BUSHING",
+                        bushing,
+                        "K",
+                        Some(3),
+                    )]),
                 )
             }],
             ln_prior: 0.0,

@@ -3,11 +3,12 @@
 use admire_solver::mechanics::Vec6;
 
 use super::super::candidate_effect::{
-    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
 use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::OperatingPoints;
+use admire_syntax::Address;
 
 /// Forms of the law: name, and powers of the deflection that are added to the linear term. Every added force is odd in the deflection.
 const FORMS: [(&str, &[i32]); 3] = [
@@ -48,7 +49,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     };
                     let wrench = u.iter().map(|u| Vec6::ith(axis, -rise(*u))).collect();
                     let literal = Some(1 + each * k);
-                    let address = number(
+                    let address = Address::of_argument(
                         "GFORCE",
                         gforce,
                         super::super::candidate_effect::FORCES[axis],

@@ -2,10 +2,10 @@
 
 use admire_solver::mechanics::Vec6;
 use admire_solver::model::{JointKind, MarkerIx};
-use admire_syntax::NewStatement;
+use admire_syntax::{Address, NewStatement};
 
 use super::super::candidate_effect::{
-    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
 use super::super::operating_points::OperatingPoints;
@@ -193,7 +193,7 @@ fn stops(survey: &OperatingPoints<'_>, travel: &Travel<'_>, out: &mut Vec<Candid
             .rposition(|literal| (literal.value - size).abs() < 1e-5)
             .map_or(3, |k| k + 1);
         let second = literals.len();
-        let slot = |k: usize| number(kind, id, argument, Some(k));
+        let slot = |k: usize| Address::of_argument(kind, id, argument, Some(k));
         let clearances = vec![(slot(at), toward), (slot(second + at), toward)];
         out.push(CandidateEffect {
             cause: Cause::StopContact,

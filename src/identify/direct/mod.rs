@@ -103,7 +103,7 @@ pub fn solve(
     let system = compile(problem.model)?;
     if system.has_data_unknowns() {
         return Err(not_possible(
-            "a deck whose VARIABLEs and DIFFs are no unknowns of the equilibrium",
+            "a deck without VARIABLEs and DIFFs that are unknowns of the equilibrium",
         ));
     }
     let direct = Direct::new(problem, &system)?;

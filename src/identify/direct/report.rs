@@ -159,8 +159,8 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
         && bias.abs() > 0.02
     {
         remarks.push(format!(
-            "noise in the measured poses would bias plain weighted least squares; the correction moved {} most, from {:.2} of the \
-             value given here. What the correction leaves is of second order in the noise",
+            "noise in the measured poses would bias plain weighted least squares; the correction moved {} most, from {:.2} times the \
+             value given here. The remaining bias is of second order in the noise",
             problem.unknowns[k].address,
             libm::exp(bias)
         ));

@@ -341,7 +341,7 @@ fn answer(
     let mut remarks = Vec::new();
     if share_a_spline(&problem.unknowns) {
         remarks.push(
-            "Each smooth change of a SPLINE counts beyond the changes above it; the identified deck holds the curve."
+            "Each smooth change of a SPLINE is in addition to the changes above it; the identified deck contains the resulting curve."
                 .to_string(),
         );
     }
@@ -477,7 +477,7 @@ fn tested(
     }
     if outliers > 0 {
         remarks.push(format!(
-            "{outliers} readings lie too far off for their noise (loss = \"huber\" counts them less); the test of the fit leaves them out."
+            "{outliers} readings are outliers, too far off for their noise (loss = \"huber\" gives them less weight); the goodness-of-fit test leaves them out."
         ));
     }
     let (mut chi2, count) = tally.total();

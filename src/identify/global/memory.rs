@@ -10,7 +10,7 @@ use super::unknown::Direction;
 use admire_solver::element::Slip;
 use admire_solver::system::{Parameters, Slot};
 
-/// Evolution law of an anchor after a load case with displacement `u`.
+/// Rule by which a load case changes the anchor of a spring. `u` is the displacement of the spring in that load case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Evolution {
     /// Return map of a slider, see [`Slip`]. The parameter is the stretch of the spring at which the slider moves.

@@ -166,7 +166,7 @@ fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
         let apart = libm::log(solution.values[k] / parameter.value);
         if sd < POOR_NORMAL_LN_SD && apart.abs() > CONTRADICTION_SD * sd.max(1e-3) {
             fit.remarks.push(format!(
-                "The direct solution of the measured poses puts {} at {:.2} of the value given here, {:.0} of its standard \
+                "The direct solution of the measured poses puts {} at {:.2} times the value given here, {:.0} standard \
                  deviations away: the model may lack something.",
                 problem.unknowns[k].address,
                 libm::exp(apart),

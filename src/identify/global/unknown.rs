@@ -24,7 +24,7 @@ pub struct Component {
 pub enum UnknownTarget {
     /// Stiffness: `x = ln K` of these components. There are several if a symmetry makes stiffnesses equal.
     Stiffness(Vec<Component>),
-    /// Common factor: the parameter in each slot is multiplied by `exp(factor * x)`.
+    /// Common factor: each parameter is multiplied by `exp(factor * x)`, with its own `factor`.
     Factor(Vec<(Slot, f64)>),
     /// Assembly offset: `x = delta0` of equation 9 of the paper, in length units or radians. The two sides of the bushing are displaced by
     /// `delta0` in every load case, so `F = -K (delta - delta0)`. The preload in the deck becomes `FORCE + K delta0`.
@@ -44,7 +44,7 @@ pub struct FitUnknown {
     pub addresses: Vec<Address>,
     /// Parameters that the unknown sets, and how they depend on it.
     pub target: UnknownTarget,
-    /// Starting value of the unknown; the logarithm of a stiffness or a factor.
+    /// Starting value of the unknown. For a stiffness or a factor, it is the logarithm.
     pub start: f64,
     /// Mean of the prior.
     pub mean: f64,
@@ -218,8 +218,8 @@ impl FitUnknowns {
         Some(x.iter().enumerate().map(of).unzip())
     }
 
-    /// Returns the unknown that lies furthest beyond its bound, with that bound; `None` if all are within their bounds. The unknowns `held` are
-    /// left out.
+    /// Returns the unknown that lies furthest beyond its bound, and that bound. Returns `None` if all are within their bounds. The unknowns
+    /// in `held` are ignored.
     pub fn furthest_beyond_bounds(&self, x: &[f64], held: &[(usize, f64)]) -> Option<(usize, f64)> {
         let of = |(k, (unknown, x)): (usize, (&FitUnknown, &f64))| {
             let [least, most] = unknown.bounds?;

@@ -41,7 +41,7 @@ struct Rows {
     residual: DVector<f64>,
     /// Derivatives with respect to each unknown, multiplied by its prior standard deviation.
     columns: DMatrix<f64>,
-    /// Derivatives with respect to the additional unknowns whose prior has zero width.
+    /// Derivatives with respect to the additional unknowns whose prior has zero width, one column per unknown.
     further: DMatrix<f64>,
 }
 

@@ -203,15 +203,6 @@ fn is_sought(study: &LoadedStudy, address: &Address) -> bool {
     unknowns.any(|unknown| unknown.sets(address))
 }
 
-fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
-    Address {
-        kind: kind.to_string(),
-        id: Some(id),
-        argument: Some(argument.to_string()),
-        index,
-    }
-}
-
 /// Returns the possible slips of deck parameters that are scaled together. The result is empty if one of the parameters is identified or all
 /// are zero.
 fn of_numbers(
@@ -245,7 +236,7 @@ fn springs(study: &LoadedStudy) -> Vec<Family> {
             SpringKind::Rotational => ("KT", "TORQUE", torsional(units)),
         };
         let family = |argument: &str, value: f64, pairs: &[UnitPair]| {
-            let address = number("SPRINGDAMPER", id, argument, None);
+            let address = Address::of_argument("SPRINGDAMPER", id, argument, None);
             let what = format!("{address} = {value}");
             of_numbers(study, &what, &[(address, value)], pairs)
         };
@@ -266,7 +257,12 @@ fn bushings(study: &LoadedStudy) -> Vec<Family> {
         let numbers = |argument: &str, values: [f64; 3]| -> Vec<(Address, f64)> {
             let values = values.into_iter().enumerate();
             values
-                .map(|(k, value)| (number("BUSHING", id, argument, Some(k + 1)), value))
+                .map(|(k, value)| {
+                    (
+                        Address::of_argument("BUSHING", id, argument, Some(k + 1)),
+                        value,
+                    )
+                })
                 .collect()
         };
         let (k, kt) = (numbers("K", bushing.k), numbers("KT", bushing.kt));
@@ -322,7 +318,8 @@ fn load_points(study: &LoadedStudy) -> Vec<Family> {
         }
         let id = own.header.id;
         let candidate = |(frame, axis, qp): (&str, usize, Vec3)| {
-            let numbers = (0..3).map(|k| (number("MARKER", id, "QP", Some(k + 1)), qp[k]));
+            let numbers =
+                (0..3).map(|k| (Address::of_argument("MARKER", id, "QP", Some(k + 1)), qp[k]));
             Candidate {
                 remedy: format!(
                     "MARKER/{id} on the other side: its {} in the axes of {frame} with the other sign",

@@ -13,7 +13,8 @@ pub struct ConnectionPoint {
     pub markers: Vec<MarkerIx>,
 }
 
-/// Returns the hardpoints of a deck: the end points of all active joints, joint primitives, bushings and springs.
+/// Returns the hardpoints of a deck: the end points of all active joints, joint primitives, bushings, FIELDs and
+/// springs.
 pub fn points(model: &Model) -> Vec<ConnectionPoint> {
     let joints = model
         .joints
@@ -25,11 +26,8 @@ pub fn points(model: &Model) -> Vec<ConnectionPoint> {
         .iter()
         .filter(|p| p.header.active)
         .map(|p| (p.i, p.j));
-    let bushings = model
-        .bushings
-        .iter()
-        .filter(|b| b.header.active)
-        .map(|b| (b.i, b.j));
+    let elastic = model.elastic_pairs();
+    let elastic = elastic.filter(|e| e.header.active).map(|e| (e.i, e.j));
     let springs = model
         .springdampers
         .iter()
@@ -37,7 +35,7 @@ pub fn points(model: &Model) -> Vec<ConnectionPoint> {
         .map(|s| (s.i, s.j));
     let mut ends: Vec<MarkerIx> = joints
         .chain(primitives)
-        .chain(bushings)
+        .chain(elastic)
         .chain(springs)
         .flat_map(|(i, j)| [i, j])
         .collect();

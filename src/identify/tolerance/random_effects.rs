@@ -64,7 +64,8 @@ pub struct LayerOf<'a> {
     pub load_errors: bool,
     /// Function that returns true for the address of an identified parameter.
     pub is_sought: &'a dyn Fn(&Address) -> bool,
-    /// Function that returns true for a change of the deck that is identified, such as that of a hardpoint along an axis.
+    /// Function that returns true if a change of the deck is an identified unknown, such as a hardpoint along an axis. Such a change gets no
+    /// random effect.
     pub is_sought_change: &'a dyn Fn(&[(Address, f64)]) -> bool,
 }
 
@@ -87,6 +88,7 @@ impl RandomEffects {
         layer.hardpoints(study.model);
         layer.loads(study);
         layer.bushings(study);
+        layer.fields(study);
         layer.joints(study.model);
         layer.springs(study);
         layer.members.retain(|member| match &member.effect {
@@ -237,7 +239,52 @@ impl RandomEffects {
             }
             for (word, values) in [("K", bushing.k), ("KT", bushing.kt)] {
                 for (axis, value) in values.into_iter().enumerate() {
-                    let number = number("BUSHING", id, word, Some(axis + 1));
+                    let number = Address::of_argument("BUSHING", id, word, Some(axis + 1));
+                    self.known(study, EffectGroup::KnownStiffnesses, number, value);
+                }
+            }
+        }
+    }
+
+    /// Adds the errors of FIELDs, which are those of bushings.
+    fn fields(&mut self, study: &LayerOf<'_>) {
+        let model = study.model;
+        let fields = model.pair_forces.iter();
+        for field in fields.filter(|force| force.is_field() && force.header.active) {
+            let address = format!("FIELD/{}", field.header.id);
+            for axis in 0..3 {
+                if let Some(change) = field.free_position(model, axis) {
+                    self.members.push(RandomEffect {
+                        group: EffectGroup::Offsets,
+                        address: address.clone(),
+                        axis,
+                        effect: Effect::Always(vec![change]),
+                    });
+                }
+                let turn = [field.i, field.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
+                self.members.push(RandomEffect {
+                    group: EffectGroup::Axes,
+                    address: address.clone(),
+                    axis,
+                    effect: Effect::Turn(turn.to_vec()),
+                });
+            }
+            for axis in 0..6 {
+                let is_sought = field.car.as_ref().is_some_and(|car| {
+                    let points = study
+                        .model
+                        .splines
+                        .iter()
+                        .find(|s| s.header.id == car.curves[axis]);
+                    let count = points.map_or(0, |spline| spline.x.len());
+                    (1..=count).any(|k| {
+                        let y = Address::of_argument("SPLINE", car.curves[axis], "Y", Some(k));
+                        (study.is_sought)(&y)
+                    })
+                });
+                if let Some((number, value)) =
+                    field.stiffness_scale(model, axis).filter(|_| !is_sought)
+                {
                     self.known(study, EffectGroup::KnownStiffnesses, number, value);
                 }
             }
@@ -292,8 +339,10 @@ impl RandomEffects {
             let force = (spring.preload - spring.stiffness * stretch).abs();
             let force = force.max(0.1 * spring.stiffness * spring.reference.abs());
             let address = match spring.kind {
-                SpringKind::Translational => number("SPRINGDAMPER", id, "FORCE", None),
-                SpringKind::Rotational => number("SPRINGDAMPER", id, "TORQUE", None),
+                SpringKind::Translational => {
+                    Address::of_argument("SPRINGDAMPER", id, "FORCE", None)
+                }
+                SpringKind::Rotational => Address::of_argument("SPRINGDAMPER", id, "TORQUE", None),
             };
             if force > 0.0 && !(study.is_sought)(&address) {
                 self.members.push(RandomEffect {
@@ -307,7 +356,7 @@ impl RandomEffects {
                 SpringKind::Translational => "K",
                 SpringKind::Rotational => "KT",
             };
-            let rate = number("SPRINGDAMPER", id, word, None);
+            let rate = Address::of_argument("SPRINGDAMPER", id, word, None);
             self.known(study, EffectGroup::SpringRates, rate, spring.stiffness);
         }
     }
@@ -333,7 +382,12 @@ pub fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Effect {
         let id = own.header.id;
         (0..3)
             .filter(|k| local[*k] != 0.0)
-            .map(|k| (number("MARKER", id, "QP", Some(k + 1)), local[k]))
+            .map(|k| {
+                (
+                    Address::of_argument("MARKER", id, "QP", Some(k + 1)),
+                    local[k],
+                )
+            })
             .collect::<Vec<_>>()
     };
     let first = |marker: &&MarkerIx| !model.moves_with(**marker, markers);
@@ -371,13 +425,4 @@ pub fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
 
 fn marker_address(model: &Model, marker: MarkerIx) -> String {
     format!("MARKER/{}", model.markers[marker.0].header.id)
-}
-
-fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
-    Address {
-        kind: kind.to_string(),
-        id: Some(id),
-        argument: Some(argument.to_string()),
-        index,
-    }
 }

@@ -268,8 +268,12 @@ fn objects(model: &Model) -> Vec<Object> {
             "BEAM" => Kind::Beam,
             _ => Kind::Field,
         };
+        let mut header = force.header.clone();
+        if let Some(car) = &force.car {
+            header.name.clone_from(&car.bushing);
+        }
         add(
-            &force.header,
+            &header,
             force.def.name,
             kind,
             force.law.name,

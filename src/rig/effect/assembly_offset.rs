@@ -7,7 +7,7 @@ use admire_syntax::diagnostic::Diagnostic;
 
 /// Plants an assembly offset. Values of the effect: the offset `x, y, z, ax_deg, ay_deg, az_deg` in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
-    let bushing = reality.object(spec, &["BUSHING"])?;
+    let bushing = reality.object(spec, &["BUSHING", "FIELD"])?;
     let (p, R) = spec.motion()?;
     // The offset moves J from its position in the deck. The real deflection of I relative to J is therefore smaller by the offset.
     reality

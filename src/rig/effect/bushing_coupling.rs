@@ -10,7 +10,7 @@ use admire_syntax::diagnostic::Diagnostic;
 /// Plants a bushing coupling. Values of the effect: one or more stiffnesses `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`, named by the two
 /// axes, and optionally `reach=...`. The reach is a deflection along the second axis of each pair.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
-    let bushing = reality.object(spec, &["BUSHING"])?;
+    let bushing = reality.object(spec, &["BUSHING", "FIELD"])?;
     let pair = reality.pair(spec, &bushing)?;
     let names = ["x", "y", "z", "ax", "ay", "az"];
     let reach = match spec.optional("reach")? {

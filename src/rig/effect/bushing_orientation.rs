@@ -7,7 +7,7 @@ use admire_syntax::diagnostic::Diagnostic;
 
 /// Plants a wrong bushing orientation. Values of the effect: the rotation vector `ax_deg, ay_deg, az_deg` in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
-    let bushing = reality.object(spec, &["BUSHING"])?;
+    let bushing = reality.object(spec, &["BUSHING", "FIELD"])?;
     let rotation = Pose {
         p: Vec3::zeros(),
         R: spec.turn()?,

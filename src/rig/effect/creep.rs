@@ -9,13 +9,13 @@ use admire_syntax::diagnostic::Diagnostic;
 
 /// Plants creep. Value of the effect: `rate=...`, above 0 and below 1.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
-    let address = reality.object(spec, &["BUSHING"])?;
+    let address = reality.object(spec, &["BUSHING", "FIELD"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
     let rate = spec.positive("rate")?;
     if rate >= 1.0 {
         return Err(spec.refuse("rate must be below one"));
     }
-    let stiffness = reality.dataset.value_at(&address).unwrap_or(0.0);
+    let stiffness = reality.stiffness(spec, &address, component)?;
     let flown = reality.add("VARIABLE", &[("FUNCTION", Some("0.0".to_string()))]);
     reality.memories.push(HistoryState {
         variables: vec![flown],

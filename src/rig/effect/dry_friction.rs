@@ -56,14 +56,14 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     reality.add_component_force(spec, pair, &[(component, force)])
 }
 
-/// Returns the I and J markers at which friction acts, and the component 0 to 5: the axis of a bushing stiffness, or the axis of the free
+/// Returns the I and J markers at which friction acts, and the component 0 to 5: the axis of a bushing stiffness, a component of a FIELD, or the axis of the free
 /// motion of a joint.
 pub(super) fn place(
     spec: &EffectSpec,
     reality: &GroundTruth,
 ) -> Result<([u32; 2], usize), Diagnostic> {
-    let address = reality.object(spec, &["BUSHING", "JOINT"])?;
-    if address.kind == "BUSHING" {
+    let address = reality.object(spec, &["BUSHING", "FIELD", "JOINT"])?;
+    if address.kind != "JOINT" {
         return reality.bushing_component(spec, &address);
     }
     let statement = reality.dataset.find(&address);
@@ -83,7 +83,7 @@ pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
     if start.abs() <= 1.0 {
         Ok(start)
     } else {
-        Err(spec.refuse("start is a part of the force, from -1 to 1"))
+        Err(spec.refuse("start is a fraction of the friction force, from -1 to 1"))
     }
 }
 
@@ -101,7 +101,7 @@ pub(super) fn slider(
         ..
     } = law
     else {
-        return Err(spec.refuse("is no slider"));
+        return Err(spec.refuse("is not a spring in series with a slider"));
     };
     let anchor = reality.add("VARIABLE", &[("FUNCTION", Some("0.0".to_string()))]);
     let u = displacement(pair, component);

@@ -9,7 +9,7 @@ use admire_syntax::diagnostic::Diagnostic;
 /// reached half way through the list of marks.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some(label) = spec.address.strip_prefix("case ") else {
-        return Err(spec.refuse("sits at a load case, for example `case 7`"));
+        return Err(spec.refuse("the address must name a load case, for example `case 7`"));
     };
     let case = reality.case(spec, label.trim())?;
     let (p, R) = spec.motion()?;

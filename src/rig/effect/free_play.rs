@@ -14,7 +14,7 @@ const FORCE: f64 = 1000.0;
 /// Plants a free play. Values of the effect: the total play `gap=...` and, for the joint of a part, the force `force=...` that closes the
 /// play.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
-    let address = reality.object(spec, &["BUSHING", "PART"])?;
+    let address = reality.object(spec, &["BUSHING", "FIELD", "PART"])?;
     let half = 0.5 * spec.positive("gap")?;
     if address.kind == "PART" {
         let part = address.id.unwrap_or(0);
@@ -28,7 +28,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         return reality.add_component_force(spec, pair, &[(2, law)]);
     }
     let (pair, component) = reality.bushing_component(spec, &address)?;
-    let stiffness = reality.dataset.value_at(&address).unwrap_or(0.0);
+    let stiffness = reality.stiffness(spec, &address, component)?;
     let u = displacement(pair, component);
     // The deck's bushing already contains the linear term. A thousandth of the stiffness remains inside the play, so the equilibrium there is
     // unique.

@@ -25,7 +25,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         .into_iter()
         .find(|point| point.members.contains(&id));
     let Some(point) = found else {
-        return Err(spec.refuse(format!("nothing holds parts together at MARKER/{id}")));
+        return Err(spec.refuse(format!("no joint or force connects parts at MARKER/{id}")));
     };
     for id in point.members.iter().chain(&point.followers) {
         let Some(shift) = on_part(&model, *id, &shift) else {

@@ -30,7 +30,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     Ok(())
 }
 
-/// End of a link: address of the joint or bushing there, argument that names its marker on the link, and position of this marker on the link.
+/// End of a link: address of the joint, bushing or FIELD there, argument that names its marker on the link, and position of this marker on the link.
 type End = (Address, &'static str, Vec3);
 
 /// Returns both ends of a part with two joints, and the vector from the first end to the second.
@@ -57,11 +57,9 @@ fn ends(model: &Model, part: u32) -> Vec<End> {
         .joints
         .iter()
         .map(|joint| ("JOINT", joint.header.id, joint.i, joint.j));
-    let bushings = model
-        .bushings
-        .iter()
-        .map(|law| ("BUSHING", law.header.id, law.i, law.j));
-    for (kind, id, i, j) in joints.chain(bushings) {
+    let elastic = model.elastic_pairs();
+    let elastic = elastic.map(|e| (e.kind, e.header.id, e.i, e.j));
+    for (kind, id, i, j) in joints.chain(elastic) {
         for (argument, marker) in [("I", i), ("J", j)] {
             let frame = &model.markers[marker.0];
             if model.parts[frame.part.0].header.id == part {

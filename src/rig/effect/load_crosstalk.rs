@@ -9,7 +9,7 @@ use admire_syntax::diagnostic::Diagnostic;
 /// half of its value at the largest load.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((to, from)) = spec.address.split_once("<-") else {
-        return Err(spec.refuse("sits at two loads, for example SFORCE/2<-SFORCE/3"));
+        return Err(spec.refuse("the address must name two loads, for example SFORCE/2<-SFORCE/3"));
     };
     let (to, from) = (reality.load(spec, to)?, reality.load(spec, from)?);
     let fraction = spec.number("fraction")?;

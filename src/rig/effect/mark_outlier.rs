@@ -7,7 +7,7 @@ use admire_syntax::diagnostic::Diagnostic;
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let words: Vec<&str> = spec.address.split_whitespace().collect();
     let ["case", label, part, mark] = words.as_slice() else {
-        return Err(spec.refuse("sits at a reading, for example `case 7 KNUCKLE 3`"));
+        return Err(spec.refuse("the address must name a reading, for example `case 7 KNUCKLE 3`"));
     };
     let case = reality.case(spec, label)?;
     let part = reality.marked(spec, part)?;

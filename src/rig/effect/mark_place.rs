@@ -8,7 +8,7 @@ use admire_syntax::diagnostic::Diagnostic;
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let words: Vec<&str> = spec.address.split_whitespace().collect();
     let [part, mark] = words.as_slice() else {
-        return Err(spec.refuse("sits at a mark, for example `KNUCKLE 3`"));
+        return Err(spec.refuse("the address must name a mark, for example `KNUCKLE 3`"));
     };
     let part = reality.marked(spec, part)?;
     let labels = &reality.marks[part].labels;

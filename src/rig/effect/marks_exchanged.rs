@@ -8,7 +8,7 @@ use admire_syntax::diagnostic::Diagnostic;
 /// the label of the only mark that is exchanged.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((a, b)) = spec.address.split_once("<->") else {
-        return Err(spec.refuse("sits at two parts, for example KNUCKLE<->ROD"));
+        return Err(spec.refuse("the address must name two parts, for example KNUCKLE<->ROD"));
     };
     let (a, b) = (reality.marked(spec, a)?, reality.marked(spec, b)?);
     let Some(label) = spec.label("from") else {

@@ -8,14 +8,14 @@ use admire_syntax::diagnostic::Diagnostic;
 
 /// Plants a progressive stiffness. Values of the effect: `law=cubic,cubic=...` or `law=exponential,rate=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
-    let address = reality.object(spec, &["BUSHING"])?;
+    let address = reality.object(spec, &["BUSHING", "FIELD"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
     let u = displacement(pair, component);
     let force = if spec.word("law", &["cubic", "exponential"])? == "cubic" {
         format!("-{:e}*({u})**3", spec.positive("cubic")?)
     } else {
         let rate = spec.positive("rate")?;
-        let k = reality.dataset.value_at(&address).unwrap_or(0.0);
+        let k = reality.stiffness(spec, &address, component)?;
         // The deck's bushing already contains the linear term.
         format!("-{k:e}*SIGN(1.0,{u})*((EXP({rate:e}*ABS({u}))-1.0)/{rate:e}-ABS({u}))")
     };

@@ -1,10 +1,14 @@
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
-use admire_solver::model::{MarkerIx, Model};
+use admire_solver::model::{MarkerIx, Model, PairForce};
+use admire_syntax::car_field::CarField;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::{Address, Dataset, NewStatement};
 
 use super::{EffectSpec, HistoryState};
+
+/// Components of a force between two markers, in the words of a GFORCE.
+const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
 /// A fault of the readings, applied to the readings after the equilibria have been solved.
 #[derive(Clone, PartialEq, Debug)]
@@ -119,13 +123,45 @@ impl GroundTruth {
     }
 
     /// Returns the address of an effect, after checking that its element is of one of these kinds.
+    ///
+    /// A component of a FIELD, `FIELD/9.FX`, has an address here although the statement has no such argument. A bushing of Adams/Car and its
+    /// components may also be given by the bushing's name, as in results: `axle.bkl_arm_outer.fx`.
     pub(super) fn object(&self, spec: &EffectSpec, kinds: &[&str]) -> Result<Address, Diagnostic> {
-        let address =
-            Address::parse(&spec.address, &self.dataset).map_err(|why| spec.refuse(why.message))?;
+        let address = match self.field(spec.address.trim()) {
+            Some(address) => address,
+            None => Address::parse(&spec.address, &self.dataset)
+                .map_err(|why| spec.refuse(why.message))?,
+        };
         if kinds.contains(&address.kind.as_str()) {
             return Ok(address);
         }
-        Err(spec.refuse(format!("sits at one of {}", kinds.join(", "))))
+        Err(spec.refuse(format!("the address must name one of {}", kinds.join(", "))))
+    }
+
+    /// Returns the address of a component of a FIELD, or of a FIELD that is given by the name of its bushing of Adams/Car.
+    fn field(&self, text: &str) -> Option<Address> {
+        let component = |word: &str| {
+            FORCES
+                .into_iter()
+                .find(|own| own.eq_ignore_ascii_case(word))
+        };
+        let bushing = |name: &str| {
+            let mut all = CarField::all(&self.dataset);
+            let is_named =
+                |car: &CarField| !name.is_empty() && car.bushing.eq_ignore_ascii_case(name);
+            let (field, _) = all.find(|(_, car)| car.as_ref().is_ok_and(is_named))?;
+            Address::of(field)
+        };
+        let split = text.rsplit_once('.');
+        if let Some((head, word)) = split.and_then(|(head, word)| Some((head, component(word)?))) {
+            let stated = Address::parse(head, &self.dataset).ok();
+            let field = stated.filter(|own| own.kind == "FIELD" && own.argument.is_none());
+            let argument = Some(word.to_string());
+            return field
+                .or_else(|| bushing(head))
+                .map(|own| Address { argument, ..own });
+        }
+        bushing(text)
     }
 
     /// Returns the ids of the I and J markers of the element with this address.
@@ -135,7 +171,12 @@ impl GroundTruth {
         address: &Address,
     ) -> Result<[u32; 2], Diagnostic> {
         let of = |name: &str| {
-            let value = self.dataset.find(address)?.first(name)?;
+            let statement = Address {
+                argument: None,
+                index: None,
+                ..address.clone()
+            };
+            let value = self.dataset.find(&statement)?.first(name)?;
             Some(value as u32)
         };
         match (of("I"), of("J")) {
@@ -144,22 +185,46 @@ impl GroundTruth {
         }
     }
 
-    /// Returns the ids of the I and J markers and the component (0 to 5) for the address of a bushing stiffness, such as `BUSHING/2.K.1`.
+    /// Returns the ids of the I and J markers and the component (0 to 5) for the address of a bushing stiffness, such as `BUSHING/2.K.1`, or of a
+    /// component of a FIELD, such as `FIELD/9.FX`.
     pub(super) fn bushing_component(
         &self,
         spec: &EffectSpec,
         address: &Address,
     ) -> Result<([u32; 2], usize), Diagnostic> {
-        let first = match address.argument.as_deref() {
-            Some("K") => 0,
-            Some("KT") => 3,
-            _ => return Err(spec.refuse("sits at one stiffness, for example BUSHING/2.K.1")),
-        };
+        let word = address.argument.as_deref();
         let index = address.index.filter(|index| (1..=3).contains(index));
-        let Some(index) = index else {
-            return Err(spec.refuse("sits at one stiffness, for example BUSHING/2.K.1"));
+        let component = match (address.kind.as_str(), word, index) {
+            ("FIELD", Some(word), None) => FORCES.iter().position(|own| *own == word),
+            ("FIELD", ..) => None,
+            (_, Some("K"), Some(index)) => Some(index - 1),
+            (_, Some("KT"), Some(index)) => Some(index + 2),
+            _ => None,
         };
-        Ok((self.pair(spec, address)?, first + index - 1))
+        match component {
+            Some(component) => Ok((self.pair(spec, address)?, component)),
+            None => Err(spec.refuse(
+                "the address must name one component, for example BUSHING/2.K.1 or FIELD/9.FX",
+            )),
+        }
+    }
+
+    /// Returns the stiffness of a component that [`Self::bushing_component`] accepts. For a FIELD with curves, it is the slope at zero deflection.
+    pub(super) fn stiffness(
+        &self,
+        spec: &EffectSpec,
+        address: &Address,
+        component: usize,
+    ) -> Result<f64, Diagnostic> {
+        let found = if address.kind == "FIELD" {
+            let model = self.model();
+            let mut fields = model.pair_forces.iter();
+            let field = fields.find(|f| f.is_field() && Some(f.header.id) == address.id);
+            field.and_then(|field| field_stiffness(&model, field, component))
+        } else {
+            self.dataset.value_at(address)
+        };
+        found.ok_or_else(|| spec.refuse(format!("the stiffness of {address} is not known")))
     }
 
     /// Sets a parameter of the deck.
@@ -251,17 +316,15 @@ impl GroundTruth {
         self.add("PART", &frame)
     }
 
-    /// Returns all joints, bushings, springs and forces that act on a part.
+    /// Returns all joints, bushings, FIELDs, springs and forces that act on a part.
     pub(super) fn attachments(&self, part: u32) -> Vec<Holder> {
         let model = self.model();
         let joints = model
             .joints
             .iter()
             .map(|o| ("JOINT", o.header.id, o.i, Some(o.j)));
-        let bushings = model
-            .bushings
-            .iter()
-            .map(|o| ("BUSHING", o.header.id, o.i, Some(o.j)));
+        let elastic = model.elastic_pairs();
+        let elastic = elastic.map(|e| (e.kind, e.header.id, e.i, Some(e.j)));
         let springs = model
             .springdampers
             .iter()
@@ -271,7 +334,7 @@ impl GroundTruth {
             .iter()
             .map(|o| ("SFORCE", o.header.id, o.i, None));
         let mut found = Vec::new();
-        for (kind, id, i, j) in joints.chain(bushings).chain(springs).chain(forces) {
+        for (kind, id, i, j) in joints.chain(elastic).chain(springs).chain(forces) {
             for (argument, marker) in [("I", Some(i)), ("J", j)] {
                 let Some(marker) = marker else { continue };
                 let frame = &model.markers[marker.0];
@@ -374,7 +437,6 @@ impl GroundTruth {
             "MARKER",
             &[("PART", Some(part.to_string())), ("FLOATING", None)],
         );
-        let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
         let of = |k: usize| {
             let terms: Vec<&str> = forces
                 .iter()
@@ -394,7 +456,7 @@ impl GroundTruth {
             ("JFLOAT", Some(floating.to_string())),
             ("RM", Some(j.to_string())),
         ];
-        for (k, name) in names.into_iter().enumerate() {
+        for (k, name) in FORCES.into_iter().enumerate() {
             arguments.push((name, Some(of(k))));
         }
         self.add("GFORCE", &arguments);
@@ -449,6 +511,21 @@ impl GroundTruth {
             .position(|load| Some(&load.target) == address.as_ref() || load.name == text)
             .ok_or_else(|| spec.refuse(format!("`{text}` is not a load of the study")))
     }
+}
+
+/// Returns the stiffness of a FIELD along one component at zero deflection.
+fn field_stiffness(model: &Model, field: &PairForce, component: usize) -> Option<f64> {
+    let (_, scale) = field.stiffness_scale(model, component)?;
+    let Some(car) = &field.car else {
+        return Some(scale);
+    };
+    let mut splines = model.splines.iter();
+    let curve = splines.find(|s| s.header.id == car.curves[component])?;
+    let y = curve.y.first()?;
+    let after = curve.x.iter().position(|x| *x > 0.0)?;
+    let before = curve.x.iter().rposition(|x| *x < 0.0)?;
+    let slope = (y[after] - y[before]) / (curve.x[after] - curve.x[before]);
+    Some(scale * slope * field.car_axis(model, component)?.stretch)
 }
 
 /// Returns a rotation matrix whose third column, the z axis, is the given unit vector.

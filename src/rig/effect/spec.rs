@@ -170,8 +170,8 @@ impl EffectSpec {
             Some(name) => {
                 let known: Vec<&str> = asked.iter().map(String::as_str).collect();
                 Err(self
-                    .refuse(format!("has no value `{name}`"))
-                    .help(format!("its values are {}", known.join(", "))))
+                    .refuse(format!("has no parameter `{name}`"))
+                    .help(format!("its parameters are {}", known.join(", "))))
             }
             None => Ok(()),
         }

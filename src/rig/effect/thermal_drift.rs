@@ -7,7 +7,7 @@ use admire_syntax::diagnostic::Diagnostic;
 /// Plants a thermal drift. Value of the effect: `growth=...`, the relative growth reached in the last case.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     if spec.address != "rig" {
-        return Err(spec.refuse("sits at `rig`"));
+        return Err(spec.refuse("the address must be `rig`"));
     }
     let growth = spec.number("growth")?;
     reality.faults.push(ReadingFault::Growth { growth });

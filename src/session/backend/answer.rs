@@ -163,7 +163,7 @@ pub(super) fn read(
             .map_err(|error| broken(error.into_diagnostic().message))?;
         if values.iter().any(|value| !value.is_finite()) {
             return Err(broken(format!(
-                "step {} holds values that are no numbers",
+                "step {} contains values that are not finite",
                 steps.len() + 1
             )));
         }

@@ -201,7 +201,7 @@ impl BushingCheck {
                 }
                 ([], Some(known)) => {
                     return Err(format!(
-                        "the force of BUSHING/{id} does not fit its deflection in {known}, in which those before do"
+                        "the force of BUSHING/{id} does not fit its deflection in {known}, although those of the bushings before it do"
                     ));
                 }
                 ([only], _) => self.frame = Some(*only),

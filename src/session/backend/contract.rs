@@ -161,7 +161,7 @@ pub enum BackendError {
         folder: std::path::PathBuf,
     },
     /// The solver cannot change the value at this address between runs.
-    #[error("{0} names no number or function of the model")]
+    #[error("{0} is not the address of a number or function of the model")]
     UnknownTarget(Address),
 }
 

@@ -90,7 +90,7 @@ impl Settings {
             match glob::Pattern::new(word.get_ref()) {
                 Ok(pattern) => exclude.push(pattern),
                 Err(error) => {
-                    let message = format!("`{}` is not a pattern: {error}", word.get_ref());
+                    let message = format!("`{}` is not a valid pattern: {error}", word.get_ref());
                     wrong.push(placed(
                         Diagnostic::error(Code::BadSetting, message),
                         source,
@@ -174,13 +174,11 @@ pub fn code_named(word: &str) -> Result<Code, Diagnostic> {
             .map(|code| code.as_str().to_uppercase())
             .collect();
         let near = nearest(word, capitals.iter().map(String::as_str));
-        let unknown = Diagnostic::error(
-            Code::UnknownKey,
-            format!("`{word}` is not a code of a complaint"),
-        );
+        let unknown =
+            Diagnostic::error(Code::UnknownKey, format!("`{word}` is not a message code"));
         unknown.help(match near {
             Some(near) => format!("did you mean {}?", near.to_lowercase()),
-            None => "a complaint shows its code: error[undefined-id]".to_string(),
+            None => "each message shows its code, as in error[undefined-id]".to_string(),
         })
     })
 }

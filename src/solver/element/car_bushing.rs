@@ -25,11 +25,11 @@ const ROUND_OFF_RELATIVE: f64 = 1e-12;
 /// Source: 505 states of a real axle without offsets; offsets and scales as in the compatible bushings of MotionView (AutoBush).
 #[derive(Debug)]
 pub(crate) struct CarBushing {
-    /// Index of the curve of each axis in [`Curves`].
+    /// Index in [`Curves`] of the curve of each axis.
     curves: [usize; 6],
 }
 
-/// Numbers that the law reads.
+/// Parameters and curves that the law reads.
 #[derive(Clone, Copy)]
 pub(crate) struct CarNumbers<'a> {
     /// The eleven values of each array, axis by axis.

@@ -3,7 +3,7 @@ use super::{Degenerate, Law, Wrench};
 use crate::function::Curves;
 use crate::mechanics::RelativeMotion;
 
-/// Law of an element: shared by all elements of its kind, or of one element with curves.
+/// Law of an element: a law shared by all elements of its kind, or a separate law with curves for this element.
 #[derive(Debug)]
 pub(crate) enum ElementLaw {
     Shared(&'static dyn Law),
@@ -27,7 +27,7 @@ impl ElementLaw {
         }
     }
 
-    /// Computes the wrench like [`Law::evaluate`], with the present curves of the SPLINEs.
+    /// Computes the wrench like [`Law::evaluate`], with the given curves of the SPLINEs.
     ///
     /// # Errors
     /// Returns [`Degenerate`] where the law is undefined at this motion; `out` is then unspecified.

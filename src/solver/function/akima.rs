@@ -25,7 +25,8 @@ pub(super) fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the derivatives of the slopes along a change of the y values. Where both weights vanish, they are those of the mean.
+/// Returns the derivatives of the slopes along a change of the y values. Where both weights vanish, the derivative of the mean of the two
+/// chords is returned.
 pub(super) fn slopes_along(x: &[f64], y: &[f64], along: &[f64]) -> Vec<f64> {
     let n = x.len();
     // Chords are linear in y.

@@ -458,7 +458,7 @@ impl Build<'_> {
             Err(Diagnostic::error(
                 Code::WrongType,
                 format!(
-                    "argument {} of {}({}) has to be a whole number that is written out",
+                    "argument {} of {}({}) must be written as a whole number",
                     at + 1,
                     function.name,
                     function.arguments

@@ -174,18 +174,18 @@ impl<'m> ExpressionCompiler<'m> {
         Some(&self.model.splines[self.find(Space::Spline, id)?])
     }
 
-    /// Returns the index of a SPLINE in [`Self::curves`], prepared for a form; `None` if its data define no curve.
+    /// Returns the index in [`Self::curves`] of a SPLINE in the given form. Returns `None` if its data define no curve.
     pub(super) fn curve(&self, spline: usize, form: CurveForm) -> Option<usize> {
         let mut curves = self.curves.borrow_mut();
         curves.enter((spline, &self.model.splines[spline]), form)
     }
 
-    /// Returns the index in [`Self::curves`] of a SPLINE that a bushing of Adams/Car reads; `None` if there is no such curve.
+    /// Returns the index in [`Self::curves`] of a SPLINE that a bushing of Adams/Car reads. Returns `None` if there is no such curve.
     pub(crate) fn bushing_curve(&self, id: u32) -> Option<usize> {
         self.curve(self.find(Space::Spline, id)?, CurveForm::AkimaLine)
     }
 
-    /// Returns the SPLINEs that the compiled expressions read, with the y values of the model.
+    /// Returns the curves of the SPLINEs that the compiled expressions read, with the y values of the model.
     pub fn curves(&self) -> Curves {
         self.curves.borrow().clone()
     }

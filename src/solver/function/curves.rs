@@ -1,18 +1,18 @@
-//! Curves of SPLINEs for the present y values of their points.
+//! Interpolated curves of SPLINEs, whose y values can be changed.
 
 use super::interpolant::{Interpolant, Method};
 use crate::model::Spline;
 
-/// Form in which a SPLINE is read.
+/// Interpolation and extrapolation with which a SPLINE is read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum CurveForm {
-    /// A method, with the extrapolation that the SPLINE requests.
+    /// The given interpolation method, with the extrapolation that the SPLINE requests.
     By(Method),
-    /// Akima's method with linear extrapolation: a bushing of Adams/Car.
+    /// Akima's method with linear extrapolation, as in a bushing of Adams/Car.
     AkimaLine,
 }
 
-/// Interpolated SPLINEs, each in every form in which functions and elements read it.
+/// Interpolated SPLINEs. A SPLINE has one curve for each form in which functions and elements read it.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Curves {
     all: Vec<Curve>,
@@ -26,11 +26,18 @@ struct Curve {
     interpolant: Interpolant,
 }
 
+/// Returns the value of a SPLINE at x by Akima's method with linear extrapolation, as in a bushing of Adams/Car. Returns `None` if the data
+/// define no curve.
+pub fn akima_value(spline: &Spline, x: f64) -> Option<f64> {
+    Some(Interpolant::akima_line(spline)?.at(x, 0.0, 0).0)
+}
+
 impl Curves {
     /// No curves.
     pub(super) const NONE: Self = Self { all: Vec::new() };
 
-    /// Prepares a SPLINE for a form and returns the index of the curve. Returns `None` for data that define no curve.
+    /// Adds a SPLINE in a given form, if it is not yet there, and returns the index of the curve. Returns `None` if the data define no
+    /// curve.
     pub(super) fn enter(
         &mut self,
         (index, spline): (usize, &Spline),
@@ -68,17 +75,17 @@ impl Curves {
         &self.all[curve].interpolant
     }
 
-    /// Returns whether a curve is that of a SPLINE.
+    /// Returns whether a curve belongs to a SPLINE, given by its index in the model.
     pub(crate) fn is_of(&self, curve: usize, spline: usize) -> bool {
         self.all[curve].spline == spline
     }
 
-    /// Returns whether any curve is that of a SPLINE.
+    /// Returns whether any curve belongs to a SPLINE, given by its index in the model.
     pub(crate) fn are_of(&self, spline: usize) -> bool {
         self.all.iter().any(|curve| curve.spline == spline)
     }
 
-    /// Sets the y value of a knot of a SPLINE that is a curve.
+    /// Sets the y value of a knot in all curves of a SPLINE.
     pub(crate) fn set(&mut self, spline: usize, knot: usize, y: f64) {
         for curve in self.all.iter_mut().filter(|curve| curve.spline == spline) {
             curve.interpolant.set(knot, y);

@@ -147,7 +147,7 @@ pub(crate) fn next_reference(
     Reference { angle, normal }
 }
 
-/// Returns the angle from `a = p_i - p_j` to `b = p_k - p_j` about their common normal n, and n itself.
+/// Returns the angle in radians from `a = p_i - p_j` to `b = p_k - p_j` about their common normal n, and n itself.
 ///
 /// The sign of n is chosen to continue the normal of the previous solution. The derivatives are `dangle/da = a x n / a^2` and `dangle/db =
 /// n x b / b^2`.

@@ -31,7 +31,7 @@ mod tests;
 
 pub(crate) use breaks::time_breaks;
 pub use compiler::ExpressionCompiler;
-pub use curves::Curves;
+pub use curves::{Curves, akima_value};
 pub(crate) use degree::Degree;
 pub(crate) use error::{EvalError, Fault};
 pub(crate) use input::{

@@ -24,16 +24,17 @@ pub struct Program {
     pub(super) slots: usize,
     pub(super) result: u32,
     pub(super) branches: bool,
-    /// For each switch (a step whose piece can be held fixed), whether its piece depends on time alone.
+    /// True for each switch whose piece (active formula) depends on time alone. A switch is a step with several pieces that a simulation
+    /// can hold on one of them.
     pub(super) switches: Vec<bool>,
 }
 
-/// Numbers that a program reads besides its inputs.
+/// Literals and curves that a program reads in addition to its inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct ProgramNumbers<'a> {
     /// All literals of the expression, angles in radians.
     pub literals: &'a [f64],
-    /// Curves of the compiler that made the program.
+    /// Curves returned by the compiler that made the program.
     pub curves: &'a Curves,
 }
 
@@ -211,9 +212,9 @@ impl Program {
         self.branches
     }
 
-    /// Returns, for each switch, whether its piece depends on time alone. Switches are the steps whose piece can be held fixed. IMPACT,
-    /// BISTOP, AINT, ANINT and MOD are always switches. ABS, SIGN, DIM, MAX, MIN and IF are switches unless their switching times are known
-    /// in advance.
+    /// Returns, for each switch, whether its piece depends on time alone. Switches are the steps with several pieces (formulas) that a
+    /// simulation can hold on one of them. IMPACT, BISTOP, AINT, ANINT and MOD are always switches. ABS, SIGN, DIM, MAX, MIN and IF are
+    /// switches unless their switching times are known in advance.
     pub(crate) fn switches(&self) -> &[bool] {
         &self.switches
     }

@@ -18,8 +18,8 @@ pub(crate) struct Levels {
     rates: Vec<u32>,
     /// (column, row) of the entries in `rates`.
     rated: Vec<(u32, u32)>,
-    /// Derivative of every entry with respect to the unknown, followed by the derivatives with respect to its first and second rate for each
-    /// entry in `rates`. Few entries have these two values, so they are stored together at the end.
+    /// For every entry of the pattern, the derivative with respect to the unknown of its column. After all of these, two values follow for
+    /// each entry in `rates`: the derivatives with respect to the first and the second rate of that unknown.
     values: Vec<f64>,
     /// Derivative of every row with respect to time.
     pub time: Vec<f64>,

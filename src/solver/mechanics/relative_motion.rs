@@ -12,8 +12,8 @@ pub struct RelativeMotion {
 }
 
 impl RelativeMotion {
-    /// Computes the relative motion of two markers from their poses in ground. Each angle includes as many full turns as bring it nearest to
-    /// `angles_before`.
+    /// Computes the relative motion of two markers from their poses in ground. Each projected angle includes the number of full turns that
+    /// brings it nearest to `angles_before` (radians).
     pub fn between(i: &Pose, j: &Pose, angles_before: &Vec3) -> Self {
         let R_jg = j.R.transpose();
         let R_ji = R_jg * i.R;

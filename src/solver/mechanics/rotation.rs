@@ -109,7 +109,7 @@ fn atan2(y: f64, x: f64) -> f64 {
     t + t * u * (1.0 / 3.0 + u * (0.2 + u * (1.0 / 7.0 + u * (1.0 / 9.0 + u * tail))))
 }
 
-/// Returns the angle nearest to `reference` that differs from `angle` by whole turns.
+/// Returns the angle nearest to `reference` that differs from `angle` by whole turns, in radians.
 pub(crate) fn unwrap_near(angle: f64, reference: f64) -> f64 {
     let gap = reference - angle;
     if gap.abs() < std::f64::consts::PI {

@@ -179,14 +179,13 @@ impl Conversion<'_> {
         }
         for argument in names.iter().filter_map(|name| statement.argument(name)) {
             let name = argument.kind().unwrap_or_default();
-            let message = format!(
-                "{name} of {kind} keeps its number: it applies to lengths and angles alike"
-            );
+            let message =
+                format!("{name} of {kind} keeps its value: it applies to lengths and angles alike");
             let file = self.dataset.source().name();
             self.stays.push(
                 Diagnostic::warning(Code::WrongUnits, message)
                     .label(file, argument.value_span(), "")
-                    .help("choose it anew for the new units"),
+                    .help("choose a value that suits the new units"),
             );
         }
     }
@@ -333,7 +332,7 @@ impl Conversion<'_> {
         let reads_time = |node: &Node| matches!(node, Node::Name(name) if name.name == "TIME");
         if self.factor(Dimension::TIME) != 1.0 && expression.root.walk().any(reads_time) {
             let message = format!(
-                "{} reads TIME and is not converted to another unit of it",
+                "{} reads TIME and is not converted to another time unit",
                 self.title(statement)
             );
             self.refuse(expression.span, message);
@@ -417,7 +416,7 @@ fn measured(
             Some(Node::Literal(_)) => Dimension::TORQUE,
             _ => {
                 return Err(format!(
-                    "which component {} asks for is not a number",
+                    "the component in {} is not written as a number",
                     function.name
                 ));
             }
@@ -426,7 +425,7 @@ fn measured(
             Solved::Native("measure" | "force measure")
             | Solved::External(_)
             | Solved::Subroutine(_) => {
-                return Err(format!("what {name} measures is not known here"));
+                return Err(format!("the dimension of {name} is not known"));
             }
             _ => Dimension::NONE,
         },

@@ -93,7 +93,7 @@ pub struct Spline {
     pub y: Vec<Vec<f64>>,
     /// Whether the spline is extrapolated linearly, LINEAR_EXTRAPOLATE.
     pub linear_extrapolate: bool,
-    /// Whether the points come from a property file, FILE, and not from the statement.
+    /// True if the points come from a property file (argument FILE), false if they come from the statement.
     pub is_of_file: bool,
 }
 

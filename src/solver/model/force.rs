@@ -1,5 +1,6 @@
-use super::{Function, Header, MarkerIx};
-use admire_syntax::car_field::CarField;
+use super::{ArrayKind, Function, Header, MarkerIx, Model};
+use admire_syntax::Address;
+use admire_syntax::car_field::{CarAxis, CarField};
 use admire_syntax::grammar::{ArgumentDef, LawDef, StatementDef};
 
 /// BUSHING statement. All components are in J axes.
@@ -23,6 +24,61 @@ pub struct Bushing {
     pub force: [f64; 3],
     /// Preload torque on I, TORQUE.
     pub torque: [f64; 3],
+}
+
+/// Element with six elastic components between two markers: a BUSHING, or a FIELD.
+#[derive(Clone, Copy, Debug)]
+pub struct ElasticPair<'m> {
+    /// Keyword of the statement: `BUSHING` or `FIELD`.
+    pub kind: &'static str,
+    /// Id and name of the object, and index of its statement.
+    pub header: &'m Header,
+    /// I marker.
+    pub i: MarkerIx,
+    /// J marker. The components are along its axes.
+    pub j: MarkerIx,
+}
+
+impl Model {
+    /// Returns the name that results use for a FIELD of Adams/Car or one of its components: `axle.bkl_arm_outer` for `FIELD/9`, and
+    /// `axle.bkl_arm_outer.fx` for `FIELD/9.FX`. Returns `None` for another address.
+    pub fn car_name(&self, address: &str) -> Option<String> {
+        let (id, component) = match address.strip_prefix("FIELD/")?.split_once('.') {
+            Some((id, word)) => (id, Some(word)),
+            None => (address.strip_prefix("FIELD/")?, None),
+        };
+        let id: u32 = id.parse().ok()?;
+        let mut fields = self.pair_forces.iter();
+        let car = fields
+            .find(|f| f.is_field() && f.header.id == id)?
+            .car
+            .as_ref()?;
+        let Some(word) = component else {
+            return Some(car.bushing.clone());
+        };
+        let axis = ["FX", "FY", "FZ", "TX", "TY", "TZ"]
+            .iter()
+            .position(|own| *own == word)?;
+        Some(car.axis(axis))
+    }
+
+    /// Iterates over all BUSHINGs, then over all FIELDs.
+    pub fn elastic_pairs(&self) -> impl Iterator<Item = ElasticPair<'_>> {
+        let bushings = self.bushings.iter().map(|bushing| ElasticPair {
+            kind: "BUSHING",
+            header: &bushing.header,
+            i: bushing.i,
+            j: bushing.j,
+        });
+        let fields = self.pair_forces.iter();
+        let fields = fields.filter(|force| force.is_field());
+        bushings.chain(fields.map(|field| ElasticPair {
+            kind: "FIELD",
+            header: &field.header,
+            i: field.i,
+            j: field.j,
+        }))
+    }
 }
 
 /// Force between two markers whose law and parameters are defined by the grammar (FIELD, BEAM).
@@ -60,6 +116,56 @@ impl PairForce {
             first += count;
         }
         None
+    }
+
+    /// Returns true for a FIELD.
+    pub fn is_field(&self) -> bool {
+        self.def.name == "FIELD"
+    }
+
+    /// Returns the parameter that moves the free position of a FIELD along one component (0 to 5), and its change per unit of displacement: an
+    /// element of LENGTH, or the offset in an array of Adams/Car. Returns `None` for another force, or for an array that cannot be read.
+    pub fn free_position(&self, model: &Model, axis: usize) -> Option<(Address, f64)> {
+        if !self.is_field() {
+            return None;
+        }
+        let Some(car) = &self.car else {
+            let id = self.header.id;
+            return Some((
+                Address::of_argument("FIELD", id, "LENGTH", Some(axis + 1)),
+                1.0,
+            ));
+        };
+        let offset = car.parameter(axis, CarAxis::OFFSET);
+        Some((offset, self.car_axis(model, axis)?.stretch))
+    }
+
+    /// Returns the parameter that scales the force of a FIELD along one component (0 to 5), and its value: a diagonal element of KMATRIX, or the
+    /// scale in an array of Adams/Car. Returns `None` for another force, or for an array that cannot be read.
+    pub fn stiffness_scale(&self, model: &Model, axis: usize) -> Option<(Address, f64)> {
+        if !self.is_field() {
+            return None;
+        }
+        let Some(car) = &self.car else {
+            let (id, at) = (self.header.id, 7 * axis);
+            let value = *self.argument("KMATRIX")?.get(at)?;
+            return Some((
+                Address::of_argument("FIELD", id, "KMATRIX", Some(at + 1)),
+                value,
+            ));
+        };
+        let scale = car.parameter(axis, CarAxis::SCALE);
+        Some((scale, self.car_axis(model, axis)?.scale))
+    }
+
+    /// Returns the values of one array of a bushing of Adams/Car. Returns `None` for another force, or for an array that cannot be read.
+    pub fn car_axis(&self, model: &Model, axis: usize) -> Option<CarAxis> {
+        let id = self.car.as_ref()?.arrays[axis];
+        let array = model.arrays.iter().find(|array| array.header.id == id)?;
+        match &array.kind {
+            ArrayKind::Numbers(numbers) => CarAxis::read(numbers).ok(),
+            _ => None,
+        }
     }
 }
 

@@ -35,7 +35,7 @@ pub use force::SforceKind;
 pub use force::SpringDamper;
 pub use force::VectorForceKind;
 pub(crate) use force::law_arguments;
-pub use force::{Bushing, PairForce, SpringKind};
+pub use force::{Bushing, ElasticPair, PairForce, SpringKind};
 pub(crate) use force::{Nforce, VectorForce};
 pub use frame::InitialVelocity;
 pub use frame::Marker;

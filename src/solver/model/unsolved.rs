@@ -62,7 +62,7 @@ pub fn left_out_warning(kind: &str, header: &Header) -> Diagnostic {
     Diagnostic::warning(
         Code::NotSolvedNatively,
         format!(
-            "{kind}/{} '{name}' is left out as asked: {effect}",
+            "{kind}/{} '{name}' is left out as requested: {effect}",
             header.id
         ),
     )

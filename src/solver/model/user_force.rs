@@ -256,7 +256,7 @@ impl Work<'_> {
         if let Some(other) = other {
             let block = &other.name;
             return Err(format!(
-                "`{name}` has a block [{block}], and what that does to the force is not known"
+                "`{name}` has a block [{block}], whose effect on the force is not known"
             ));
         }
         let (x, y) = curve.in_units(file.units.as_ref(), &self.units);

@@ -10,8 +10,9 @@ use crate::system::{Parameters, Rows, Scratch, State, System};
 const CLOSED: f64 = 1e-12;
 /// Constraint violation that is accepted if the iteration does not reach [`CLOSED`], as a share of the model's length.
 const OPEN: f64 = 1e-8;
-/// Largest violation of a removed equation, as a share of the model's length, and largest rate of violation, as a share of the largest speed.
-/// When the equation was removed, it agreed with the others within 1e-6; a large motion adds to that.
+/// Largest accepted violation of a constraint equation that was removed as redundant, as a share of the model's length. The limit also
+/// applies to rates of violation and to nonholonomic equations, as a share of the largest speed. An equation is removed if it agrees with
+/// the others within 1e-6; large motions increase the violation, so this limit is wider.
 pub(super) const REMOVED: f64 = 1e-4;
 /// Relative residual allowed in the equation of a variable or a state if the matrix is singular.
 const UNDETERMINED: f64 = 1e-9;

@@ -47,7 +47,7 @@ impl Coordinates {
             system.variables[self.variables[row]].name.to_string()
         } else if row < seen {
             let name = system.freedom_name(row - first);
-            format!("{name}, seen from the RM")
+            format!("{name}, relative to the RM")
         } else {
             system.freedom_name(row - seen)
         }

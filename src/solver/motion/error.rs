@@ -35,7 +35,7 @@ pub enum MotionFailure {
         violation: f64,
     },
     /// A constraint equation that was removed as redundant is violated.
-    #[error("{equation} was redundant and is violated by {violation:.3e} now")]
+    #[error("{equation} was removed as redundant but is now violated by {violation:.3e}")]
     RedundantViolated {
         /// Name of the removed equation.
         equation: String,
@@ -52,14 +52,14 @@ pub enum MotionFailure {
     },
     /// A VARIABLE or the rate of an implicit DIFF is not determined by its equation.
     #[error(
-        "{what} is not determined: its equation does not hold, and does not change with it here"
+        "{what} is not determined: its equation is not satisfied, and does not depend on it in this state"
     )]
     Undetermined {
         /// Name of the VARIABLE or DIFF.
         what: String,
     },
     /// A state or an output depends on the rate of an input, because the input moves a massless part.
-    #[error("{what} depends on the rate of an input, which state matrices do not have")]
+    #[error("{what} depends on the rate of an input, which state matrices cannot represent")]
     InputRate {
         /// Name of the state or output.
         what: String,
@@ -85,7 +85,7 @@ pub enum MotionFailure {
     },
     /// A piecewise function switches between its pieces too often.
     #[error(
-        "the function of {function} switches more than {count} times between two outputs: an IMPACT, an IF or the like in it chatters, or DTOUT is long"
+        "the function of {function} switches more than {count} times between two outputs: an IMPACT, an IF or the like in it chatters, or DTOUT is too long"
     )]
     Chatter {
         /// Name of the statement that contains the function.
@@ -103,7 +103,7 @@ pub enum MotionFailure {
     },
     /// A nonholonomic constraint removes a degree of freedom of the velocities, so the positions follow only from an integration.
     #[error(
-        "{equation} holds velocities: the positions follow from an integration alone, as DYNAMIC and TRANSIENT make it"
+        "{equation} constrains velocities, so positions follow only from an integration: use DYNAMIC or TRANSIENT"
     )]
     HeldVelocities {
         /// Name of the nonholonomic constraint equation.

@@ -35,7 +35,7 @@ impl Integrator<'_> {
         let found = self.measured(&first.z, &first.w, false);
         let start = self.anew || self.within || again;
         if found.size < 1.0 || !start {
-            self.worst = format!("the error is that of {}", self.report_error(found));
+            self.worst = format!("the largest error is that of {}", self.report_error(found));
             return Ok(found.size.max(1e-10));
         }
         // The second filter uses the residual at the state that results from adding the first estimate.
@@ -69,7 +69,7 @@ impl Integrator<'_> {
             .collect();
         let second = self.equations.filtered(system, &self.state, h, r1, g);
         let found = self.measured(&second.z, &second.w, false);
-        self.worst = format!("the error is that of {}", self.report_error(found));
+        self.worst = format!("the largest error is that of {}", self.report_error(found));
         Ok(found.size.max(1e-10))
     }
 }

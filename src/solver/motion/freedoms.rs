@@ -15,11 +15,12 @@ const STEP: f64 = 1e-3;
 /// Time step of the finite differences along the motion, as a share of the time in which parts move by a model length or rotate by a radian.
 const ALONG: f64 = 1e-4;
 
-/// Small motions of the parts in terms of coordinates y and their rates v: `d = Z y`, `dV = V v + U y`, `y' = of_places y + of_rates v`.
+/// Small motions of the parts in terms of coordinates y and their rates v: `d = Z y`, `dV = V v + U y`, `y' = of_places y + of_rates v`. Z,
+/// V and U have one row per unknown of the parts.
 ///
 /// Z is a basis of the motions that the constraint gradients leave free for positions, and V is the basis for velocities. Z and V are equal
-/// unless nonholonomic constraints leave fewer free velocities. U is the change of velocities with positions at fixed v; it is nonzero only for
-/// a moving state.
+/// unless nonholonomic constraints leave fewer free velocities. U is the change of velocities with positions at fixed v; it is nonzero only
+/// for a moving state.
 #[derive(Clone, Debug)]
 pub(super) struct FreedomBases {
     pub Z: DMatrix<f64>,
@@ -27,9 +28,9 @@ pub(super) struct FreedomBases {
     pub U: DMatrix<f64>,
     pub of_places: DMatrix<f64>,
     pub of_rates: DMatrix<f64>,
-    /// Time derivative of V, for `dA = V v' + U y' + V' v + U' y`.
+    /// Time derivative of V, for `dA = V v' + U y' + V' v + U' y`. It has the shape of V.
     pub V_rate: DMatrix<f64>,
-    /// Time derivative of U.
+    /// Time derivative of U, with the shape of U.
     pub U_rate: DMatrix<f64>,
     /// Indices of the candidate coordinates that y consists of; empty for an orthonormal basis.
     pub chosen: Vec<usize>,
@@ -221,9 +222,9 @@ fn along(system: &System, state: &State, h: f64) -> State {
 
 /// Arbitrary bases of the free motions.
 struct FreeBases {
-    /// Basis of the free motions of the positions.
+    /// Basis of the free motions of the positions, one motion per column.
     Z: DMatrix<f64>,
-    /// Basis of the free motions of the velocities, if nonholonomic constraints leave fewer of them.
+    /// Basis of the free motions of the velocities, one motion per column. `None` unless nonholonomic constraints leave fewer of them.
     R: Option<DMatrix<f64>>,
     X: DMatrix<f64>,
     moves: bool,

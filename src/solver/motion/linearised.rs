@@ -9,7 +9,8 @@ use crate::linear::Levels;
 use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, Scratch, State, System};
 
-/// Linearised equations of motion `E u' = F u + B w`, where u = (y, v, s), and w is added to the values of the VARIABLEs.
+/// Linearised equations of motion `E u' = F u + B w`, where u = (y, v, s), and w is added to the values of the VARIABLEs. E and F are
+/// square with the size of u.
 ///
 /// y are the coordinates, v their rates, and s the dynamic states. Small motions of the parts follow from [`FreedomBases`]: `d = Z y`,
 /// `dV = V v + U y`, `dA = V v' + U y' + V' v + U' y`. The force balances, projected onto directions without constraint forces, give v'.
@@ -17,17 +18,17 @@ use crate::system::{Parameters, Scratch, State, System};
 pub(super) struct Linearised {
     pub E: DMatrix<f64>,
     pub F: DMatrix<f64>,
-    /// Input matrix: derivatives with respect to the values w added to the VARIABLEs.
+    /// Input matrix: one row per component of u, and one column per VARIABLE for the value w added to it.
     pub B: DMatrix<f64>,
-    /// Derivatives of the VARIABLEs with respect to u.
+    /// Derivatives of the VARIABLEs (rows) with respect to u (columns).
     pub by_u: DMatrix<f64>,
-    /// Derivatives of the VARIABLEs with respect to u'.
+    /// Derivatives of the VARIABLEs (rows) with respect to u' (columns).
     pub by_rate: DMatrix<f64>,
-    /// Derivatives of the VARIABLEs with respect to the values w added to them.
+    /// Derivatives of the VARIABLEs (rows) with respect to the values w added to them (columns).
     pub by_input: DMatrix<f64>,
-    /// Basis of the small motions of the parts: `d = Z y`.
+    /// Basis Z of the small motions of the parts, `d = Z y`: one row per part unknown, one column per coordinate.
     pub Z: DMatrix<f64>,
-    /// Number of components of v.
+    /// Number of components of v, the rates of the coordinates.
     pub rates: usize,
     /// Length factor of each unknown of the parts: 1 for a translation, the model's length for a rotation.
     pub lengths: DVector<f64>,

@@ -47,7 +47,7 @@ impl Ended<'_> {
         let mut out = Vec::new();
         self.free_motions(scratch, &mut out)?;
         if let Some(most) = self.settings.budget.filter(|_| self.spent) {
-            out.push(format!("MAXIT={most} ended the iteration"));
+            out.push(format!("the iteration reached MAXIT={most}"));
         }
         self.open_joints(scratch, &mut out);
         if self.limited > 0 {
@@ -153,13 +153,14 @@ impl Ended<'_> {
             let gap = g[system.first_equation + k];
             if self.start.redundant.get(k) != Some(&true) && gap.abs() > OPEN * system.length {
                 let equation = system.constraint_equation_name(k);
-                told.push(format!("{equation} is open by {gap:.3} at the start"));
+                told.push(format!("{equation} is violated by {gap:.3} at the start"));
             }
         }
         some(told, out);
     }
 
-    /// Reports bushings, fields and beams whose projected angles are so large that these angles lose their meaning (guide/formats.md 2.7).
+    /// Reports bushings, fields and beams that are rotated by more than 1 rad about x or y of the J marker. The law of such an element is
+    /// not meaningful at these projected angles (guide/formats.md 2.7).
     fn large_angles(&self, scratch: &mut Scratch, out: &mut Vec<String>) {
         let mut here = self.system.at(self.parameters, self.end, scratch);
         here.place_markers();
@@ -192,7 +193,7 @@ impl Ended<'_> {
         let steady = states.filter(|&row| !depends[row] && self.g[row] != 0.0);
         let told = steady.map(|row| {
             format!(
-                "the rate of {} is {:.4e} and depends on nothing here: the state never comes to rest; STATIC_HOLD keeps it at its value in statics",
+                "the rate of {} is a constant {:.4e} here: the state never comes to rest; STATIC_HOLD keeps it at its value in statics",
                 system.equation_name(row),
                 self.g[row]
             )
@@ -209,7 +210,7 @@ impl Ended<'_> {
             .filter(|f| f.program.as_ref().is_some_and(Program::has_branches))
             .map(|f| {
                 format!(
-                    "the function of {} has an IF: no tangent is valid across its jump",
+                    "the function of {} has an IF: its derivative is not valid across the jump",
                     f.owner
                 )
             })

@@ -6,12 +6,12 @@ use crate::mechanics::Vec3;
 use crate::model::MarkerIx;
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
-/// Change of the parameters per unit of a coordinate.
+/// Direction in the space of parameters: the change of each parameter per unit of a coordinate.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Direction {
-    /// Parameters, each with its change per unit.
+    /// Parameters of the system, each with its change per unit.
     pub slots: Vec<(Slot, f64)>,
-    /// Markers that turn on their parts, each with its rotation vector per unit, in radians and in the axes of the marker.
+    /// Markers that rotate on their parts, each with its rotation vector per unit. The vector is in radians and in the axes of the marker.
     pub turns: Vec<(MarkerIx, Vec3)>,
 }
 

@@ -100,7 +100,7 @@ pub(super) fn limit(system: &System, settings: &StaticSettings, dx: &[f64]) -> f
     out
 }
 
-/// Returns the distance by which the centre of a part moved between two states, and the angle by which the part turned.
+/// Returns the distance that the reference point of a part moved between two states, and the angle in radians by which the part rotated.
 pub(super) fn moved(system: &System, a: &State, b: &State, part: PartIx) -> (f64, f64) {
     let shift = system.reference_point(b, part) - system.reference_point(a, part);
     let turn = log(&(a.poses[part.0].R.transpose() * b.poses[part.0].R));

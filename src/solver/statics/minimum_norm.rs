@@ -12,7 +12,8 @@ use crate::system::System;
 /// frames.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreeMotionSpace {
-    /// Basis of the free motions, orthonormal in the scalar product with the [`weights`](Self::weights).
+    /// Basis of the free motions, one list of unknowns per motion. The motions are orthonormal in the scalar product with the
+    /// [`weights`](Self::weights).
     motions: Vec<Vec<f64>>,
     /// Weight of each unknown: 1 for a translation, the square of the model's length for a rotation, 0 for a reaction or a variable.
     weights: Vec<f64>,

@@ -4,13 +4,14 @@ use crate::model::{Marker, Model, Request};
 use crate::system::{NoValue, Parameters, Quantity, Scratch, State, System};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Names of the components of a force, in the order of the element functions of ADAMS: magnitude, x, y, z of the force, then of the torque.
+/// Names of the components of a force and torque: magnitude, x, y, z of the force, then of the torque. The order is that of the element
+/// functions of ADAMS.
 pub const FORCE_COMPONENTS: [&str; 8] = ["FM", "FX", "FY", "FZ", "TM", "TX", "TY", "TZ"];
 
-/// Scalar that is read at an equilibrium, in units of the deck and radians.
+/// Scalar quantity that is read at an equilibrium, in units of the deck and radians.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Probe {
-    /// Force of an element or constraint on its I marker, or torque about the I origin, in ground axes, as in result files.
+    /// Force of an element or constraint on its I marker, or torque about the origin of I. Both are in ground axes, as in result files.
     Force {
         /// Keyword of the statement in capitals.
         kind: String,
@@ -23,7 +24,7 @@ pub enum Probe {
     Function {
         /// Text of the function.
         text: String,
-        /// Markers that the function needs beside those of the deck. Their ids are free in the deck.
+        /// Additional markers that the function needs. No marker of the deck has one of their ids.
         markers: Vec<Marker>,
     },
 }
@@ -34,10 +35,10 @@ pub struct Probes {
     all: Vec<Read>,
 }
 
-/// Quantities that a probe reads.
+/// Source of the value of a probe.
 #[derive(Clone, Debug)]
 enum Read {
-    /// The system has no such element.
+    /// The system does not contain the element.
     Missing,
     One(Quantity),
     Magnitude([Quantity; 3]),
@@ -54,7 +55,8 @@ impl Read {
 }
 
 impl Probes {
-    /// Adds the functions of probes to a model, as requests behind those of the deck, and the markers that they need.
+    /// Adds the functions of probes and the markers that they need to a model. The functions are appended as requests to the requests of
+    /// the deck.
     ///
     /// # Errors
     /// Fails if a text is not a function.
@@ -73,7 +75,8 @@ impl Probes {
         Ok(())
     }
 
-    /// Finds probes in the system of a model to which [`Self::extend`] has added them. `requests` is the number of requests before that.
+    /// Locates probes in the system of a model to which [`Self::extend`] has added them. `requests` is the number of requests before the
+    /// addition.
     pub fn new(all: &[Probe], system: &System, requests: usize) -> Self {
         let mut next = requests;
         let mut of = |probe: &Probe| match probe {
@@ -137,10 +140,10 @@ impl Probes {
         self.all.iter().map(&mut value).collect()
     }
 
-    /// Returns the derivatives along a change of the parameters: one value for each probe. `dx` is the change of the unknowns per unit, of
-    /// [`Tangent::along`](super::Tangent::along).
+    /// Returns the derivatives along a change of the parameters: one value for each probe. `dx` is the change of the unknowns per unit of
+    /// this change, as returned by [`Tangent::along`](super::Tangent::along).
     ///
-    /// A force of zero has no direction; the derivative of its magnitude is zero.
+    /// For a force of zero, the derivative of the magnitude is returned as zero.
     ///
     /// # Errors
     /// Returns [`SolveError::NoValue`] if an element or a function is undefined there.

@@ -67,7 +67,7 @@ pub struct Weak {
 impl FreeMotion {
     fn lacks(&self) -> &'static str {
         match self.weak {
-            Some(_) => "no mass holds it either",
+            Some(_) => "it has no mass there either",
             None => "it has neither stiffness nor mass there",
         }
     }
@@ -195,7 +195,7 @@ pub enum SolveError {
         violation: f64,
     },
     /// The iteration converged, but the forces do not cancel when they are summed again.
-    #[error("the forces of this equilibrium do not cancel when they are summed anew: {0} is left")]
+    #[error("the recomputed forces of this equilibrium do not balance: {0} remains")]
     Unbalanced(Box<Balance>),
     /// An element has no value in this configuration.
     #[error(transparent)]

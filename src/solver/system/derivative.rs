@@ -187,8 +187,8 @@ impl Configuration<'_> {
         }
     }
 
-    /// Adds the derivative of the residual with respect to the y value of a point of a SPLINE: that of each function and element that reads
-    /// the SPLINE.
+    /// Adds the derivative of the residual with respect to the y value of a point of a SPLINE. All functions and elements that read the
+    /// SPLINE contribute.
     fn by_knot(&mut self, point: (usize, usize), dg: &mut [f64]) -> Result<(), NoValue> {
         let (system, parameters) = (self.system, self.parameters);
         let curves = parameters.curves();
@@ -222,7 +222,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Adds the derivative of the residual with respect to a number of a function.
+    /// Adds the derivative of the residual with respect to a number (value, literal or point) of a function.
     fn by_number_of(
         &mut self,
         function: usize,

@@ -119,7 +119,7 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Returns the displacement of I along zj and the rotation of I in J.
+    /// Returns the displacement of the origin of I along zj and the rotation matrix of I in J.
     pub(super) fn joint_place(&self, friction: &JointFriction) -> (f64, Mat3) {
         let motion = self.motion(friction.i, friction.j, friction.pair, false);
         (motion.p_ij_j.z, motion.R_ji)

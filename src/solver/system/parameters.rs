@@ -22,7 +22,7 @@ pub struct Parameters {
     /// Rotation of each marker that is defined by ZP and XP points; REULER cannot change it. `None` for other markers.
     by_points: Vec<Option<Mat3>>,
     carried: Arc<Carried>,
-    /// Curves of the SPLINEs with their y values in theta.
+    /// Curves of the SPLINEs, with the y values that `theta` contains.
     curves: Arc<Curves>,
     splines: Arc<[SplineSlots]>,
 }

@@ -25,7 +25,7 @@ pub(crate) enum FunctionNumber {
     Knot(usize, usize),
 }
 
-/// Additional gradient column of a function: the derivative with respect to one of its numbers.
+/// Additional gradient column of a function: the derivative with respect to one of its numbers (see [`FunctionNumber`]).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seed {
     pub function: usize,

@@ -43,13 +43,13 @@ impl<'a> Estimate<'a> {
         }))
     }
 
-    /// Returns the values of the unknowns at their coordinates.
+    /// Converts coordinates of the unknowns to values.
     pub(crate) fn values(&self, x: &[f64]) -> Vec<f64> {
         let unknowns = self.problem.unknowns.iter().zip(x);
         unknowns.map(|(unknown, x)| unknown.value(*x)).collect()
     }
 
-    /// Returns the coordinates of the unknowns at their values.
+    /// Converts values of the unknowns to coordinates.
     pub(crate) fn coordinates(&self, values: &[f64]) -> Vec<f64> {
         let unknowns = self.problem.unknowns.iter().zip(values);
         unknowns

@@ -1,8 +1,8 @@
 use super::chains::{effective_draws, split_r_hat};
 use admire_identify::{Repeated, Unknown};
 
-/// Summarises the repeated values of an unknown, given chain by chain. Quantiles and widths are those of its coordinate. `estimate` and
-/// `profile` are its estimate and its profile-likelihood interval.
+/// Summarises the repeated values of an unknown, which are given chain by chain. Quantiles and widths are computed for the coordinate of
+/// the unknown. `estimate` is its estimate, and `profile` is its profile-likelihood interval.
 pub(crate) fn spread(
     chains: &[Vec<f64>],
     unknown: &Unknown,

@@ -248,7 +248,7 @@ impl serde::Serialize for Code {
 impl<'de> serde::Deserialize<'de> for Code {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let name = std::borrow::Cow::<str>::deserialize(deserializer)?;
-        let unknown = || serde::de::Error::custom(format!("`{name}` is not a code"));
+        let unknown = || serde::de::Error::custom(format!("`{name}` is not a message code"));
         Self::parse(&name).ok_or_else(unknown)
     }
 }

@@ -15,7 +15,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 .find(|(_, other)| other.name == def.name);
             if let Some((first, _)) = before {
                 let message = format!(
-                    "{} has {} twice; the later one counts",
+                    "{} has {} twice; the later one is used",
                     context.title(statement),
                     def.name
                 );

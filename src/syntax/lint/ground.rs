@@ -21,7 +21,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     };
     for second in grounds {
         let message = format!(
-            "{} is a second ground; there is one, {}",
+            "{} is a second ground part; the first is {}",
             context.title(second),
             context.title(first)
         );

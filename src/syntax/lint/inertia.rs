@@ -34,12 +34,12 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let shown = |value: f64| format!("{value:.4e}").parse::<f64>().unwrap_or(value);
         let fault = if small < -ROUNDING * large {
             format!(
-                "{} is a principal moment of inertia of {title}, and none is below zero",
+                "the principal moment of inertia {} of {title} is negative",
                 shown(small)
             )
         } else if large > (small.max(0.0) + middle) * (1.0 + ROUNDING) {
             format!(
-                "no body has the moments of inertia of {title}: the largest principal moment {} exceeds the sum of the others, {} and {}",
+                "no rigid body can have the moments of inertia of {title}: the largest principal moment {} exceeds the sum of the others, {} and {}",
                 shown(large),
                 shown(middle),
                 shown(small)
@@ -50,7 +50,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             context
                 .warning(Code::ImpossibleInertia, argument.value_span(), fault)
-                .help("IP is Ixx, Iyy, Izz, Ixy, Ixz, Iyz, with products as positive integrals"),
+                .help("IP is Ixx, Iyy, Izz, Ixy, Ixz, Iyz, with Ixy the integral of +x*y dm"),
         );
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             let message = format!("this line has {} columns", text.len());
             let span = Span::new(start + COLUMNS, start + text.len());
             found.push(context.warning(Code::LineTooLong, span, message).help(
-                "the FORTRAN solver reads 80 columns; go on with a line that begins with a comma",
+                "the FORTRAN solver reads 80 columns; continue on a line that begins with a comma",
             ));
         }
         start += line.len() + 1;

@@ -29,7 +29,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             found.push(
                 context
                     .warning(Code::UndefinedId, argument.value_span(), message)
-                    .help("add a MATERIAL statement, or name one that is there"),
+                    .help("add a MATERIAL statement, or name an existing one"),
             );
         }
     }

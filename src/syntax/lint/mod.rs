@@ -122,10 +122,7 @@ fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
     let rest = own.split_off(MOST_OF_A_RULE);
     let worst = rest.iter().map(|d| d.severity).max();
     if let Some(last) = own.last_mut() {
-        last.message = format!(
-            "{} more complaints of {code} are not listed",
-            rest.len() + 1
-        );
+        last.message = format!("{} more messages of {code} are not listed", rest.len() + 1);
         last.severity = last.severity.max(worst.unwrap_or(last.severity));
         last.fix = None;
     }

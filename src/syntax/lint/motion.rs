@@ -38,7 +38,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             if !fits && !kind.is_empty() {
                 let message = match asked {
                     Some(asked) if !freedoms.is_empty() => {
-                        format!("{title} is {asked}, and {} is {kind}", context.title(joint))
+                        format!("{title} is {asked}, but {} is {kind}", context.title(joint))
                     }
                     _ => format!(
                         "{title} drives {}, which is {kind} and cannot be driven",
@@ -63,7 +63,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let freedom = (id("JOINT"), pair, axis);
         if let Some(first) = driven.get(&freedom) {
             let message = format!(
-                "{title} and {} drive the same freedom: one of them is redundant, or they contradict each other",
+                "{title} and {} drive the same degree of freedom: one of them is redundant, or they contradict each other",
                 context.title(first)
             );
             found.push(

@@ -90,7 +90,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             context
                 .warning(Code::NotSolvedInStatics, first.head(), message)
-                .help("the built-in solver uses it only in motion; in statics it exerts nothing"),
+                .help("the built-in solver uses it only in kinematic and dynamic simulations; in statics it exerts no force"),
         );
     }
     for (kind, (count, first)) in inactive {
@@ -99,7 +99,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             context
                 .note(Code::InactiveInStatics, first.head(), message)
-                .help("as its INACTIVE or EFFECT says"),
+                .help("as set by its INACTIVE or EFFECT"),
         );
     }
     for (kind, (count, span)) in users {

@@ -145,7 +145,7 @@ impl Walk<'_> {
                     (
                         Severity::Warning,
                         format!(
-                            "the simulation ends at time {end}, and one before it was to end at {asked}"
+                            "the simulation ends at time {end}, but an earlier one was to end at {asked}"
                         ),
                     )
                 };

@@ -8,11 +8,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         let x = spline.numbers("X");
         for pair in x.windows(2) {
             if pair[1].value <= pair[0].value {
-                let message = format!("the x of {title} do not increase here");
+                let message = format!("the x values of {title} do not increase here");
                 found.push(
                     context
                         .error(Code::SplineNotIncreasing, pair[1].span, message)
-                        .help("sort the points by x, and keep one of each x"),
+                        .help("sort the points by x, and keep only one point for each x"),
                 );
                 break;
             }
@@ -26,7 +26,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             if !x.is_empty() && !y.is_empty() && y.len() != wanted {
                 let message = format!("{title} needs {wanted} values here, not {}", y.len());
                 let help = if rows.len() > 1 {
-                    "a Y of a surface is its z, then one value for each x"
+                    "each Y of a surface begins with its z, followed by one value for each x"
                 } else {
                     "write one value for each x"
                 };
@@ -38,7 +38,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             }
             if let (Some(z), true) = (y.first(), rows.len() > 1) {
                 if z.value <= before {
-                    let message = format!("the z of {title} do not increase here");
+                    let message = format!("the z values of {title} do not increase here");
                     found.push(
                         context
                             .error(Code::SplineNotIncreasing, z.span, message)

@@ -107,10 +107,10 @@ impl Suppressed {
                 None => self.diagnostics.push(
                     Diagnostic::warning(
                         Code::UnknownKey,
-                        format!("`{word}` is not a code of a complaint: nothing is ignored by it"),
+                        format!("`{word}` is not a message code, so nothing is ignored"),
                     )
                     .label(source.name(), said, "")
-                    .help("a complaint shows its code: error[undefined-id]"),
+                    .help("each message shows its code, as in error[undefined-id]"),
                 ),
             }
         }

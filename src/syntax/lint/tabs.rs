@@ -32,13 +32,13 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     };
     let first = Span::new(first, first + 1);
     let message = match count {
-        1 => "a tab stands between words".to_string(),
-        _ => format!("{count} tabs stand between words"),
+        1 => "there is a tab between words".to_string(),
+        _ => format!("there are {count} tabs between words"),
     };
     found.push(
         context
             .note(Code::Tab, first, message)
             .help("the FORTRAN solver counts a tab as one column")
-            .fix("write a blank for each tab", edits, Applicability::Safe),
+            .fix("replace each tab with a blank", edits, Applicability::Safe),
     );
 }

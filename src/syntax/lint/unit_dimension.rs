@@ -18,7 +18,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             }
             for number in argument.numbers().iter().filter(|number| number.degrees) {
                 let message = format!(
-                    "{} of {} is no angle, and the suffix D divides it by 57.3",
+                    "{} of {} is not an angle, but the suffix D divides it by 57.3",
                     def.name,
                     context.title(statement)
                 );

@@ -67,7 +67,7 @@ impl PropertyCurve {
                 diagnostics.push(
                     Diagnostic::error(Code::BadNumber, message)
                         .label(source.name(), *span, "")
-                        .help("the row is left out of the curve as it is"),
+                        .help("this row is left out of the curve"),
                 );
             }
         }

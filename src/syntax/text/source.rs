@@ -170,7 +170,7 @@ pub fn check_size(size: u64, most: u64) -> std::io::Result<()> {
     }
     Err(std::io::Error::new(
         std::io::ErrorKind::FileTooLarge,
-        format!("its {size} bytes are more than the {most} that are read"),
+        format!("it has {size} bytes, more than the limit of {most}"),
     ))
 }
 

@@ -212,7 +212,9 @@ fn went(seed: u64) -> Went {
         }
     }
     let message = crate::run::text(place.path(), "model.msg");
-    if message.contains("Forces summed again") && message.contains("than IMBALANCE and round-off") {
+    if message.contains("Recomputed force balance")
+        && message.contains("than IMBALANCE and round-off")
+    {
         return Went::Wrong("the product does not believe its own balance".to_string());
     }
     let complaint = ran.stdout.split("---- START: ERROR ----").nth(1);

@@ -81,7 +81,8 @@ fn with_knot(case: &Case, x: f64, point: (usize, usize)) -> (f64, f64) {
     (value.expect("a value"), by_knot)
 }
 
-/// Every method and order, inside of a curve and beyond its ends, and several uses of one SPLINE in a function.
+/// Compares the derivatives with differences for every method and order, inside a curve and beyond its ends, and for several uses of one
+/// SPLINE in a function.
 #[test]
 fn derivatives_by_the_points_agree_with_differences() {
     let splines = model().splines;
@@ -128,8 +129,8 @@ fn derivatives_by_the_points_agree_with_differences() {
     assert!(compared > 500, "{compared}");
 }
 
-/// A curve times a factor is that curve of factored points: the derivative along the points is the value itself, also where Akima's weights
-/// vanish.
+/// If all points are multiplied by a common factor, so is the curve. The derivative along the points thus equals the value, even where
+/// Akima's weights vanish.
 #[test]
 fn a_common_factor_of_all_points_scales_the_curve() {
     for text in ["AKISPL(VARVAL(1),0,4)", "AKISPL(VARVAL(1),0,1)"] {

@@ -76,7 +76,11 @@ fn reasons(design: &Design<'_>) -> Vec<String> {
     }
     let size = length.max(2.0 * metre * widest(model));
     if size > 0.0 && mass / size.powi(3) > DENSEST {
-        reasons.push(format!("{} kg are within {} m", short(mass), short(size)));
+        reasons.push(format!(
+            "a mass of {} kg lies within {} m",
+            short(mass),
+            short(size)
+        ));
     }
     let gravity = model.gravity.norm() * metre / units.time.si.powi(2);
     if gravity > 0.0 && !GRAVITY.contains(&(gravity / G0)) {

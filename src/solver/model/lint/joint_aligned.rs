@@ -222,20 +222,28 @@ fn faults(i: &Pose, j: &Pose, wanted: Alignment, size: f64, unit: &str) -> Vec<S
         }
     };
     if wanted.z_along_z {
-        tilt(between(2, 2), 0.0, "the z axes make");
+        tilt(between(2, 2), 0.0, "the angle between the z axes is");
     }
     if wanted.x_along_x {
-        tilt(between(0, 0), 0.0, "the x axes make");
+        tilt(between(0, 0), 0.0, "the angle between the x axes is");
     }
     if wanted.z_parallel {
         let angle = between(2, 2);
-        tilt(angle.min(180.0 - angle), 0.0, "the z axes make");
+        tilt(
+            angle.min(180.0 - angle),
+            0.0,
+            "the angle between the z axes is",
+        );
     }
     if wanted.z_normal {
-        tilt(between(2, 2), 90.0, "the z axes make");
+        tilt(between(2, 2), 90.0, "the angle between the z axes is");
     }
     if wanted.x_normal_y {
-        tilt(between(0, 1), 90.0, "x of I and y of J make");
+        tilt(
+            between(0, 1),
+            90.0,
+            "the angle between x of I and y of J is",
+        );
     }
     faults
 }

@@ -43,11 +43,10 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
             )
         } else if displacement != 0.0 {
             let message = format!(
-                "the initial displacement of {owner} is not applied in statics, which looks for equilibrium from the positions of the parts; a motion begins there"
+                "the initial displacement of {owner} is not applied in statics, which starts from the positions of the parts; kinematic and dynamic simulations use it"
             );
-            Diagnostic::warning(Code::InactiveInStatics, message).help(
-                "place the parts where the search is to start, or hold the joint with a MOTION",
-            )
+            Diagnostic::warning(Code::InactiveInStatics, message)
+                .help("place the parts where statics is to start, or hold the joint with a MOTION")
         } else {
             continue;
         };

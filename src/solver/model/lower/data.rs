@@ -36,11 +36,11 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
         let denominator = reader.reals("DENOMINATOR")?;
         let Some(form) = controllable_form(&numerator, &denominator) else {
             let why = format!(
-                "{} has no states: its denominator needs a power of s, and one as high as its numerator has",
+                "{} has no states: the order of its denominator must be at least 1, and at least that of its numerator",
                 reader.called()
             );
             let diagnostic = Diagnostic::error(Code::OutOfRange, why).help(
-                "NUMERATOR and DENOMINATOR list coefficients, the constant one first; they are no ids of ARRAYs",
+                "NUMERATOR and DENOMINATOR list coefficients, the constant one first; they are not ids of ARRAYs",
             );
             let (source, span) = reader.place("DENOMINATOR");
             reader.complain(diagnostic, source, span);
@@ -180,7 +180,7 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
     let source = files.get(&name)?;
     if !PropertyFile::is_one(source.bytes()) {
         let why = format!(
-            "{} is not solved: `{name}` is no property file in the TeimOrbit form; DAC and RPC files are not read",
+            "{} is not solved: `{name}` is not a property file in the TeimOrbit form; DAC and RPC files are not read",
             reader.called()
         );
         let (source, span) = reader.place("FILE");
@@ -314,15 +314,14 @@ fn request_kind(reader: &mut Reader) -> Option<RequestKind> {
             return Some(RequestKind::Functions(Box::new(functions)));
         }
         None => {
-            return reader.missing(
-                "what it asks for: DISPLACEMENT, VELOCITY, ACCELERATION, FORCE or F2=...",
-            );
+            return reader
+                .missing("a quantity: DISPLACEMENT, VELOCITY, ACCELERATION, FORCE or F2=...");
         }
     };
     match reader.marker("I") {
         Some(i) => Some(kind(i, reader.marker("J"), reader.marker("RM"))),
         None if reader.has("I") => None,
-        None => reader.missing("I, the marker it is about"),
+        None => reader.missing("I, the marker that it measures"),
     }
 }
 

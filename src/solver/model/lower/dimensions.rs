@@ -64,7 +64,7 @@ impl<'a> Sizes<'a> {
             for name in ["I", "J"] {
                 if count(name) != values {
                     let message = format!(
-                        "{}: {name} has {} values and VALUES {values}; each value needs its row and column",
+                        "{}: {name} has {} values but VALUES has {values}; each value needs its row and column",
                         self.called,
                         count(name)
                     );
@@ -79,7 +79,7 @@ impl<'a> Sizes<'a> {
                     .find(|n| n.value < 1.0 || n.value > most as f64);
                 if let Some(number) = beyond {
                     let message = format!(
-                        "{}: {name} names {}, and there are {most}",
+                        "{}: {name} names {}, but there are only {most}",
                         self.called, number.value
                     );
                     self.complain(name, message);
@@ -109,12 +109,12 @@ impl<'a> Sizes<'a> {
                     Diagnostic::warning(
                         Code::WrongCount,
                         format!(
-                            "{}: SIZE = {size}, and {name} has {count} values",
+                            "{}: SIZE = {size}, but {name} has {count} values",
                             self.called
                         ),
                     )
                     .label(source.name(), place, "")
-                    .help(format!("the {count} values count")),
+                    .help(format!("the {count} values are used")),
                 );
             }
         }
@@ -187,7 +187,7 @@ impl<'a> Sizes<'a> {
             ] {
                 if let Some(wanted) = wanted.filter(|wanted| *wanted != has) {
                     let message = format!(
-                        "{}: {name} has {has} {what}, and there are {wanted} {}",
+                        "{}: {name} has {has} {what}, but there are {wanted} {}",
                         self.called,
                         if of == "states" {
                             "states".to_string()
@@ -230,7 +230,7 @@ impl<'a> Sizes<'a> {
     fn array_has(&mut self, argument: &str, wanted: usize, of: &str) {
         if let Some(has) = self.of_array(argument).filter(|has| *has != wanted) {
             let message = format!(
-                "{}: the array of {argument} has {has} elements, and there {} {wanted} {of}",
+                "{}: the array of {argument} has {has} elements, but there {} {wanted} {of}",
                 self.called,
                 if wanted == 1 { "is" } else { "are" }
             );

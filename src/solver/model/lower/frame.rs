@@ -56,7 +56,8 @@ pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Mark
         (None, _) if moves(reader) => PartIx(0),
         (None, Some(before)) => before,
         (None, None) => {
-            reader.missing::<()>("the body it is on: PART=id, or a place behind the PART it is on");
+            reader
+                .missing::<()>("the body it is on: PART=id, or a place in the file after its PART");
             PartIx(0)
         }
     };
@@ -123,9 +124,12 @@ fn orientation(
         let (source, span) = reader.place(if z_point.is_some() { z } else { x });
         let diagnostic = Diagnostic::error(
             Code::OutOfRange,
-            format!("{z} and {x} do not give {} two directions", reader.called()),
+            format!(
+                "{z} and {x} do not define the orientation of {}",
+                reader.called()
+            ),
         )
-        .help("each point must lie apart from the origin, and not both on one line with it");
+        .help("both points must differ from the origin, and must not be collinear with it");
         reader.complain(diagnostic, source, span);
     }
     (R.unwrap_or_else(Mat3::identity), Some(Orientation::Points))

@@ -13,7 +13,7 @@ pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
     let kind = of.kind;
     if !has_friction(kind) {
         let message = format!(
-            "{} is in JOINT/{id}, and a {} joint has no friction",
+            "{} is in JOINT/{id}, but a {} joint cannot have friction",
             reader.called(),
             kind.word()
         );

@@ -124,7 +124,7 @@ impl Lowering<'_> {
         let mut diagnostic = Diagnostic::error(
             Code::DuplicateId,
             format!(
-                "{}/{id} is defined twice; the first one counts",
+                "{}/{id} is defined twice; the first definition is used",
                 statement.kind().unwrap_or_default()
             ),
         )
@@ -136,7 +136,7 @@ impl Lowering<'_> {
         false
     }
 
-    /// Lowers bodies, markers and joints, which other statements refer to by index.
+    /// Lowers a statement if it is a body, marker or joint; other statements refer to these by index. Skips all other statements.
     fn frame(
         &mut self,
         at: usize,
@@ -200,9 +200,9 @@ impl Lowering<'_> {
             self.diagnostics.push(
                 Diagnostic::error(
                     Code::UndefinedId,
-                    "markers are given in each other's frames",
+                    "markers are defined relative to each other in a loop",
                 )
-                .label(source.name(), keyword, "in a circle with this one"),
+                .label(source.name(), keyword, "this marker is part of the loop"),
             );
         }
         for (part, im) in im_parts {

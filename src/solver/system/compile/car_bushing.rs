@@ -88,7 +88,7 @@ impl SystemCompiler<'_> {
         self.damp((c != Vec6::zeros()).then(|| Damping::Matrix(Box::new(C))));
     }
 
-    /// Returns the indices of a bushing's curves. The error is the reason why the objects are unsuitable.
+    /// Returns the index of the curve of each axis of a bushing. The error is the reason why the objects are unsuitable.
     fn curves(&mut self, car: &CarField) -> Result<[usize; 6], String> {
         let programs = &self.programs;
         let array = |id| programs.numbers(id).unwrap_or_default().to_vec();

@@ -18,12 +18,12 @@ impl SystemCompiler<'_> {
                 Diagnostic::warning(
                     Code::InactiveInStatics,
                     format!(
-                        "{owner} holds velocities, which are zero in statics: it is left out there"
+                        "{owner} constrains velocities, which are zero in statics: it is left out there"
                     ),
                 )
                 .about(owner.object())
                 .help(
-                    "what it keeps from slipping in a motion is held by nothing in an equilibrium",
+                    "slip that it prevents in a dynamic simulation is not prevented in statics",
                 ),
             );
         }

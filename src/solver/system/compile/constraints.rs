@@ -180,7 +180,7 @@ impl SystemCompiler<'_> {
                 self.diagnostics.push(
                     Diagnostic::warning(
                         Code::InactiveInStatics,
-                        format!("{owner} prescribes a rate, which has no static meaning: it is held at {held}"),
+                        format!("{owner} prescribes a velocity or acceleration, which has no meaning in statics: its displacement is held at {held}"),
                     )
                     .about(owner.object())
                     .help("give the displacement as a function of TIME"),

@@ -45,7 +45,7 @@ impl SystemCompiler<'_> {
             if !whole {
                 let owner = name("NFORCE", &n.header);
                 let message = format!(
-                    "{owner} does not have numbers for its {} markers",
+                    "the arrays of {owner} do not have the size for its {} markers",
                     n.i.len()
                 );
                 self.diagnostics

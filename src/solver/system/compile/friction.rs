@@ -18,10 +18,10 @@ impl SystemCompiler<'_> {
                 self.diagnostics.push(
                     Diagnostic::warning(
                         Code::NotSolvedInStatics,
-                        format!("{owner} exerts nothing in statics: its surfaces are at rest, and its stiction is not deformed"),
+                        format!("{owner} exerts no friction in statics: its surfaces are at rest, and its stiction is not deformed"),
                     )
                     .about(owner.object())
-                    .help("a motion has it, and begins with undeformed stiction after a static solution; what ADAMS exerts in statics is not documented; INACTIVE=STATIC states that it is zero"),
+                    .help("kinematic and dynamic simulations include it, and start with undeformed stiction after a static solution; what ADAMS does in statics is not documented; INACTIVE=STATIC turns it off there"),
                 );
             }
             let (i, j) = (joint.i.0, joint.j.0);

@@ -42,7 +42,7 @@ impl SystemCompiler<'_> {
                 if !self.model.is_off(owner.kind, owner.id) {
                     self.users.push(owner.clone());
                 }
-                let effect = effect_of(owner.kind).unwrap_or("others read it");
+                let effect = effect_of(owner.kind).unwrap_or("other functions read it");
                 let diagnostic = Diagnostic::error(
                     Code::UserSubroutine,
                     format!("{owner} calls a user-written subroutine: {text}; {effect}"),
@@ -123,7 +123,8 @@ impl SystemCompiler<'_> {
         }
     }
 
-    /// Makes parameters of the y values of the SPLINEs that functions and elements read. Surfaces and points of a property file are kept.
+    /// Adds the y values of the SPLINEs that functions and elements read to the parameters. Surfaces and points from a property file are
+    /// not parameters.
     pub(super) fn splines(&mut self) {
         let none = (GroupDimensions::Same(Dimension::NONE), f64::NEG_INFINITY);
         let curves = self.programs.curves();

@@ -36,7 +36,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
             ParameterSource::Rate(drive) if !system.reads().only_time(drive.function) => refuse(
                 &joint.name,
                 format!(
-                    "{} prescribes a rate that depends on more than the time: it is not integrated",
+                    "{} prescribes a velocity or acceleration that depends on more than TIME, which is not integrated",
                     joint.name
                 ),
             ),
@@ -69,7 +69,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
 
 fn reading(owner: &Name, what: &str) -> String {
     format!(
-        "the function of {owner} reads {what}: in motion it may know places, the time, and dynamic states and variables of these, that of a GCON velocities too"
+        "the function of {owner} reads {what}: in kinematic and dynamic simulations it may read only positions, TIME, and states and variables that depend on these; that of a GCON also velocities"
     )
 }
 
