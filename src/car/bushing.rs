@@ -17,20 +17,42 @@ pub struct Curve {
     pub y: Vec<f64>,
 }
 
-/// Force law that is odd in the deflection: stiffness times u, plus terms c sign(u) |u|^p.
+/// Force law that is odd in the deflection: stiffness times u, plus further terms.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct OddLaw {
     /// Stiffness at zero deflection.
     pub stiffness: f64,
-    /// Further terms: power p and coefficient c of each.
-    pub terms: Vec<(i32, f64)>,
+    /// Further terms.
+    pub terms: Vec<OddTerm>,
+}
+
+/// Term of a force law that begins at a deflection: `c sgn(u) max(0, |u| - from)^power`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct OddTerm {
+    /// Deflection at which the term begins.
+    pub from: f64,
+    /// Power of the deflection beyond `from`.
+    pub power: i32,
+    /// Coefficient c.
+    pub coefficient: f64,
+}
+
+impl OddTerm {
+    /// Returns a power of the whole deflection.
+    pub const fn power(power: i32, coefficient: f64) -> Self {
+        Self {
+            from: 0.0,
+            power,
+            coefficient,
+        }
+    }
 }
 
 impl OddLaw {
     /// Returns the force at a deflection.
     pub fn force(&self, deflection: f64) -> f64 {
         let size = deflection.abs();
-        let term = |(power, factor): &(i32, f64)| factor * size.powi(*power);
+        let term = |t: &OddTerm| t.coefficient * (size - t.from).max(0.0).powi(t.power);
         let sum: f64 = self.terms.iter().map(term).sum();
         self.stiffness * deflection + if deflection < 0.0 { -sum } else { sum }
     }
@@ -147,11 +169,11 @@ mod tests {
     fn a_written_bushing_reads_back_in_any_units() {
         let law = OddLaw {
             stiffness: 1200.0,
-            terms: vec![(3, 55.5), (5, -0.25)],
+            terms: vec![OddTerm::power(3, 55.5), OddTerm::power(5, -0.25)],
         };
         let torque = OddLaw {
             stiffness: 8.0e5,
-            terms: vec![(2, 1e6)],
+            terms: vec![OddTerm::power(2, 1e6)],
         };
         let mut property = BushingProperty {
             damping: [1.5, 0.0, 0.0, 200.0, 0.0, 0.0],
@@ -195,7 +217,7 @@ mod tests {
     fn an_odd_law_is_odd() {
         let law = OddLaw {
             stiffness: 2.0,
-            terms: vec![(3, -3.0), (2, 1.0)],
+            terms: vec![OddTerm::power(3, -3.0), OddTerm::power(2, 1.0)],
         };
         for u in [0.0, 0.5, 2.0] {
             let expected = 2.0 * u - 3.0 * u * u * u + u * u;

@@ -49,7 +49,7 @@ mod word_change;
 mod write_back;
 
 pub use assembly::Assembly;
-pub use bushing::{BushingProperty, Curve, OddLaw};
+pub use bushing::{BushingProperty, Curve, OddLaw, OddTerm};
 pub use check::check;
 pub use diff::diff;
 pub use edit::{set, set_number};

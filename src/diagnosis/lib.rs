@@ -77,6 +77,7 @@ mod wheel_run;
 pub use base_fit::fit_without_effects;
 pub use candidate_effect::CandidateEffect;
 pub use cause::Cause;
+pub use causes::progressive_stiffness::{LARGEST_DEFLECTION, STIFFNESS_RISES, spline_terms};
 pub use channel_miss::ChannelMiss;
 pub use corrected_number::CorrectedNumber;
 pub use cross_validation::{CrossValidation, GroupGain};

@@ -1,6 +1,6 @@
 //! Numbers of a deck that a subsystem of Adams/Car states for a bushing. The bushing is a BUSHING, or a FIELD that Adams/Car writes.
 
-use admire_car::{BushingProperty, Curve, OddLaw};
+use admire_car::{BushingProperty, Curve, OddLaw, OddTerm};
 use admire_solver::function::akima_value;
 use admire_solver::model::{Bushing, ElasticPair, MarkerIx, Model, PairForce};
 use admire_syntax::Address;
@@ -11,8 +11,8 @@ use admire_syntax::car_field::{CarAxis, CarField};
 pub(super) struct LearnedTerm {
     /// Component, 0 to 5.
     pub(super) axis: usize,
-    /// Powers of the deflection with their coefficients. Every term is odd in the deflection.
-    pub(super) terms: Vec<(i32, f64)>,
+    /// Terms that are added to the law of the deck.
+    pub(super) terms: Vec<OddTerm>,
     /// Largest deflection of the component in any load case.
     pub(super) range: f64,
 }

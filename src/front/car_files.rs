@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use admire_car::{BushingChange, HardpointMove, NotWritten, Side, Subsystem, WriteBack};
-use admire_diagnosis::{Cause, Finding, Outcome};
+use admire_car::{BushingChange, HardpointMove, NotWritten, OddTerm, Side, Subsystem, WriteBack};
+use admire_diagnosis::{
+    Cause, Finding, LARGEST_DEFLECTION, Outcome, STIFFNESS_RISES, spline_terms,
+};
 use admire_identify::{Fit, LoadedStudy};
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{MarkerIx, Model, lower};
@@ -229,10 +231,7 @@ impl<'a> Subject<'a> {
         let element = elements.iter().find(|one| one.owns(&finding.address))?;
         let axis = element.component(&finding.address)?;
         self.link.bushings.get(&element.statement)?;
-        let terms = [("quadratic", 2), ("cubic", 3), ("quintic", 5)]
-            .into_iter()
-            .filter_map(|(name, power)| Some((power, *finding.parameters.get(name)?)))
-            .collect();
+        let terms = learned_terms(&finding.parameters);
         let states = outcome.extended.states.iter();
         let range = states
             .map(|state| deflected(deck, element.pair, &state.poses)[axis].abs())
@@ -376,6 +375,25 @@ fn subsystem_name(subsystem: &Subsystem) -> String {
     let path = Path::new(subsystem.file.source().name());
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
+}
+
+/// Returns the terms of a progressive law from the parameters of its finding.
+fn learned_terms(parameters: &BTreeMap<String, f64>) -> Vec<OddTerm> {
+    let of = |name: &str| parameters.get(name).copied();
+    if let Some(largest) = of(LARGEST_DEFLECTION) {
+        let rises = STIFFNESS_RISES.map(|name| of(name).unwrap_or(0.0));
+        return spline_terms(largest, rises)
+            .map(|[from, coefficient]| OddTerm {
+                from,
+                power: 2,
+                coefficient,
+            })
+            .to_vec();
+    }
+    let powers = [("quadratic", 2), ("cubic", 3)].into_iter();
+    powers
+        .filter_map(|(name, power)| Some(OddTerm::power(power, of(name)?)))
+        .collect()
 }
 
 /// Returns the deflection of a bushing at these poses of the parts.

@@ -1,12 +1,12 @@
 //! Tables of detection limits.
 
-use super::ranking::unit;
+use super::ranking::{is_rotation, unit};
 use super::{Align, Scene, Table, number, short_unit};
-use admire_diagnosis::{Cause, CauseLimit, Diagnosis};
+use admire_diagnosis::{Cause, CauseLimit, Diagnosis, STIFFNESS_RISES};
 use admire_identify::LoadedStudy;
 
 /// Parameters of higher-order terms of force laws. Their limits are omitted, because the limit of the first term is more informative.
-const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];
+const HIGHER: [&str; 3] = ["quadratic", "hardening", "growth"];
 
 /// Tabulates the detection limits of the hardpoints.
 pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
@@ -45,15 +45,16 @@ pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Sce
         let argument = limit.address.split('.').nth(1).unwrap_or_default();
         let name = match limit.cause {
             Cause::ElementParameter => format!("{own} of {argument}"),
-            _ if argument == "KT" => format!("{own}, rotation"),
+            _ if is_rotation(&limit.address) => format!("{own}, rotation"),
             _ => own.to_string(),
         };
         (limit.cause, name)
     };
     let mut known: Vec<(Cause, String)> = Vec::new();
     for limit in all {
-        let is_shown =
-            limit.cause != Cause::BushingCoupling && !HIGHER.contains(&limit.number.as_str());
+        let own = limit.number.as_str();
+        let is_higher = HIGHER.contains(&own) || STIFFNESS_RISES.contains(&own);
+        let is_shown = limit.cause != Cause::BushingCoupling && !is_higher;
         if is_shown && !known.contains(&of(limit)) {
             known.push(of(limit));
         }

@@ -2,7 +2,7 @@
 
 use super::scene::Scene;
 use super::{Align, Table, escape, number, short_unit};
-use admire_diagnosis::{Cause, Diagnosis, Finding};
+use admire_diagnosis::{Cause, Diagnosis, Finding, LARGEST_DEFLECTION, STIFFNESS_RISES};
 use admire_identify::LoadedStudy;
 use admire_identify::settings::UNIDENTIFIABLE_LN_SD;
 use admire_syntax::Address;
@@ -175,11 +175,19 @@ fn of_coupling(name: &str, force: &str, length: &str) -> String {
     }
 }
 
+/// Returns true for the address of a rotational component of a BUSHING or FIELD.
+pub(super) fn is_rotation(address: &str) -> bool {
+    address.contains(".KT")
+        || [".TX", ".TY", ".TZ"]
+            .iter()
+            .any(|end| address.ends_with(end))
+}
+
 /// Returns the unit of a parameter of a cause; empty if the parameter is dimensionless, or if only the deck defines its unit.
 pub(super) fn unit(cause: Cause, address: &str, name: &str, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let (force, length) = (units.force.word, units.length.word);
-    let turns = address.contains(".KT");
+    let turns = is_rotation(address);
     let power = |power: u32| {
         if turns {
             format!("{force}-{length}/rad^{power}")
@@ -200,10 +208,13 @@ pub(super) fn unit(cause: Cause, address: &str, name: &str, loaded: &LoadedStudy
         _ if cause == Cause::BushingCoupling => of_coupling(name, force, length),
         "quadratic" => power(2),
         "cubic" | "hardening" => power(3),
-        "quintic" => power(5),
         "compliance" => format!("{length}/{force}"),
         "force" | "asymmetry" | "law_misfit" if turns => format!("{force}-{length}"),
         "force" | "asymmetry" | "law_misfit" => force.to_string(),
+        "anchor" | LARGEST_DEFLECTION if turns => "rad".to_string(),
+        LARGEST_DEFLECTION => length.to_string(),
+        _ if STIFFNESS_RISES.contains(&name) && turns => format!("{force}-{length}/rad"),
+        _ if STIFFNESS_RISES.contains(&name) => format!("{force}/{length}"),
         "stiffness" if turns => format!("{force}-{length}/rad"),
         "stiffness" | "contact" => format!("{force}/{length}"),
         // The unit of a deck parameter follows from its argument.
@@ -215,7 +226,6 @@ pub(super) fn unit(cause: Cause, address: &str, name: &str, loaded: &LoadedStudy
             Some("LENGTH") => length.to_string(),
             _ => String::new(),
         },
-        "anchor" if turns => "rad".to_string(),
         "anchor" | "clearance_shift" | "play" | "sigma" => length.to_string(),
         "rx" | "ry" | "rz" => "rad".to_string(),
         _ if name.starts_with("angle_") => "rad".to_string(),

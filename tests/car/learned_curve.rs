@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use admire_car::{BushingProperty, OddLaw};
+use admire_car::{BushingProperty, OddLaw, OddTerm};
 use admire_session::{FilePolicy, read_files};
 use admire_solver::model::Model;
 use admire_solver::system::{Scratch, System};
@@ -40,15 +40,15 @@ fn a_learned_curve_reads_back_to_its_law() {
     let folder = tempfile::tempdir().unwrap();
     let cubic = OddLaw {
         stiffness: 900.0,
-        terms: vec![(3, 300.0)],
+        terms: vec![OddTerm::power(3, 300.0)],
     };
     let mixed = OddLaw {
         stiffness: 400.0,
-        terms: vec![(3, 80.0), (5, 10.0)],
+        terms: vec![OddTerm::power(3, 80.0), OddTerm::power(5, 10.0)],
     };
     let quadratic = OddLaw {
         stiffness: 2.0e5,
-        terms: vec![(2, 3.0e6)],
+        terms: vec![OddTerm::power(2, 3.0e6)],
     };
     let linear = OddLaw {
         stiffness: 1500.0,

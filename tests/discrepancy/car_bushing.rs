@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use admire_diagnosis::{Cause, GainCheck, Progress, Verdict, diagnose_watched, held_out};
+use admire_diagnosis::{
+    Cause, Finding, GainCheck, LARGEST_DEFLECTION, Progress, STIFFNESS_RISES, Verdict,
+    diagnose_watched, held_out, spline_terms,
+};
 use admire_identify::LoadedStudy;
 use admire_rig::{RigOptions, effect::EffectSpec, virtual_rig};
 
@@ -56,12 +59,9 @@ fn measured(folder: &Path, effects: &[&str], sigma: Option<f64>) -> Vec<(String,
 }
 
 /// Measures the shipped axle with the FIELD and these effects, and diagnoses it. `added` is added to
-/// `study.toml`. Returns verdict, and cause, address and probability of the findings.
-fn named(
-    (truth, model): (&str, &str),
-    effects: &[&str],
-    added: &str,
-) -> (Verdict, Vec<(Cause, String, f64)>) {
+/// `study.toml`. Returns the verdict, and the findings
+/// that are not minor.
+fn named((truth, model): (&str, &str), effects: &[&str], added: &str) -> (Verdict, Vec<Finding>) {
     let folder = study(truth);
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
     for (name, bytes) in measured(folder.path(), effects, Some(SIGMA)) {
@@ -80,12 +80,9 @@ fn named(
     .expect("an answer");
     let diagnosis = outcome.diagnosis;
     let findings = diagnosis.findings.into_iter();
-    let findings = findings.filter(|finding| !finding.minor);
     (
         diagnosis.verdict,
-        findings
-            .map(|f| (f.cause, f.address, f.probability))
-            .collect(),
+        findings.filter(|finding| !finding.minor).collect(),
     )
 }
 
@@ -102,13 +99,51 @@ fn rubber_that_stiffens_is_found_in_a_field_of_adams_car() {
         "",
     );
     assert_eq!(verdict, Verdict::Discrepancy, "{findings:?}");
-    let (cause, address, probability) = &findings[0];
+    let first = &findings[0];
     assert_eq!(
-        (*cause, address.as_str()),
+        (first.cause, first.address.as_str()),
         (Cause::ProgressiveStiffness, "FIELD/9.FY"),
         "{findings:?}"
     );
-    assert!(*probability > 0.9, "{findings:?}");
+    assert!(first.probability > 0.9, "{findings:?}");
+}
+
+/// Rubber whose stiffness falls to 60 percent within a band of deflections is no power law. The law that is found has the force of the real one.
+#[test]
+fn rubber_that_softens_within_a_band_is_found_with_its_law() {
+    // The stiffness falls as a cosine between 0.6 and 1.4 mm.
+    let (from, to, lost) = (0.6, 1.4, 0.4);
+    let force = |x: f64| {
+        let beyond = (x.abs() - from).clamp(0.0, to - from);
+        let w = std::f64::consts::PI / (to - from);
+        let lost_force = 0.5 * (beyond - (w * beyond).sin() / w) + (x.abs() - to).max(0.0);
+        RADIAL * (x.abs() - lost * lost_force) * x.signum()
+    };
+    let deck = |name: &str, law: &dyn Fn(f64) -> f64| {
+        with_field(&shipped(name), 3, "axle.top_mount", Some(law))
+    };
+    let (truth, model) = (
+        deck("reference.adm", &force),
+        deck("model.adm", &|x| RADIAL * x),
+    );
+    let (_, findings) = named((&truth, &model), &[], "");
+    let mut laws = findings.iter();
+    let found = laws
+        .find(|f| f.cause == Cause::ProgressiveStiffness && f.address == "FIELD/9.FY")
+        .unwrap_or_else(|| panic!("{findings:?}"));
+    assert!(found.probability > 0.9, "{findings:?}");
+    let largest = found.parameters[LARGEST_DEFLECTION];
+    let terms = spline_terms(largest, STIFFNESS_RISES.map(|name| found.parameters[name]));
+    for k in 1..=6 {
+        let u = largest * f64::from(k) / 6.0;
+        let added = terms.iter().map(|[a, c]| c * (u - a).max(0.0).powi(2));
+        let law = RADIAL * u + added.sum::<f64>();
+        assert!(
+            (law - force(u)).abs() < 0.05 * force(largest),
+            "{u}: {law} {} {found:?}",
+            force(u)
+        );
+    }
 }
 
 /// A FIELD with straight curves is the BUSHING with the same stiffnesses. Every effect at the FIELD gives the readings of that effect at the
@@ -213,7 +248,10 @@ fn errors_of_a_field_are_named_at_the_field() {
         ),
     ] {
         let (verdict, findings) = named((&deck, &deck), &[effect], added);
-        let found: Vec<_> = findings.iter().map(|f| (f.0, f.1.as_str())).collect();
+        let found: Vec<_> = findings
+            .iter()
+            .map(|f| (f.cause, f.address.as_str()))
+            .collect();
         assert_eq!(
             found,
             [(cause, address)],

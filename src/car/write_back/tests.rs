@@ -1,5 +1,5 @@
 use super::*;
-use crate::bushing::OddLaw;
+use crate::bushing::{OddLaw, OddTerm};
 use admire_syntax::diff::{DiffKind, DiffTolerance};
 
 const FRONT: &str = "$---MDI_HEADER\r\n[MDI_HEADER]\r\n FILE_TYPE  =  'sub'\r\n$---UNITS\r\n[UNITS]\r\n LENGTH  =  'mm'\r\n FORCE   =  'newton'\r\n ANGLE   =  'deg'\r\n\
@@ -200,7 +200,7 @@ fn two_sides_of_a_bushing_that_differ_become_two_blocks() {
 fn a_learned_curve_is_a_file_that_the_subsystem_names() {
     let law = OddLaw {
         stiffness: 900.0,
-        terms: vec![(3, 120.0)],
+        terms: vec![OddTerm::power(3, 120.0)],
     };
     let mut property = BushingProperty::default();
     property.curves[0] = Some(law.curve(2.0));

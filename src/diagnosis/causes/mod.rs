@@ -19,7 +19,7 @@ mod link_compliance;
 mod load_crosstalk;
 mod load_gain;
 mod load_point_error;
-mod progressive_stiffness;
+pub(super) mod progressive_stiffness;
 mod stop_contact;
 
 use super::candidate_effect::CandidateEffect;
