@@ -278,5 +278,8 @@ fn the_page_of_a_comparison_shows_the_difference() {
     assert_eq!(seen.pictures.len(), 8);
     accessible(&path, &seen);
     let page = std::fs::read_to_string(&path).unwrap();
-    assert!(page.contains("most of all ") && page.contains(", second less first"));
+    assert!(
+        page.contains("most of all, relative to its size, ")
+            && page.contains("Difference: after.res minus before.res")
+    );
 }
