@@ -254,7 +254,7 @@ fn lines(page: &mut Page, found: &Plan) {
     });
     let wheel = found.curves.iter().map(|curves| {
         format!(
-            "Predicted at {} to {} deg of toe and {} deg of camber (one standard deviation)",
+            "{}: toe to {} deg, camber to {} deg (one standard deviation)",
             curves.wheel,
             two_digits(curves.sd.toe_deg),
             two_digits(curves.sd.camber_deg)
