@@ -15,6 +15,8 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Largest number of columns that are drawn.
 const MAX_DRAWN: usize = 4;
+/// Relative difference below which two curves lie on each other, so that only their difference shows anything.
+const SEPARATE_CURVES: f64 = 0.2;
 /// Largest number of columns in the table of differences that is not folded.
 const MAX_LISTED: usize = 20;
 
@@ -35,7 +37,7 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
     };
     let worst = worst_first(comparison);
     let title = names.join(" and ");
-    let mut page = Page::new("Comparison", &title, &answer(comparison, &worst));
+    let mut page = Page::new("Comparison", &title, &answer(comparison, &worst, &names));
     page.origin(&[
         (
             "Files",
@@ -52,7 +54,7 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
         ("Made by", format!("admire {VERSION}")),
     ]);
     page.meaning();
-    let drawn: Vec<&ColumnDifference> = worst.iter().copied().take(MAX_DRAWN).collect();
+    let drawn = of_each_unit(&worst);
     if !drawn.is_empty() {
         let figures = figures(files, &names, &drawn);
         page.figures(&figures?);
@@ -95,6 +97,9 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
     ]);
     if !worst.is_empty() {
         page.table(&differences(&worst[..worst.len().min(MAX_LISTED)], &names));
+        page.note(
+            "The largest difference of each column, at that time, with the values of both files. Of its size: in percent of the larger of the two values.",
+        );
     }
     if worst.len() > MAX_LISTED {
         page.detail("All columns beyond the tolerance");
@@ -119,15 +124,43 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{end}")
 }
 
-/// Returns the columns beyond the tolerance, the one with the largest relative difference first.
+/// Returns the difference of a column where it is worst, relative to the larger of the two values there. The largest relative difference of all
+/// steps says little: where a curve crosses zero, it reaches 200 percent.
+fn of_its_size(column: &ColumnDifference) -> f64 {
+    column.worst.map_or(0.0, |worst| {
+        let (difference, size) = ((worst.a - worst.b).abs(), worst.a.abs().max(worst.b.abs()));
+        if difference.is_finite() && size > 0.0 {
+            difference / size
+        } else {
+            f64::INFINITY
+        }
+    })
+}
+
+/// Returns the columns beyond the tolerance, the one with the largest difference relative to its size first.
 fn worst_first(comparison: &Comparison) -> Vec<&ColumnDifference> {
     let columns = comparison.columns.iter();
     let mut worst: Vec<&ColumnDifference> = columns.filter(|column| column.beyond > 0).collect();
-    worst.sort_by(|a, b| b.largest_relative.total_cmp(&a.largest_relative));
+    worst.sort_by(|a, b| of_its_size(b).total_cmp(&of_its_size(a)));
     worst
 }
 
-fn answer(comparison: &Comparison, worst: &[&ColumnDifference]) -> String {
+/// Returns the columns to draw, from columns in the order of their differences: the worst of each unit, then the next ones. So the picture of
+/// a displacement stands beside that of an angle and a force, not beside three more displacements.
+fn of_each_unit<'c>(worst: &[&'c ColumnDifference]) -> Vec<&'c ColumnDifference> {
+    let is_first = |k: usize| {
+        worst[..k]
+            .iter()
+            .all(|before| before.units != worst[k].units)
+    };
+    let (mut first, rest): (Vec<usize>, Vec<usize>) = (0..worst.len()).partition(|k| is_first(*k));
+    first.extend(rest);
+    first.truncate(MAX_DRAWN);
+    first.sort_unstable();
+    first.into_iter().map(|k| worst[k]).collect()
+}
+
+fn answer(comparison: &Comparison, worst: &[&ColumnDifference], names: &[String; 2]) -> String {
     let Some(first) = worst.first() else {
         return if comparison.agrees() {
             "The two files agree.".to_string()
@@ -138,11 +171,17 @@ fn answer(comparison: &Comparison, worst: &[&ColumnDifference]) -> String {
     let largest = number(first.largest, Some(0.1 * first.largest));
     let unit = unit(first);
     let at = first.worst.map_or_else(String::new, |worst| {
-        format!(", at time {}", number(worst.time, None))
+        let [a, b] = [worst.a, worst.b].map(|value| number(value, Some(0.1 * first.largest)));
+        format!(
+            " at time {} ({a} in {}, {b} in {})",
+            number(worst.time, None),
+            names[0],
+            names[1]
+        )
     });
     format!(
-        "{} of {} differ; most of all {}, by {}{at}.",
-        counted(worst.len(), "column"),
+        "{} of {} differ; most of all, relative to its size, {}: by {}{at}.",
+        worst.len(),
         counted(comparison.columns.len(), "column"),
         first.path,
         format!("{largest} {unit}").trim_end()
@@ -155,8 +194,8 @@ fn differences(columns: &[&ColumnDifference], names: &[String; 2]) -> Table {
     let mut table = Table::new(&[
         ("column", Align::Left),
         ("unit", Align::Left),
-        ("largest difference", Align::Right),
-        ("relative", Align::Right),
+        ("difference", Align::Right),
+        ("of its size", Align::Right),
         ("steps beyond", Align::Right),
         ("at time", Align::Right),
         (a.as_str(), Align::Right),
@@ -176,8 +215,8 @@ fn differences(columns: &[&ColumnDifference], names: &[String; 2]) -> Table {
             format!(
                 "{} %",
                 number(
-                    100.0 * column.largest_relative,
-                    Some(10.0 * column.largest_relative)
+                    100.0 * of_its_size(column),
+                    Some(10.0 * of_its_size(column))
                 )
             ),
             column.beyond.to_string(),
@@ -189,7 +228,7 @@ fn differences(columns: &[&ColumnDifference], names: &[String; 2]) -> Table {
     table
 }
 
-/// Draws columns of both files over time, and their differences below.
+/// Draws columns of both files over time, and their differences where the curves nearly coincide.
 fn figures(
     files: [&Path; 2],
     names: &[String; 2],
@@ -208,13 +247,14 @@ fn figures(
         .iter()
         .map(|column| overlay(column, names, &read))
         .collect();
-    // Pairs of columns are shown side by side: the overlays in one row, the differences below them.
-    for pair in both.chunks(2).zip(columns.chunks(2)) {
-        for chart in pair.0 {
-            out.push(Figure::chart(chart, "").map_err(failed)?);
-        }
-        for (chart, column) in pair.0.iter().zip(pair.1) {
-            out.push(Figure::chart(&difference(chart, column), "").map_err(failed)?);
+    // The difference stands beside the two curves. Curves that are far apart show it themselves.
+    let apart = columns
+        .iter()
+        .all(|column| of_its_size(column) > SEPARATE_CURVES);
+    for (chart, column) in both.iter().zip(columns) {
+        out.push(Figure::chart(chart, "").map_err(failed)?);
+        if !apart {
+            out.push(Figure::chart(&difference(chart, column, names), "").map_err(failed)?);
         }
     }
     Ok(out)
@@ -277,17 +317,23 @@ fn overlay(column: &ColumnDifference, names: &[String; 2], read: &[Rows]) -> Cha
                 Series::new(name, style, points.collect())
             });
     let series: Vec<Series> = series.collect();
+    let quantity = column
+        .path
+        .rsplit('.')
+        .next()
+        .unwrap_or_default()
+        .replace('_', " ");
     Chart {
         title: column.path.clone(),
         x,
-        y: axis_label("value", &unit(column)),
+        y: axis_label(&quantity, &unit(column)),
         series,
         ..Chart::default()
     }
 }
 
 /// Draws the difference of the two curves of an overlay, step by step.
-fn difference(overlay: &Chart, column: &ColumnDifference) -> Chart {
+fn difference(overlay: &Chart, column: &ColumnDifference, [a, b]: &[String; 2]) -> Chart {
     let points = match overlay.series.as_slice() {
         [a, b] => {
             let pairs = a.points.iter().zip(&b.points);
@@ -296,7 +342,7 @@ fn difference(overlay: &Chart, column: &ColumnDifference) -> Chart {
         _ => Vec::new(),
     };
     Chart {
-        title: format!("{}, second less first", column.path),
+        title: format!("Difference: {b} minus {a}"),
         x: overlay.x.clone(),
         y: axis_label("difference", &unit(column)),
         series: vec![Series::new("difference", SeriesStyle::LinePoints, points)],

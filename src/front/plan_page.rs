@@ -2,11 +2,11 @@
 
 use admire_design::{Combination, Plan, Ranked, Undecided};
 use admire_identify::LoadedStudy;
-use admire_report::{Align, Bars, Figure, Page, Scene, Table, VERSION};
+use admire_report::{Align, Bars, Figure, Page, Scene, Table, VERSION, number};
 use admire_results::Timestamp;
 
 /// Largest number of candidates in a bar chart.
-const MAX_BARS: usize = 10;
+const MAX_BARS: usize = 6;
 /// Smallest increase of a probability that counts as a gain.
 pub(crate) const MIN_PROBABILITY_GAIN: f64 = 0.005;
 
@@ -56,6 +56,19 @@ pub(crate) fn percent(value: f64) -> String {
     format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
 }
 
+/// Mark of a load outside the range of the study's cases, in the name of a candidate.
+const BEYOND: &str = "(beyond)";
+
+/// Returns the name of a candidate as it stands in a sentence.
+fn in_words(what: &str) -> String {
+    what.replace(BEYOND, "(outside the range of loads so far)")
+}
+
+/// Formats a standard deviation with two digits.
+fn two_digits(value: f64) -> String {
+    number(value, Some(value))
+}
+
 /// Returns the relative decrease of a standard deviation in percent.
 pub(crate) fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 {
@@ -73,7 +86,7 @@ fn main_address(combination: &Combination) -> &str {
 }
 
 /// Describes the gains of a candidate in words.
-fn gains(found: &Plan, best: &Ranked) -> Vec<String> {
+fn gains(found: &Plan, best: &Ranked, scene: &Scene) -> Vec<String> {
     let mut out = Vec::new();
     let combinations = found.combinations.iter().zip(&best.sd_log);
     let most =
@@ -83,7 +96,7 @@ fn gains(found: &Plan, best: &Ranked) -> Vec<String> {
         if by >= 1.0 {
             out.push(format!(
                 "the uncertainty of {} falls by {by:.0} %",
-                main_address(combination)
+                scene.named(main_address(combination))
             ));
         }
     }
@@ -136,16 +149,17 @@ fn chart(
 
 /// Creates the page of a plan as HTML text. `count` is the number of candidates in the ranking.
 pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> String {
+    let mut scene = Scene::of_study(loaded);
     let best = found.candidates.first();
     let answer = match best {
         Some(best) => {
-            let gains = gains(found, best);
+            let gains = gains(found, best, &scene);
             let gains = if gains.is_empty() {
                 "no candidate gains much".to_string()
             } else {
                 gains.join("; ")
             };
-            format!("Measure next: {}. Then {gains}.", best.what)
+            format!("Measure next: {}. Then {gains}.", in_words(&best.what))
         }
         None => "Nothing needs to be measured for this purpose.".to_string(),
     };
@@ -165,9 +179,9 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
     let mut figures = Vec::new();
     for (k, combination) in found.combinations.iter().enumerate().take(2) {
         let title = format!(
-            "What reduces the uncertainty of K{}, mostly {}",
+            "Less uncertainty of K{}, mostly {}",
             k + 1,
-            main_address(combination)
+            scene.named(main_address(combination))
         );
         let gain = |ranked: &Ranked| Some(fall(combination.sd_log, *ranked.sd_log.get(k)?));
         figures.extend(chart(found, &title, "fall of the uncertainty [%]", &gain));
@@ -177,7 +191,7 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
         let x = "fall of the uncertainty of toe [%]";
         figures.extend(chart(
             found,
-            "What reduces the uncertainty of toe",
+            "Less uncertainty of the predicted toe",
             x,
             &gain,
         ));
@@ -194,14 +208,26 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
         ));
     }
     page.figures(&figures);
-    let mut scene = Scene::of_study(loaded);
     for combination in &found.combinations {
         scene.highlight(main_address(combination), "least known");
     }
     page.scene(&scene);
     lines(&mut page, found);
     page.table(&ranking(found, count));
-    page.note("Each figure is the fall of an uncertainty in percent; K1 to K3 are the combinations that are known least; for causes, the expected rise of the probability of the true one.");
+    page.note(&format!(
+        "Each number is the fall of an uncertainty in percent. K1 to K{} are the combinations of stiffnesses that are known least, listed above.{}{}",
+        found.combinations.len(),
+        if found.causes.is_some() {
+            " For causes, it is the expected rise of the probability of the true one."
+        } else {
+            ""
+        },
+        if found.candidates.iter().any(|ranked| ranked.what.contains(BEYOND)) {
+            " Beyond: a load outside the range of the cases of the study."
+        } else {
+            ""
+        }
+    ));
     page.detail("Not possible");
     if !found.not_possible.is_empty() {
         page.list(&found.not_possible);
@@ -222,14 +248,16 @@ fn lines(page: &mut Page, found: &Plan) {
         let share = 100.0 * combination.sd_log;
         let what = name(combination);
         format!(
-            "K{}, to {share:.0} % (one standard deviation): {what}",
+            "K{}, known to {share:.0} % (one standard deviation): {what}",
             k + 1
         )
     });
     let wheel = found.curves.iter().map(|curves| {
         format!(
-            "{}: toe to {:.2e} deg, camber to {:.2e} deg",
-            curves.wheel, curves.sd.toe_deg, curves.sd.camber_deg
+            "{}: toe to {} deg, camber to {} deg (one standard deviation)",
+            curves.wheel,
+            two_digits(curves.sd.toe_deg),
+            two_digits(curves.sd.camber_deg)
         )
     });
     let undecided = found.causes.iter().flat_map(|undecided| {
@@ -244,7 +272,7 @@ fn lines(page: &mut Page, found: &Plan) {
             1 => "in 1 case of suggested.csv".to_string(),
             count => format!("in {count} cases of suggested.csv"),
         };
-        format!("Measure {}, {cases}", best.what)
+        format!("Measure {}, {cases}", in_words(&best.what))
     });
     page.found(&[
         ("Least known", least.collect()),

@@ -17,11 +17,11 @@ pub struct Bars {
 }
 
 /// Width of the chart and height of one bar with its margin, in pixels.
-const SIZE: (f64, f64) = (560.0, 26.0);
+const SIZE: (f64, f64) = (500.0, 26.0);
 /// Margins in pixels: right, top, and bottom (for the axis).
 const MARGINS_PX: [f64; 3] = [14.0, 8.0, 46.0];
-/// Mean width of a character in pixels.
-const CHARACTER_PX: f64 = 6.3;
+/// Width of a character in pixels, of a wide font with capitals: a name must not be cut off.
+const CHARACTER_PX: f64 = 7.3;
 /// Margin around the names of the bars in pixels.
 const NAME_MARGIN_PX: f64 = 16.0;
 /// Minimum width of the column of names in pixels.
@@ -44,7 +44,7 @@ impl Bars {
         let at = |value: f64| axis.share(value).map(|share| left + share * wide);
         let names: Vec<&str> = self.rows.iter().map(|(name, _)| name.as_str()).collect();
         let mut out = format!(
-            "<svg class=\"chart\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\">\n",
+            "<svg class=\"chart bars\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {} {height}\" width=\"{}\" height=\"{height}\">\n",
             escape(&format!("{}: {}; {}", self.title, self.x, names.join(", "))),
             SIZE.0,
             SIZE.0

@@ -307,7 +307,7 @@ impl DiagnosisReport<'_> {
                 unit.clone(),
                 shown(before, own.identified[0]),
                 text.clone(),
-                text.clone(),
+                String::new(),
                 if !own.is_identified() {
                     "not determined".to_string()
                 } else if own.is_change {

@@ -1,7 +1,7 @@
 use super::diagnosis_phrases::percent;
 use super::diagnosis_text::Text;
 use super::load_run::LoadRun;
-use super::number::{capitalised, change};
+use super::number::{capitalised, change, number};
 use super::ranking::{known_sizes, words};
 use super::scene::Role;
 use super::study_figures::load_axis;
@@ -9,6 +9,9 @@ use super::{Positions, Scene, Series, study_scene};
 use admire_diagnosis::{Cause, Finding, FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;
+
+/// Logarithm to base ten of the largest ratio of probabilities that is stated as a number.
+const MAX_DECADES: f64 = 6.0;
 
 /// Returns the positions of the identified and of the extended model in all cases.
 pub(super) fn both_models(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> [Positions; 2] {
@@ -83,10 +86,19 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
         return format!("Chi-square per degree of freedom is {before:.2}; {sizes}. {tried}");
     }
     let nats = outcome.extended.ln_posterior() - outcome.baseline.ln_posterior();
+    let decades = nats / std::f64::consts::LN_10;
+    // A larger ratio says nothing more, and is only as good as the assumed distribution of the noise.
+    let probable = if decades > MAX_DECADES {
+        "more than a million times as probable".to_string()
+    } else {
+        format!(
+            "{} times as probable",
+            number(10f64.powf(decades), Some(10f64.powf(decades)))
+        )
+    };
     format!(
-        "With the causes found the readings are 10^{:.1} times as probable. Chi-square per degree of freedom is {before:.2} without them and \
-         {after:.2} with them; {sizes}. {tried}",
-        nats / std::f64::consts::LN_10
+        "With the causes found the readings are {probable}. Chi-square per degree of freedom is {before:.2} without them and \
+         {after:.2} with them; {sizes}. {tried}"
     )
 }
 

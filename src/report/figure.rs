@@ -56,12 +56,17 @@ impl Figure {
         } else {
             String::new()
         };
-        let caption = if with_caption { &self.caption } else { "" };
+        // On paper, a caption without a text is left out: there is no link either.
+        let caption = if with_caption && !self.caption.is_empty() {
+            format!("<span class=\"caption\">{}</span> ", escape(&self.caption))
+        } else {
+            String::new()
+        };
         format!(
-            "<figure><h4>{}</h4>{legend}{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
+            "<figure><h4>{}</h4>{legend}{}<figcaption>{}<a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
             escape(&self.name),
             self.svg,
-            escape(caption),
+            caption,
             file_name(&self.name),
             percent(&self.csv)
         )

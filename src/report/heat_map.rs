@@ -20,13 +20,19 @@ pub(crate) struct HeatMap {
 }
 
 const CELL: (usize, usize) = (22, 18);
-const LEFT: usize = 170;
+/// Minimum width of the column of row names in pixels.
+const MIN_LEFT: usize = 170;
+/// Width of a character in pixels, of a wide font.
+const CHARACTER: f64 = 6.5;
 const TOP: usize = 120;
 
 impl HeatMap {
     /// Draws the map as an `<svg>` element. Each cell shows its value as a tooltip.
     pub(crate) fn svg(&self) -> String {
-        let width = LEFT + self.columns.len() * CELL.0 + 30;
+        let letters = self.rows.iter().map(|name| name.chars().count());
+        let longest = letters.max().unwrap_or(0) as f64;
+        let left = ((CHARACTER * longest) as usize + 12).max(MIN_LEFT);
+        let width = left + self.columns.len() * CELL.0 + 30;
         let height = TOP + self.rows.len() * CELL.1 + 40;
         let mut out = format!(
             "<svg class=\"map\" role=\"img\" aria-label=\"{}\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n",
@@ -34,7 +40,7 @@ impl HeatMap {
         );
         let mut push = |text: String| out.push_str(&text);
         for (c, name) in self.columns.iter().enumerate() {
-            let (x, y) = (LEFT + c * CELL.0 + 14, TOP - 6);
+            let (x, y) = (left + c * CELL.0 + 14, TOP - 6);
             push(format!(
                 "<text transform=\"translate({x},{y}) rotate(-60)\">{}</text>\n",
                 escape(name)
@@ -44,7 +50,7 @@ impl HeatMap {
             let y = TOP + r * CELL.1;
             push(format!(
                 "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n",
-                LEFT - 6,
+                left - 6,
                 y + 13,
                 escape(name)
             ));
@@ -52,7 +58,7 @@ impl HeatMap {
                 let Some(value) = value.filter(|v| v.is_finite()) else {
                     continue;
                 };
-                let x = LEFT + c * CELL.0;
+                let x = left + c * CELL.0;
                 let (colour, cover) = self.colour(value);
                 let column = self.columns.get(c).map_or("", String::as_str);
                 push(format!(
@@ -65,7 +71,7 @@ impl HeatMap {
         }
         write!(
             out,
-            "<text x=\"{LEFT}\" y=\"{}\" class=\"name\">{}; red above zero, blue below, full colour at {}</text>\n</svg>",
+            "<text x=\"{left}\" y=\"{}\" class=\"name\">{}; red above zero, blue below, full colour at {}</text>\n</svg>",
             height - 12,
             escape(&self.what),
             super::number(self.limit, Some(0.1 * self.limit))

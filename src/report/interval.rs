@@ -1,7 +1,7 @@
 use std::fmt::Write as _;
 
 /// Width and height of the picture of an interval, in pixels.
-const SIZE: (f64, f64) = (170.0, 20.0);
+const SIZE: (f64, f64) = (136.0, 20.0);
 
 /// Logarithmic scale on which intervals are drawn relative to their estimates. It makes parameters of very different size comparable.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,6 @@
 use super::kc_summary;
 use super::load_run::positive;
+use super::number::rounded;
 use super::scene::Role;
 use super::{
     Align, Chart, DrawingError, Figure, Page, Scene, Series, SeriesStyle, Table, axis_label,
@@ -124,13 +125,15 @@ fn called(entity: &str) -> String {
     }
 }
 
+/// Size below which a value is a rounding error of an angle or a length.
+const ROUND_OFF: f64 = 1e-11;
+
 /// Formats a number with five significant digits; empty if the number is not finite.
 fn digits(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    // Values below this limit are rounding errors of angles and lengths.
-    let value = if value.abs() < 1e-11 { 0.0 } else { value };
+    let value = if value.abs() < ROUND_OFF { 0.0 } else { value };
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e6).contains(&size) {
         return format!("{value:.3e}");
@@ -138,9 +141,17 @@ fn digits(value: f64) -> String {
     let places = if size == 0.0 {
         0
     } else {
-        (4 - libm::log10(size).floor() as i32).clamp(0, 6)
+        (3 - libm::log10(size).floor() as i32).clamp(0, 6)
     };
     format!("{value:.*}", places as usize)
+}
+
+/// Formats an end of a linear range to three digits: it lies on a step of the test.
+fn range_end(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return digits(value);
+    }
+    rounded(value, 3)
 }
 
 /// Formats a fraction in percent. Returns an empty text if the fraction is not finite, as for a single wheel.
@@ -458,11 +469,18 @@ impl KcReport<'_> {
             ("unit", Align::Left),
             ("tangent", Align::Right),
             ("fitted", Align::Right),
-            ("half width of loop", Align::Right),
-            ("linear from", Align::Right),
-            ("to", Align::Right),
-            ("left against right", Align::Right),
         ];
+        // Without friction, all loops are closed to round-off, and the column would hold zeros.
+        let loops = test.gradients.iter().any(|gradient| {
+            shown(gradient.hysteresis, gradient.unit, self.units)
+                .0
+                .abs()
+                >= ROUND_OFF
+        });
+        if loops {
+            heads.push(("half width of loop", Align::Right));
+        }
+        heads.extend(["linear from", "to", "left against right"].map(|name| (name, Align::Right)));
         let names: Vec<&str> = self.others.iter().map(|(name, _)| name.as_str()).collect();
         heads.extend(names.iter().map(|name| (*name, Align::Right)));
         let measured = self
@@ -492,11 +510,10 @@ impl KcReport<'_> {
                 unit,
                 digits(tangent),
                 digits(of(factor * gradient.fitted).0),
-                width(gradient.hysteresis),
-                digits(gradient.linear_range[0]),
-                digits(gradient.linear_range[1]),
-                percent(gradient.asymmetry(&test.gradients)),
             ];
+            row.extend(loops.then(|| width(gradient.hysteresis)));
+            row.extend(gradient.linear_range.map(range_end));
+            row.push(percent(gradient.asymmetry(&test.gradients)));
             for (_, run) in self.others {
                 let same = run.tests.iter().find(|other| other.kind == test.kind);
                 let found = same.and_then(|test| {

@@ -124,6 +124,20 @@ fn listed(
         let error = error
             .filter(|error| *error > 0.0)
             .map(|error| factor * error);
+        // Engineers think in stiffness: a compliance is given as its reciprocal, and itself without an interval.
+        if name == "compliance" && *value > 0.0 {
+            let (stiffness, error) = (1.0 / value, error.map(|error| error / (value * value)));
+            let interval = error.map_or_else(String::new, |error| {
+                format!(" ± {}", number(error, Some(error)))
+            });
+            return format!(
+                "stiffness {}{interval} {}/{} (compliance {} {unit})",
+                number(stiffness, error),
+                short_unit(units.force.word),
+                units.length.word,
+                number(*value, Some(0.1 * value))
+            );
+        }
         let mut text = format!(
             "{} {}",
             name.replace('_', " "),
@@ -143,16 +157,6 @@ fn listed(
             if old.value != 0.0 {
                 text += &format!(" ({:+.1} %)", 100.0 * value / old.value.abs());
             }
-        }
-        // A compliance is followed by its reciprocal, because engineers think in stiffness.
-        if name == "compliance" && *value > 0.0 {
-            let relative = error.map(|error| error / (value * value));
-            text += &format!(
-                ", that is {} {}/{}",
-                number(1.0 / value, relative),
-                short_unit(units.force.word),
-                units.length.word
-            );
         }
         text
     });

@@ -1,9 +1,12 @@
 use super::Scene;
 use super::scene::{Arrow, Frame, Mark, Placed, Role, on_marker, point};
 use admire_identify::LoadedStudy;
+use admire_kc::{Bench, Config};
 use admire_session::backend::Sweep;
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::MarkerIx;
+use admire_syntax::files::Files;
+use admire_syntax::text::Source;
 
 /// Poses of a model's parts in every load case of a study.
 #[derive(Clone, PartialEq, Debug)]
@@ -28,7 +31,7 @@ impl Positions {
 }
 
 impl Scene {
-    /// Creates the scene of a study's model in its design position, with the wheel if the study names one.
+    /// Creates the scene of a study's model in its design position, with the wheel if the study or the `kc.toml` in its folder names one.
     pub fn of_study(loaded: &LoadedStudy) -> Self {
         let model = &loaded.model;
         let mut scene = Self::of(model, Some(&loaded.dataset));
@@ -42,8 +45,26 @@ impl Scene {
             let spin = model.parts[marker.part.0].pose.R * local.R.column(2);
             scene.look_along(&spin);
             scene.add_wheel(marker.part.0, &local, None, 1.0 / model.units.length.si);
+        } else {
+            scene.add_kc_wheels(loaded);
         }
         scene
+    }
+
+    /// Adds the wheels that `kc.toml` in the folder of the study names. A file that is missing or does not suit the deck adds none.
+    fn add_kc_wheels(&mut self, loaded: &LoadedStudy) -> Option<()> {
+        let model = &loaded.model;
+        let units = &model.units;
+        let source = Source::read(&loaded.study.folder.join("kc.toml")).ok()?;
+        let config = Config::read(&source, 1e-3 / units.length.si, 1.0 / units.force.si).value?;
+        let files = Files::default();
+        let bench = Bench::new(&config, &loaded.dataset, &files, model).ok()?;
+        let radius = config.tyre.map(|tyre| tyre.radius);
+        for wheel in &bench.wheels {
+            self.look_along(&wheel.design.R.column(2).into_owned());
+            self.add_wheel(wheel.part, &wheel.local, radius, 1.0 / units.length.si);
+        }
+        Some(())
     }
 }
 

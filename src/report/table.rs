@@ -1,6 +1,7 @@
 use std::fmt::Write as _;
 
 use super::escape;
+use super::escape::prose;
 
 /// Alignment of a table column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -9,7 +10,7 @@ pub enum Align {
     Left,
     /// Right-aligned, for numbers.
     Right,
-    /// Left-aligned with line breaks, for long texts.
+    /// Left-aligned with line breaks, for long texts. Text in backticks is set as code.
     Wrap,
 }
 
@@ -134,7 +135,11 @@ impl Table {
                 let cell = row.get(k);
                 let class = class(*align, cell.and_then(|cell| cell.class));
                 let inside = cell.map_or_else(String::new, |cell| {
-                    cell.picture.clone().unwrap_or_else(|| escape(&cell.text))
+                    let text = || match align {
+                        Align::Wrap => prose(&cell.text),
+                        Align::Left | Align::Right => escape(&cell.text),
+                    };
+                    cell.picture.clone().unwrap_or_else(text)
                 });
                 // The first cell is the heading of its row.
                 let (open, close) = if k == 0 {

@@ -1,7 +1,7 @@
 use super::number::capitalised;
 use super::scene::Role;
-use super::tune_spread::{front_chart, goals, sentences, tolerances, variances};
-use super::tune_words::{DIGITS, rounded, with_unit};
+use super::tune_spread::{front_chart, goals, sentences, tolerances};
+use super::tune_words::{DIGITS, kind, missed, rounded, with_unit};
 use super::{
     Align, Bars, Chart, DrawingError, Figure, HeatMap, Page, Series, SeriesStyle, Summary, Table,
 };
@@ -62,7 +62,13 @@ fn agreement(outcome: &Outcome) -> String {
 
 /// Returns the result of a tuning run in a few sentences: verdict, missed goals, bounds and conflicts, and the next step.
 pub fn tune_summary(outcome: &Outcome) -> Summary {
-    let mut verdict = format!("{}. {}", met(outcome), agreement(outcome));
+    let share = outcome.robust.as_ref().map_or_else(String::new, |robust| {
+        format!(
+            "; with the tolerances, {:.0} % of axles meet them",
+            100.0 * robust.share
+        )
+    });
+    let mut verdict = format!("{}{share}. {}", met(outcome), agreement(outcome));
     if !outcome.keeps_limits {
         verdict += &format!(
             " Within the bounds, no numbers were found that keep all limits: one is missed by {} of its tolerance.",
@@ -76,8 +82,8 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
         format!(
             "{}: off by {} rms before, {} now{}",
             goal.name,
-            with_unit(goal.rms_before, &goal.unit),
-            with_unit(goal.rms_after, &goal.unit),
+            with_unit(&missed(goal.rms_before, goal), &goal.unit),
+            with_unit(&missed(goal.rms_after, goal), &goal.unit),
             if goal.is_met { "" } else { ", not met" }
         )
     };
@@ -156,7 +162,6 @@ impl TuneReport<'_> {
                  linearly, with Gaussian distributions. Monte Carlo: axles with drawn tolerances, each solved as a deck of its own.",
             );
             page.table(&tolerances(robust));
-            page.add(&variances(robust));
             page.note(
                 "Good if halved: the share of axles that meet all goals with half this tolerance, of the linear model. The tolerance of a \
                  hardpoint is that of each coordinate.",
@@ -186,7 +191,7 @@ impl TuneReport<'_> {
     fn goals(&self) -> Table {
         let mut table = Table::new(&[
             ("goal", Align::Left),
-            ("of", Align::Left),
+            ("kind", Align::Left),
             ("rms miss before", Align::Right),
             ("rms miss now", Align::Right),
             ("largest now", Align::Right),
@@ -197,10 +202,10 @@ impl TuneReport<'_> {
         for goal in &self.outcome.goals {
             table.row([
                 goal.name.clone(),
-                format!("{}, {}", goal.scope, goal.kind),
-                rounded(goal.rms_before, DIGITS),
-                rounded(goal.rms_after, DIGITS),
-                rounded(goal.largest_after, DIGITS),
+                kind(goal),
+                missed(goal.rms_before, goal),
+                missed(goal.rms_after, goal),
+                missed(goal.largest_after, goal),
                 rounded(goal.tolerance, DIGITS),
                 short_unit(&goal.unit),
                 if goal.is_met { "yes" } else { "no" }.to_string(),
@@ -234,7 +239,7 @@ impl TuneReport<'_> {
                 format!("{:.1} %", 100.0 * unknown.matters),
                 unknown.at_bound.unwrap_or_default().to_string(),
                 if unknown.at_bound.is_some() {
-                    number(unknown.pull)
+                    rounded(unknown.pull, 2)
                 } else {
                     String::new()
                 },
@@ -384,8 +389,8 @@ fn curve(goal: &GoalOutcome) -> Result<Figure, DrawingError> {
     ];
     let bound = |name: &str, points| Series::new(name, SeriesStyle::Dashed, points);
     if goal.kind == "limit" {
-        series.push(bound("least", points(&|row| row.least)));
-        series.push(bound("most", points(&|row| row.most)));
+        series.push(bound("lower limit", points(&|row| row.least)));
+        series.push(bound("upper limit", points(&|row| row.most)));
         series.retain(|series| !series.points.is_empty());
     } else {
         series.push(bound("wanted", points(&|row| row.least)));

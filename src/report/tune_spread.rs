@@ -1,14 +1,14 @@
 //! Tolerances and Pareto front of a tuned deck, for the terminal and for its page.
 
 use super::tune_words::{DIGITS, rounded, with_unit};
-use super::{Align, Bars, Chart, DrawingError, Figure, Series, SeriesStyle, Table};
+use super::{Align, Chart, DrawingError, Figure, Series, SeriesStyle, Table};
 use admire_syntax::units::short_unit;
-use admire_tune::{Front, Robust, ToleranceShare};
+use admire_tune::{Front, Robust};
 
 /// Range of a goal's miss along the Pareto front, as a fraction of the goal's tolerance, below which the report states that the goals hardly
 /// conflict.
 const FLAT_FRONT_SHARE: f64 = 0.1;
-/// Largest number of tolerances in the table and in the picture.
+/// Largest number of tolerances in the table.
 const MAX_TOLERANCES: usize = 12;
 
 fn percent(share: f64) -> String {
@@ -60,7 +60,7 @@ fn tighten(robust: &Robust) -> Option<String> {
         format!(
             "to tighten first: {}; half its tolerance of {} makes {} good",
             first.name(),
-            with_unit(first.sd, &first.unit),
+            with_unit(&rounded(first.sd, DIGITS), &first.unit),
             percent(first.share_if_halved)
         )
     } else if robust.share > 0.5 {
@@ -127,22 +127,6 @@ pub(super) fn tolerances(robust: &Robust) -> Table {
         ]);
     }
     table
-}
-
-/// Draws which tolerances make the variance.
-pub(super) fn variances(robust: &Robust) -> Figure {
-    let mut largest: Vec<&ToleranceShare> = robust.tolerances.iter().collect();
-    largest.sort_by(|a, b| b.variance.total_cmp(&a.variance));
-    let rows = largest.into_iter().take(MAX_TOLERANCES);
-    let bars = Bars {
-        title: "Share of each tolerance in the variance of the goals".to_string(),
-        x: "share in percent".to_string(),
-        rows: rows
-            .map(|own| (own.name(), [0.0, 100.0 * own.variance]))
-            .collect(),
-        level: 0.0,
-    };
-    Figure::bars(&bars, "Shares of the variance, of the linear model.")
 }
 
 /// Returns the name of an axis: what the miss is, and its unit.

@@ -53,7 +53,7 @@ impl Scene {
     }
 
     /// Returns an address preceded by the name of its element, such as `A (BUSHING/1.K.1)`.
-    pub(crate) fn named(&self, address: &str) -> String {
+    pub fn named(&self, address: &str) -> String {
         let owner = self.owner(address);
         let objects = self
             .objects
