@@ -25,6 +25,12 @@ pub(crate) fn torque_word(file: &PropertyFile, units: &Units) -> String {
     format!("{}-{}", force_word(file, units), length_word(file, units))
 }
 
+/// Returns the name of the angle unit of a file. Without a unit, angles are in radians.
+pub(crate) fn angle_word(file: &PropertyFile) -> String {
+    let is_radian = file.units.is_none_or(|own| own.angle == 1.0);
+    if is_radian { "rad" } else { "deg" }.to_string()
+}
+
 /// Returns the name of the unit with this size in SI units, or of the unit of the model if the file has none.
 fn word(size: Option<f64>, all: &[Unit], of_model: Unit) -> String {
     let Some(size) = size else {

@@ -9,7 +9,7 @@ use admire_syntax::units::{Dimension, Units};
 use crate::block_edit::{new_key, repeated_block};
 use crate::bushing::BushingProperty;
 use crate::edit::{rounded, spelled};
-use crate::file_units::{factor, force_word, torque_word};
+use crate::file_units::{angle_word, factor, force_word, length_word, torque_word};
 use crate::hardpoint_rows::{HardpointMove, move_hardpoints};
 use crate::names::BushingName;
 use crate::settings::{LEARNED_NAME_CHARACTERS, SMALLEST_CHANGE_RATIO};
@@ -26,6 +26,8 @@ pub struct BushingChange {
     pub scale: [Option<(f64, Option<f64>)>; 6],
     /// Preload force and torque on I in the units of the deck; `None` for an unchanged component.
     pub preload: [Option<f64>; 6],
+    /// Offset of each displacement (in the units of the deck) or angle (in radians); `None` for an unchanged component.
+    pub offset: [Option<f64>; 6],
     /// Contents of a new property file in the units of the deck. It replaces the scale factors.
     pub learned: Option<BushingProperty>,
     /// Origin of the changes, such as `identified BUSHING/1`.
@@ -135,17 +137,18 @@ impl WriteBack {
                 self.change_block(file, assembly.block, &word("left/right"), one);
             }
             [None, Some(one)] if !is_there(Side::Left) => {
-                let preload = one.preload.iter().any(Option::is_some);
-                if preload {
+                let sided = one.preload.iter().chain(&one.offset);
+                if sided.copied().any(|value| value.is_some()) {
                     self.not_written.push(NotWritten {
                         what: one.because.clone(),
                         why: format!(
-                            "the entry of bushing `{usage}` is for both sides, and the preload of the left one does not follow from that of the right one"
+                            "the entry of bushing `{usage}` is for both sides, and preload and offset of the left one do not follow from those of the right one"
                         ),
                     });
                 }
                 let without = BushingChange {
                     preload: [None; 6],
+                    offset: [None; 6],
                     ..one.clone()
                 };
                 self.change_block(file, assembly.block, &word("left/right"), &without);
@@ -287,20 +290,29 @@ impl WriteBack {
                 );
             }
         }
-        for (k, value) in change.preload.iter().enumerate() {
-            let Some(value) = value else { continue };
-            let dimension = if k < 3 {
-                Dimension::FORCE
+        for k in 0..6 {
+            let (load, place) = if k < 3 {
+                (Dimension::FORCE, Dimension::LENGTH)
             } else {
-                Dimension::TORQUE
+                (Dimension::TORQUE, Dimension::ANGLE)
             };
-            let value = value / factor(file, dimension, instance.units);
-            let unit = if k < 3 {
-                force_word(file, instance.units)
+            let words = if k < 3 {
+                [
+                    force_word(file, instance.units),
+                    length_word(file, instance.units),
+                ]
             } else {
-                torque_word(file, instance.units)
+                [torque_word(file, instance.units), angle_word(file)]
             };
-            put(self, PRELOADS[k], 0.0, &|_| value, unit, None);
+            let all = [
+                (PRELOADS[k], change.preload[k], load),
+                (OFFSETS[k], change.offset[k], place),
+            ];
+            for ((key, value, dimension), unit) in all.into_iter().zip(words) {
+                let Some(value) = value else { continue };
+                let value = value / factor(file, dimension, instance.units);
+                put(self, key, 0.0, &|_| value, unit, None);
+            }
         }
     }
 
@@ -350,6 +362,16 @@ const PRELOADS: [&str; 6] = [
     "R_PRELOAD_Z",
 ];
 
+/// Keys of the offsets in `[BUSHING_ASSEMBLY]`: displacements, then angles. The names are those of Adams Insight; no public file has them.
+const OFFSETS: [&str; 6] = [
+    "T_OFFSET_X",
+    "T_OFFSET_Y",
+    "T_OFFSET_Z",
+    "R_OFFSET_X",
+    "R_OFFSET_Y",
+    "R_OFFSET_Z",
+];
+
 /// Block to be changed.
 struct Instance<'a> {
     assembly: &'a BushingAssembly,
@@ -367,6 +389,7 @@ fn are_alike(left: &BushingChange, right: &BushingChange) -> bool {
     let scales = |one: &BushingChange| one.scale.map(|scale| scale.map(|(ratio, _)| ratio));
     scales(left).into_iter().zip(scales(right)).all(same)
         && left.preload.into_iter().zip(right.preload).all(same)
+        && left.offset.into_iter().zip(right.offset).all(same)
         && left.learned == right.learned
 }
 

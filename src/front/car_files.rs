@@ -275,12 +275,6 @@ impl<'a> Subject<'a> {
                 });
                 continue;
             };
-            if new.offset != old.offset {
-                not_written.push(NotWritten {
-                    what: format!("{because}, offset"),
-                    why: "the key of an offset in a subsystem file is not known".to_string(),
-                });
-            }
             let mut scale = [None; 6];
             for axis in 0..6 {
                 let (k, k_old) = (new.stiffness[axis], old.stiffness[axis]);
@@ -300,13 +294,13 @@ impl<'a> Subject<'a> {
                     });
                 }
             }
-            let (f, f_old) = (new.preload, old.preload);
             let is_learned = terms.is_some() || other_curves;
             let terms = terms.map_or(&[][..], Vec::as_slice);
             out.push(BushingChange {
                 name: name.clone(),
                 scale,
-                preload: std::array::from_fn(|axis| (f[axis] != f_old[axis]).then_some(f[axis])),
+                preload: changed(new.preload, old.preload),
+                offset: changed(new.offset, old.offset),
                 learned: is_learned.then(|| new.property(terms)),
                 because: if terms.is_empty() {
                     because
@@ -375,6 +369,11 @@ fn subsystem_name(subsystem: &Subsystem) -> String {
     let path = Path::new(subsystem.file.source().name());
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
+}
+
+/// Returns the values that differ from the old ones.
+fn changed(new: [f64; 6], old: [f64; 6]) -> [Option<f64>; 6] {
+    std::array::from_fn(|axis| (new[axis] != old[axis]).then_some(new[axis]))
 }
 
 /// Returns the terms of a progressive law from the parameters of its finding.

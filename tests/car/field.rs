@@ -10,9 +10,11 @@ use crate::toolkit::{admire, corpus};
 
 /// Factor by which the real top mount is stiffer along its axis.
 const FACTOR: f64 = 1.3;
+const STIFFER: &str = "element-parameter@ARRAY/903.NUMBERS.3:factor=1.3";
 
-/// Identifies the shipped axle with a FIELD as its top mount. `unknown` is a table `[[identify.unknown]]`. Returns the folder.
-fn identified(unknown: &str) -> tempfile::TempDir {
+/// Identifies the shipped axle with a FIELD as its top mount. `effect` is planted in the measured axle; `unknown` is a
+/// table `[[identify.unknown]]`. Returns the folder.
+fn identified(effect: &str, unknown: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let read = |name: &str| std::fs::read_to_string(corpus("pseudo-mcpherson").join(name)).unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
@@ -30,9 +32,8 @@ fn identified(unknown: &str) -> tempfile::TempDir {
         folder.path().join("front.sub"),
     )
     .unwrap();
-    let effect = format!("element-parameter@ARRAY/903.NUMBERS.3:factor={FACTOR}");
     let words = [
-        "rig", ".", "--out", "measured", "--sigma", "0.001", "--effect", &effect,
+        "rig", ".", "--out", "measured", "--sigma", "0.001", "--effect", effect,
     ];
     let (code, _, errors) = admire(folder.path(), &words);
     assert_eq!(code, 0, "{errors}");
@@ -63,6 +64,7 @@ fn subsystem(folder: &std::path::Path, name: &str) -> Subsystem {
 #[test]
 fn the_scale_of_a_field_is_a_scaling_factor() {
     let folder = identified(
+        STIFFER,
         "[[identify.unknown]]\nnumbers = [\"ARRAY/903.NUMBERS.3\"]\nform = \"factor\"\n",
     );
     let new = subsystem(folder.path(), "out/adams_car/front.sub");
@@ -90,6 +92,7 @@ fn the_scale_of_a_field_is_a_scaling_factor() {
 #[test]
 fn the_curve_of_a_field_is_a_property_file() {
     let folder = identified(
+        STIFFER,
         "[[identify.unknown]]\nnumbers = [\"SPLINE/903.Y\"]\nform = \"factor\"\ntogether = true\n",
     );
     let new = subsystem(folder.path(), "out/adams_car/front.sub");
@@ -120,4 +123,22 @@ fn the_curve_of_a_field_is_a_property_file() {
         let law = factor * 1500.0 * x;
         assert!((y - law).abs() <= 1e-9 * law.abs(), "{x}: {y} {law}");
     }
+}
+
+/// The offset of a FIELD is an offset of the subsystem, in the units of its file.
+#[test]
+fn the_offset_of_a_field_is_an_offset_of_the_subsystem() {
+    let folder = identified(
+        "element-parameter@ARRAY/903.NUMBERS.8:value=0.4",
+        "[[identify.unknown]]\nnumbers = [\"ARRAY/903.NUMBERS.8\"]\nform = \"change\"\nsd = 1\n",
+    );
+    let new = subsystem(folder.path(), "out/adams_car/front.sub");
+    let mut mounts = new.bushings.iter();
+    let mount = mounts
+        .find(|one| one.usage == "top_mount")
+        .expect("the mount");
+    let block = &new.file.blocks[mount.block];
+    let offset = block.parameter("T_OFFSET_Z").and_then(|p| p.value.number());
+    let offset = offset.expect("an offset");
+    assert!((offset - 0.4).abs() < 0.05, "{offset}");
 }

@@ -256,6 +256,7 @@ fn car_file(bytes: &[u8]) {
             },
             scale: [Some((1.5, None)), None, None, None, None, Some((0.5, None))],
             preload: [None, Some(3.0), None, None, None, None],
+            offset: [None, None, Some(0.2), None, Some(0.01), None],
             learned: None,
             because: "a test".to_string(),
         })

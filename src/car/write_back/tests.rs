@@ -34,6 +34,7 @@ fn change(usage: &str, side: Side) -> BushingChange {
         },
         scale: [None; 6],
         preload: [None; 6],
+        offset: [None; 6],
         learned: None,
         because: "identified BUSHING/1".to_string(),
     }
@@ -139,6 +140,8 @@ fn a_scale_factor_is_multiplied_and_a_missing_one_is_added() {
     one.scale[0] = Some((1.2, Some(0.01)));
     one.scale[5] = Some((0.5, None));
     one.preload[2] = Some(-30.0);
+    one.offset[0] = Some(0.25);
+    one.offset[5] = Some(0.5_f64.to_radians());
     let (out, [old, new]) = written(&[], &[], &[("lca_front", Side::Left)], &[one]);
     assert_eq!(old, [" FX_SCALING_FACTOR  =  1.5"]);
     assert_eq!(
@@ -146,11 +149,15 @@ fn a_scale_factor_is_multiplied_and_a_missing_one_is_added() {
         [
             " FX_SCALING_FACTOR  =  1.8",
             " TZ_SCALING_FACTOR  =  0.5",
+            " T_OFFSET_X         =  0.25",
             " T_PRELOAD_Z        =  -30.0",
+            " R_OFFSET_Z         =  0.5",
         ]
     );
     let errors: Vec<Option<f64>> = out.changes.iter().map(|word| word.std_error).collect();
-    assert_eq!(errors, [Some(0.015), None, None]);
+    assert_eq!(errors, [Some(0.015), None, None, None, None]);
+    let units: Vec<&str> = out.changes.iter().map(|word| word.unit.as_str()).collect();
+    assert_eq!(units, ["", "", "mm", "newton", "deg"]);
     let mut other = change("missing", Side::Left);
     other.scale[0] = Some((2.0, None));
     let (out, [old, new]) = written(&[], &[], &[], &[other]);
