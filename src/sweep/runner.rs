@@ -78,7 +78,7 @@ impl<'p> Runner<'p> {
                 runner.catalogue = catalogue;
             }
             Ok(Seen::Steps(None, ..)) => {
-                wrong.push(runner.unusable("the command file runs no simulation"))
+                wrong.push(runner.unusable("the command file runs no simulation"));
             }
             Ok(Seen::Tests(run)) => runner.find_characteristics(&run, &mut wrong),
             Ok(Seen::Answers(answers)) => runner.find_answers(&answers, &mut wrong),
