@@ -39,7 +39,7 @@ pub(super) struct CarElement<'m> {
 
 enum Law<'m> {
     Bushing(&'m Bushing),
-    Field(&'m CarField, [CarAxis; 6]),
+    Field(&'m CarField, Box<[CarAxis; 6]>),
 }
 
 impl<'m> CarElement<'m> {
@@ -82,7 +82,7 @@ impl<'m> CarElement<'m> {
         let axes: Option<Vec<CarAxis>> = (0..6).map(|axis| field.car_axis(model, axis)).collect();
         let axes: [CarAxis; 6] = axes?.try_into().ok()?;
         Some(new(
-            Law::Field(car, axes),
+            Law::Field(car, Box::new(axes)),
             axes.map(|axis| axis.scale),
             std::array::from_fn(|axis| car.parameter(axis, CarAxis::SCALE)),
             axes.map(|axis| axis.preload),
