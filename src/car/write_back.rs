@@ -316,7 +316,7 @@ impl WriteBack {
         }
     }
 
-    /// Returns the names that [`WriteBack::new`] may give to new property files.
+    /// Returns the names that [`WriteBack::new`] may give to new property files, except names to which it adds `_` because they occur already.
     pub fn file_names(subsystem: &Subsystem) -> Vec<String> {
         let usages = subsystem.bushings.iter().map(|one| one.usage.as_str());
         usages

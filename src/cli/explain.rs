@@ -198,10 +198,7 @@ fn priors() -> String {
             "Settings of the design of measurements",
             admire_design::settings::TABLE,
         ),
-        (
-            "Settings of the search for a target",
-            admire_tune::settings::TABLE,
-        ),
+        ("Settings of tuning", admire_tune::settings::TABLE),
     ];
     let mut out = String::new();
     for (k, (heading, table)) in sections.into_iter().enumerate() {

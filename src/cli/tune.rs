@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     apply(&options, &mut tuning);
     let pair = pair(&options, &tuning).map_err(|wrong| shell.usage(*wrong))?;
     interrupt::listen();
-    let bar = Progress::new("looking for the target", shell, || None);
+    let bar = Progress::new("tuning", shell, || None);
     let outcome = tuned(&tuning, pair, &bar);
     drop(bar);
     let outcome = outcome.map_err(|error| refuse(&error, shell))?;

@@ -113,7 +113,7 @@ pub(crate) fn tuned(
     pair: Option<[usize; 2]>,
     watch: &dyn ProgressObserver,
 ) -> Result<Outcome, TuneError> {
-    watch.stage("looking for the target");
+    watch.stage("tuning");
     let all = (1 + tuning.target.restarts) * tuning.target.evaluations;
     let (mut before, mut last) = (0, (0, 0));
     let mut outcome = tuning.search(&mut |start, evaluations| {

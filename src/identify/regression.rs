@@ -17,7 +17,8 @@ use admire_study::settings::{Method, RegressionSettings, Slope, Weights};
 pub struct EquationInterpretation {
     /// Form of equations 5 and 6 for the deflection.
     pub deflection: DeflectionForm,
-    /// If true, the force is taken as ADAMS reports it, acting on the I marker. Every correlation r is then -1.
+    /// If true, the force is the one on the I marker, as ADAMS reports it. Every correlation r then changes its sign, so no stiffness passes the
+    /// test against `r_min`.
     pub force_on_i: bool,
     /// If true, the torque is taken about the origin of J, so it includes `delta x F`.
     pub torque_at_j: bool,

@@ -68,7 +68,7 @@ pub struct Config {
     pub source: Source,
     /// Axes of the deck.
     pub frame: Frame,
-    /// Name of the deck's axes.
+    /// Name of the axis convention of the deck as written in the outputs, such as `adams-car`, or the list of its three directions.
     pub axes: String,
     /// Statements that the rig removes from the deck, such as the deck's own loads.
     pub without: Vec<Spelled>,

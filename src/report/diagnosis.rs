@@ -212,8 +212,8 @@ impl DiagnosisReport<'_> {
         if let Some(found) = &self.outcome.diagnosis.unexplained.remainder {
             figures.push(Figure::chart(
                 &remainder(found),
-                "An extra force at one place, a smooth function of one coordinate, that describes most of what no cause explains; with twice its \
-                 standard error. It shows where to look; it is not a law.",
+                "Fitted force at one place as a smooth function of one coordinate, with two standard errors. It reproduces most of the residual that \
+                 no cause explains, and shows where to look; do not use it as a force law.",
             )?);
         }
         page.figures(&figures);

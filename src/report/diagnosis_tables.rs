@@ -54,8 +54,8 @@ pub(super) fn missed(channels: &[ChannelMiss]) -> Table {
     let mut table = Table::new(&[
         ("channel", Align::Left),
         ("unit", Align::Left),
-        ("error, rms: identified", Align::Right),
-        ("extended", Align::Right),
+        ("rms error, identified", Align::Right),
+        ("rms error, extended", Align::Right),
         ("noise of a reading", Align::Right),
     ]);
     for miss in channels {

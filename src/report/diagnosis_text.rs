@@ -257,8 +257,8 @@ impl Text<'_> {
                     ""
                 };
                 let side = match f.form.as_deref() {
-                    Some("point") => ", all parts that meet there together",
-                    Some("part") => ", one side only",
+                    Some("point") => " (moved for all parts that meet there)",
+                    Some("part") => " (one part only)",
                     _ => "",
                 };
                 let rivals = if f.indistinguishable_from.is_empty() {

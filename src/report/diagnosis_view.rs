@@ -80,8 +80,7 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let [before, after] =
         [&outcome.baseline, &outcome.extended].map(|fitted| fitted.posterior.chi_square_per_dof());
     let tried = format!("{} hypotheses were tried.", outcome.places);
-    let sizes =
-        "noise and tolerances are fitted with it, which brings it near 1 for wrong models too";
+    let sizes = "noise and tolerances are estimated in the same fit, so a value near 1 does not show that the model is right";
     if outcome.extended.effects.is_empty() {
         return format!("Chi-square per degree of freedom is {before:.2}; {sizes}. {tried}");
     }
@@ -91,10 +90,8 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let probable = if decades > MAX_DECADES {
         "more than a million times as probable".to_string()
     } else {
-        format!(
-            "{} times as probable",
-            number(10f64.powf(decades), Some(10f64.powf(decades)))
-        )
+        let ratio = libm::exp10(decades);
+        format!("{} times as probable", number(ratio, Some(ratio)))
     };
     format!(
         "With the causes found the readings are {probable}. Chi-square per degree of freedom is {before:.2} without them and \

@@ -318,7 +318,7 @@ impl IdentificationReport<'_> {
         };
         let mut rows: Vec<(String, Option<f64>, Option<f64>)> = Vec::new();
         if let Some(written) = &self.fit.written {
-            let name = "marks, rms of one coordinate, by the deck as it is written".into();
+            let name = "marks, rms of one coordinate, deck as written".into();
             let (before, after) = (written.marks_rms_before, written.marks_rms_after);
             rows.push((name, Some(before), Some(after)));
         }

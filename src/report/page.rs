@@ -184,7 +184,7 @@ impl Page {
     /// Returns the complete page as HTML text. `footer` names the program and its inputs.
     pub fn finish(mut self, footer: &str) -> String {
         if !self.facts.is_empty() {
-            self.detail("Origin of this page");
+            self.detail("Inputs and program version");
             let facts = self.facts.iter().map(|(name, value)| {
                 format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value))
             });

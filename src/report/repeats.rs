@@ -69,5 +69,5 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
             100.0 * made.acceptance
         ));
     }
-    page.note("Width ratio: width of the interval of ln K over that by profile likelihood; tolerances are marginalised in all three.");
+    page.note("Width ratio: width of the interval of ln K divided by that of the profile likelihood. Profile likelihood, bootstrap and posterior all marginalise the tolerances.");
 }

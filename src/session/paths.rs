@@ -9,8 +9,8 @@ use super::windows_names;
 /// Quotes and blanks around the name are dropped, backslashes separate folders, and `.{extension}` is added if it is missing
 /// (guide/formats.md 5.1). On Windows, names of devices are rejected.
 ///
-/// A name that differs only in case is accepted with a warning. A path with a drive letter or an unknown folder comes from another
-/// computer. A local file with the same base name is then used instead, also with a warning.
+/// A name that differs only in case is accepted with a warning. If a path with folders is not found, a file with the same base name in
+/// `folders` is used instead, with a warning; several such files are an error. The value is `None` if no file is found.
 pub fn find_file(
     written: &str,
     extension: &str,

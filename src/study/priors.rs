@@ -96,7 +96,7 @@ priors! {
     contact_stiffness_ln_sd = 1.0, "ln", 0.01 to 5.0;
     /// Half-normal scale of the stiffness of a stop.
     stop_stiffness_n_per_mm = 2000.0, "N/mm", 1e-2 to 1e8;
-    /// Compression at which the rate of a progressive stop has doubled, as a fraction of the range of the deflection.
+    /// Compression at which the cubic term has doubled the force of a progressive stop, as a fraction of the range of the deflection.
     stop_hardening = 0.3, "of range", 1e-3 to 10.0;
     /// Standard deviation of the clearance of a stop, as a fraction of the range of the deflection.
     stop_clearance = 0.2, "of range", 1e-3 to 10.0;

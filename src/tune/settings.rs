@@ -1,4 +1,4 @@
-//! Settings of the search for a target. `admire explain priors` prints them.
+//! Settings of tuning. `admire explain priors` prints them.
 
 admire_study::constants! {
     /// Step of the finite differences that replace derivatives which the solver does not compute, in units of the natural size of an

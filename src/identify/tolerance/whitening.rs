@@ -210,9 +210,9 @@ impl Whitening {
     }
 }
 
-/// Returns the transformation of a block of marks: the rows that are used, the matrix, and one entry per leading rigid-motion direction. The
-/// entry tells whether the direction is a rotation, and holds its squared norm. The rows of the matrix are the new directions, multiplied by
-/// the square roots of the precisions.
+/// Returns the transformation of a block of marks: the rows that are used, the transformation matrix, and an entry for each rigid motion. The
+/// matrix has one row per orthonormal direction, first those of rigid motions; its columns are multiplied by the square roots of the
+/// precisions. An entry tells whether the motion is a rotation, and holds its squared norm before normalisation.
 fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Vec<(bool, f64)>) {
     let mut places = Vec::new();
     let mut rigid: Vec<[f64; 6]> = Vec::new();

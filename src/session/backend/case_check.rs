@@ -9,7 +9,7 @@ use admire_syntax::Address;
 /// Relative tolerance between the load of a load case and the load in the file.
 const AGREES: f64 = 1e-6;
 
-/// Checks the output steps of a results file, one after the other.
+/// Checks that each output step of a results file belongs to the load case assigned to it. The steps are checked in order.
 pub(super) struct CaseCheck<'a> {
     programme: &'a LoadProgramme,
     loads: Vec<Stated>,

@@ -98,7 +98,7 @@ pub enum RunError {
     Licence {
         /// Line of the output that reports the missing licence.
         line: String,
-        /// Time in seconds during which the run was repeated.
+        /// Time in seconds spent on all attempts to get a licence, including the pauses.
         waited: f64,
     },
     /// The run failed or crashed.

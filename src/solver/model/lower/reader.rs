@@ -208,8 +208,8 @@ impl<'a> Reader<'a> {
         )
     }
 
-    /// Reads a FIELD whose values come from a user subroutine as a bushing of Adams/Car. Returns `None` if the statement is not such a
-    /// FIELD or refers to no object of a bushing. The error is the reason why the objects are unsuitable.
+    /// Reads a FIELD that calls a user subroutine, and interprets it as a bushing of Adams/Car. Returns `None` for other statements, and for a
+    /// FIELD whose parameters name no curve or array of a bushing. The error is the reason why these objects are unsuitable.
     pub(crate) fn car_field(&self) -> Option<Result<CarField, String>> {
         if self.def.name != "FIELD" || !self.is_user("FUNCTION") {
             return None;
@@ -276,5 +276,5 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Maximum number of entries of a sparse matrix, which limits the memory used.
+/// Maximum size (rows times columns) of a SPARSE matrix that is expanded to a full matrix. It limits the memory used.
 const MOST_VALUES: usize = 1_000_000;
