@@ -128,7 +128,7 @@ fn called(entity: &str) -> String {
 /// Size below which a value is a rounding error of an angle or a length.
 const ROUND_OFF: f64 = 1e-11;
 
-/// Formats a number with five significant digits; empty if the number is not finite.
+/// Formats a number with four significant digits; empty if the number is not finite.
 fn digits(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
