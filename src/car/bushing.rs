@@ -82,7 +82,7 @@ pub struct BushingProperty {
     pub damping: [f64; 6],
 }
 
-const COMPONENTS: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+const COMPONENTS: [&str; 6] = admire_syntax::FORCE_COMPONENTS;
 const ABSCISSAE: [&str; 6] = ["x", "y", "z", "ax", "ay", "az"];
 
 /// Units of the files that are written: newton, kilogram, millimetre, second, degree.

@@ -65,7 +65,7 @@ pub(super) fn set(
                 first.code,
                 format!("nothing is written: `{name}` would have a new fault"),
             )
-            .help("also change the other places that it concerns, or use --force"),
+            .help("change the places that depend on it in the same command, or use --force"),
         )),
         _ => Ok(file.source().bytes().to_vec()),
     }

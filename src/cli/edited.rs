@@ -31,7 +31,7 @@ pub(super) fn refuse_faults(
                 first.code,
                 "nothing is written: the deck would have a new fault",
             )
-            .help("also change the other places that it concerns, or use --force"),
+            .help("change the places that depend on it in the same command, or use --force"),
         )),
         _ => Ok(()),
     }

@@ -343,7 +343,7 @@ impl Answer<'_> {
         let length = self.model.units.name(Dimension::LENGTH);
         let other = match settled.other {
             Some(moved) => format!("the other direction leads to one {moved:.4} {length} away"),
-            None => "the other direction leads to none".to_string(),
+            None => "no equilibrium was found in the other direction".to_string(),
         };
         Some(format!(
             "the first equilibrium was unstable: {}\nthis one is {:.4} {length} away; {other}",

@@ -415,7 +415,7 @@ pub(super) fn component(axis: usize) -> String {
 /// Names of the six components of a motion: three translations, then three rotations.
 pub(super) const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 /// Names of the six components of the vector force in a GFORCE statement.
-pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+pub(super) const FORCES: [&str; 6] = admire_syntax::FORCE_COMPONENTS;
 
 #[cfg(test)]
 mod tests {

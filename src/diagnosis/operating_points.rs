@@ -266,7 +266,7 @@ impl<'a> OperatingPoints<'a> {
             ("JFLOAT", floating.to_string()),
             ("RM", j.to_string()),
         ];
-        for (k, word) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].into_iter().enumerate() {
+        for (k, word) in admire_syntax::FORCE_COMPONENTS.into_iter().enumerate() {
             let own = functions.iter().find(|(axis, _)| *axis == k);
             let text = own.map_or("0.0", |(_, function)| function);
             // ADAMS separates the components of a GFORCE by a backslash, the continuation character.

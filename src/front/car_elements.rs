@@ -3,8 +3,8 @@
 use admire_car::{BushingProperty, Curve, OddLaw, OddTerm};
 use admire_solver::function::akima_value;
 use admire_solver::model::{Bushing, ElasticPair, MarkerIx, Model, PairForce};
-use admire_syntax::Address;
 use admire_syntax::car_field::{CarAxis, CarField};
+use admire_syntax::{Address, FORCE_COMPONENTS};
 
 /// Added terms of a force law along one component.
 #[derive(Clone, PartialEq, Debug)]
@@ -106,7 +106,7 @@ impl<'m> CarElement<'m> {
         let word = address.strip_prefix(&self.statement)?.strip_prefix('.')?;
         let words = match self.law {
             Law::Bushing(_) => ["K.1", "K.2", "K.3", "KT.1", "KT.2", "KT.3"],
-            Law::Field(..) => ["FX", "FY", "FZ", "TX", "TY", "TZ"],
+            Law::Field(..) => FORCE_COMPONENTS,
         };
         words.iter().position(|own| *own == word)
     }

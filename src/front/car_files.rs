@@ -61,8 +61,7 @@ pub(crate) fn identified(loaded: &LoadedStudy, fit: &Fit, deck: &[u8]) -> Option
         .collect();
     let mut not_written = Vec::new();
     for parameter in &fit.parameters {
-        let elements = CarElement::all(&subject.after);
-        if !elements.iter().any(|one| one.owns(&parameter.address)) {
+        if !subject.is_of_bushing(&parameter.address) {
             not_written.push(NotWritten {
                 what: format!("identified {}", parameter.address),
                 why: "it is not a parameter of a bushing".to_string(),

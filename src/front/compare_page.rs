@@ -15,8 +15,6 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Largest number of columns that are drawn.
 const MAX_DRAWN: usize = 4;
-/// Relative difference below which two curves lie on each other, so that only their difference shows anything.
-const SEPARATE_CURVES: f64 = 0.2;
 /// Largest number of columns in the table of differences that is not folded.
 const MAX_LISTED: usize = 20;
 
@@ -228,7 +226,7 @@ fn differences(columns: &[&ColumnDifference], names: &[String; 2]) -> Table {
     table
 }
 
-/// Draws columns of both files over time, and their differences where the curves nearly coincide.
+/// Draws columns of both files over time, and their differences below.
 fn figures(
     files: [&Path; 2],
     names: &[String; 2],
@@ -247,13 +245,12 @@ fn figures(
         .iter()
         .map(|column| overlay(column, names, &read))
         .collect();
-    // The difference stands beside the two curves. Curves that are far apart show it themselves.
-    let apart = columns
-        .iter()
-        .all(|column| of_its_size(column) > SEPARATE_CURVES);
-    for (chart, column) in both.iter().zip(columns) {
-        out.push(Figure::chart(chart, "").map_err(failed)?);
-        if !apart {
+    // Pairs of columns are shown side by side: the overlays in one row, the differences below them.
+    for pair in both.chunks(2).zip(columns.chunks(2)) {
+        for chart in pair.0 {
+            out.push(Figure::chart(chart, "").map_err(failed)?);
+        }
+        for (chart, column) in pair.0.iter().zip(pair.1) {
             out.push(Figure::chart(&difference(chart, column, names), "").map_err(failed)?);
         }
     }

@@ -99,7 +99,7 @@ fn quantities(
     (dataset, model, system): (&Dataset, &Model, &System),
 ) -> Result<Vec<Column>, Diagnostic> {
     const MOTION: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
-    const WRENCH: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+    const WRENCH: [&str; 6] = admire_syntax::FORCE_COMPONENTS;
     const MOVED: [Dimension; 2] = [Dimension::LENGTH, Dimension::ANGLE];
     const ACTS: [Dimension; 2] = [Dimension::FORCE, Dimension::TORQUE];
     let address = super::value::address(text, dataset)?;

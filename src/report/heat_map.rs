@@ -21,9 +21,9 @@ pub(crate) struct HeatMap {
 
 const CELL: (usize, usize) = (22, 18);
 /// Minimum width of the column of row names in pixels.
-const MIN_LEFT: usize = 170;
+const MIN_LEFT_PX: usize = 170;
 /// Width of a character in pixels, of a wide font.
-const CHARACTER: f64 = 6.5;
+const CHARACTER_PX: f64 = 6.5;
 const TOP: usize = 120;
 
 impl HeatMap {
@@ -31,7 +31,7 @@ impl HeatMap {
     pub(crate) fn svg(&self) -> String {
         let letters = self.rows.iter().map(|name| name.chars().count());
         let longest = letters.max().unwrap_or(0) as f64;
-        let left = ((CHARACTER * longest) as usize + 12).max(MIN_LEFT);
+        let left = ((CHARACTER_PX * longest) as usize + 12).max(MIN_LEFT_PX);
         let width = left + self.columns.len() * CELL.0 + 30;
         let height = TOP + self.rows.len() * CELL.1 + 40;
         let mut out = format!(

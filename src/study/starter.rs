@@ -245,7 +245,7 @@ file = \"load_cases.csv\"             # case,<one column per load>, in the order
 [marks]                             # marks on parts, measured by a coordinate measuring machine or cameras
 on_parts = \"marks_on_parts.csv\"     # part,mark,x,y,z       in each part's own frame
 measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground frame
-# sigma = 0.05                      # standard deviation of one coordinate; without it, estimated from the marks
+# sigma = 0.05                      # standard deviation of one coordinate, in the length unit of the deck; if left out, estimated from the marks
 ";
         }
         if kinds.contains(&Kind::Wheel) {

@@ -174,7 +174,7 @@ impl GoalSettings {
             (None, Some(label)) => {
                 if file.is_some() || gradient.is_some() || stated != GoalScope::Curve {
                     wrong.push(
-                        "a load case has `value`, or the limits `least` and `most`".to_string(),
+                        "a goal of a load case takes `value`, or the limits `least` and `most`; curves and gradients belong to tests of the rig".to_string(),
                     );
                 }
                 if at.is_some() {

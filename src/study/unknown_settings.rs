@@ -78,7 +78,7 @@ impl UnknownSettings {
                 Diagnostic::error(Code::MissingSetting, message)
                     .label(table.file(), span, "")
                     .help(
-                        "numbers = [\"MARKER/7.QP\"] names the numbers of the deck that are sought",
+                        "list the numbers of the deck to identify, for example numbers = [\"MARKER/7.QP\"]",
                     ),
             );
         }

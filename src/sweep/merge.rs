@@ -185,7 +185,10 @@ fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
             columns.outputs.len(),
             |row, numbers| -> Result<(), SweepError> {
                 if row.case != next {
-                    let message = format!("case {} is in the place of case {next}", row.case);
+                    let message = format!(
+                        "expected case {next}, found case {}; run this shard again",
+                        row.case
+                    );
                     return Err(parquet::errors::ParquetError::General(message).into());
                 }
                 next += 1;

@@ -73,6 +73,9 @@ mod typed;
 pub mod units;
 mod value;
 
+/// Components of a force and torque between two markers, in the words of a GFORCE and of results.
+pub const FORCE_COMPONENTS: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+
 pub use address::Address;
 pub use command_file::CommandFile;
 pub(crate) use command_file::Head;

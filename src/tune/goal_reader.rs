@@ -237,7 +237,7 @@ impl Reader<'_> {
         };
         if !found.value(&found.rows[0], self.answers).is_finite() {
             let message = format!("`{}` has no value in load case `{label}`", goal.of.text);
-            let help = "the function is not defined there".to_string();
+            let help = "the function gives no finite number there; check for a division by zero or the root of a negative number".to_string();
             return Err(self.complain(goal.of.span, message, help));
         }
         Ok(found)

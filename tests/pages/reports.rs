@@ -252,7 +252,7 @@ fn the_page_of_a_check_names_the_place() {
     assert!(page.contains("The files have 1 error"), "{page}");
 }
 
-/// Checks two runs that differ in one load: the page draws the worst columns of both files.
+/// Checks two runs that differ in one load: the page draws the worst columns of both files, and the differences below.
 #[test]
 fn the_page_of_a_comparison_shows_the_difference() {
     let Some(chromium) = chromium() else { return };
@@ -274,11 +274,13 @@ fn the_page_of_a_comparison_shows_the_difference() {
     assert_eq!(run.status.code(), Some(1), "{run:?}");
     let path = folder.path().join("pages/report.html");
     let seen = sound(&chromium, &path);
-    // Four columns whose curves are far apart: their differences need no pictures.
-    assert_eq!(seen.pictures.len(), 4);
+    // Four columns and their differences.
+    assert_eq!(seen.pictures.len(), 8);
     accessible(&path, &seen);
     let page = std::fs::read_to_string(&path).unwrap();
     assert!(
-        page.contains("most of all, relative to its size, ") && page.contains(" in before.res, ")
+        page.contains("most of all, relative to its size, ")
+            && page.contains(" in before.res, ")
+            && page.contains("Difference: ")
     );
 }

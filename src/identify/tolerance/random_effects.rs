@@ -229,13 +229,7 @@ impl RandomEffects {
                     axis,
                     effect: Effect::Offset { bushing: at, axis },
                 });
-                let turn = [bushing.i, bushing.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
-                self.members.push(RandomEffect {
-                    group: EffectGroup::Axes,
-                    address: address.clone(),
-                    axis,
-                    effect: Effect::Turn(turn.to_vec()),
-                });
+                self.axis_error(address.clone(), axis, [bushing.i, bushing.j]);
             }
             for (word, values) in [("K", bushing.k), ("KT", bushing.kt)] {
                 for (axis, value) in values.into_iter().enumerate() {
@@ -244,6 +238,17 @@ impl RandomEffects {
                 }
             }
         }
+    }
+
+    /// Adds the rotation of both markers of an element about one of their axes.
+    fn axis_error(&mut self, address: String, axis: usize, markers: [MarkerIx; 2]) {
+        let turn = markers.map(|marker| (marker, Vec3::ith(axis, 1.0)));
+        self.members.push(RandomEffect {
+            group: EffectGroup::Axes,
+            address,
+            axis,
+            effect: Effect::Turn(turn.to_vec()),
+        });
     }
 
     /// Adds the errors of FIELDs, which are those of bushings.
@@ -261,13 +266,7 @@ impl RandomEffects {
                         effect: Effect::Always(vec![change]),
                     });
                 }
-                let turn = [field.i, field.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
-                self.members.push(RandomEffect {
-                    group: EffectGroup::Axes,
-                    address: address.clone(),
-                    axis,
-                    effect: Effect::Turn(turn.to_vec()),
-                });
+                self.axis_error(address.clone(), axis, [field.i, field.j]);
             }
             for axis in 0..6 {
                 let is_sought = field.car.as_ref().is_some_and(|car| {
@@ -311,13 +310,11 @@ impl RandomEffects {
                 JointKind::Cylindrical | JointKind::Translational | JointKind::Revolute
             );
             for axis in (0..2).filter(|_| has_axis) {
-                let turn = [joint.i, joint.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
-                self.members.push(RandomEffect {
-                    group: EffectGroup::Axes,
-                    address: format!("JOINT/{}", joint.header.id),
+                self.axis_error(
+                    format!("JOINT/{}", joint.header.id),
                     axis,
-                    effect: Effect::Turn(turn.to_vec()),
-                });
+                    [joint.i, joint.j],
+                );
             }
         }
     }

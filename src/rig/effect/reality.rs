@@ -8,7 +8,7 @@ use admire_syntax::{Address, Dataset, NewStatement};
 use super::{EffectSpec, HistoryState};
 
 /// Components of a force between two markers, in the words of a GFORCE.
-const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+const FORCES: [&str; 6] = admire_syntax::FORCE_COMPONENTS;
 
 /// A fault of the readings, applied to the readings after the equilibria have been solved.
 #[derive(Clone, PartialEq, Debug)]

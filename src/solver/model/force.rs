@@ -56,7 +56,7 @@ impl Model {
         let Some(word) = component else {
             return Some(car.bushing.clone());
         };
-        let axis = ["FX", "FY", "FZ", "TX", "TY", "TZ"]
+        let axis = admire_syntax::FORCE_COMPONENTS
             .iter()
             .position(|own| *own == word)?;
         Some(car.axis(axis))

@@ -198,7 +198,7 @@ impl Work<'_> {
         file: &PropertyFile,
         name: &str,
     ) -> Result<(Functions, Splines), String> {
-        const COMPONENTS: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+        const COMPONENTS: [&str; 6] = admire_syntax::FORCE_COMPONENTS;
         const DISPLACEMENTS: [&str; 6] = ["DX", "DY", "DZ", "AX", "AY", "AZ"];
         const RATES: [&str; 6] = ["VX", "VY", "VZ", "WX", "WY", "WZ"];
         let marker = |argument: &str| statement.first(argument).unwrap_or(0.0) as u32;

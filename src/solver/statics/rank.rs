@@ -49,7 +49,7 @@ pub(super) struct Words {
 pub(super) const FREE: Words = Words {
     along: "is held by nothing along",
     about: "spins freely about",
-    screw: "screws freely about",
+    screw: "is free in a screw motion about",
     share: 1e-6,
 };
 
@@ -63,7 +63,7 @@ const WEAK: Words = Words {
 const SOFT: Words = Words {
     along: "moves along",
     about: "turns about",
-    screw: "screws about",
+    screw: "moves in a screw motion about",
     share: 0.1,
 };
 

@@ -254,6 +254,10 @@ fn in_deck(kind: &str, deck: &Dataset) -> String {
     match ids(kind, deck).as_slice() {
         [] => format!("it has no {kind} at all"),
         all if all.len() <= SHOWN => format!("it has {kind}/{}", all.join(", ")),
-        all => format!("it has {} of them, from {kind}/{} on", all.len(), all[0]),
+        all => format!(
+            "it has {} of them, the first is {kind}/{}",
+            all.len(),
+            all[0]
+        ),
     }
 }

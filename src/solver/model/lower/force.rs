@@ -93,7 +93,7 @@ pub(super) fn sforce(reader: &mut Reader) -> Option<Sforce> {
 /// Lowers a GFORCE, VFORCE or VTORQUE with component functions. The caller treats forces with USER subroutines or vector expressions as
 /// unsolved.
 pub(super) fn vector_force(reader: &mut Reader) -> Option<VectorForce> {
-    const NAMES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+    const NAMES: [&str; 6] = admire_syntax::FORCE_COMPONENTS;
     let components = std::array::from_fn(|k| reader.function(NAMES[k]));
     Some(VectorForce {
         header: reader.header(),

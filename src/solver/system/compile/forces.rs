@@ -189,7 +189,7 @@ impl SystemCompiler<'_> {
     }
 
     fn vector_forces(&mut self) {
-        const ARGUMENTS: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+        const ARGUMENTS: [&str; 6] = admire_syntax::FORCE_COMPONENTS;
         for v in &self.model.vector_forces {
             let kind = match v.kind {
                 VectorForceKind::Gforce => "GFORCE",
