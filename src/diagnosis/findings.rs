@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::candidate_effect::{CandidateEffect, Term};
 use super::cause::Cause;
-use super::causes::progressive_stiffness::{LARGEST_DEFLECTION, largest_deflection};
+use super::causes::progressive_stiffness::largest_deflection;
 use super::cross_validation::Folds;
 use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
 use super::diagnosis_problem::DiagnosisProblem;
@@ -106,7 +106,7 @@ pub(super) fn findings(
                 .iter()
                 .map(|n| (n.name.clone(), n.value))
                 .chain(left.map(|force| (LAW_MISFIT.to_string(), force)))
-                .chain(largest_deflection(h).map(|u| (LARGEST_DEFLECTION.to_string(), u)))
+                .chain(largest_deflection(h).map(|(name, u)| (name.to_string(), u)))
                 .collect(),
             std_error: numbers
                 .iter()

@@ -7,7 +7,7 @@
 //!
 //! Modules import in one direction only. In `a <- b`, module `b` imports module `a`. The fit: `diagnosis_problem` (readings and their tolerances)
 //! and `candidate_effect` (data) <- `unknowns`, `early_stopping` <- `settle` <- `fit` <- `operating_points` <- `elastic_element` <- `causes`, `site` <- `site_law`.
-//! Its linear model and the selection: `reduction` <- `closure` <- `challengers` <- `point` <- `fitted_set` <- `set_estimate` <- `select`, with
+//! Its linear model and the selection: `reduction` <- `closure` <- `challengers`, `point` <- `fitted_set` <- `set_estimate` <- `select`, with
 //! `gaussian_process` <- `remainder` (forces of unknown law) and `model_set` (the result). The checks and the report: `residual_covariance` <-
 //! `lack_of_fit` <- `base_fit` <- `selection`, `hold_out_test` <- `hold_out` <- `cross_validation` <- `findings` <- `diagnose`.
 #![warn(unreachable_pub)]
@@ -77,7 +77,9 @@ mod wheel_run;
 pub use base_fit::fit_without_effects;
 pub use candidate_effect::CandidateEffect;
 pub use cause::Cause;
-pub use causes::progressive_stiffness::{LARGEST_DEFLECTION, STIFFNESS_RISES, spline_terms};
+pub use causes::progressive_stiffness::{
+    LARGEST_DEFLECTION, LARGEST_RADIAL_DEFLECTION, STIFFNESS_RISES, spline_terms,
+};
 pub use channel_miss::ChannelMiss;
 pub use corrected_number::CorrectedNumber;
 pub use cross_validation::{CrossValidation, GroupGain};

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use super::candidate_effect::CandidateEffect;
 use super::cause::Cause;
 use super::causes::{dry_friction, free_play};
-use super::challengers::Challenger;
 use super::closure::{EffectSet, Pool};
 use super::reduction::{EffectModel, Marginal};
 
@@ -21,8 +20,6 @@ pub(super) struct Point {
     pub marginals: Vec<Marginal>,
     /// Sets of effects within Occam's window, one pool for each marginal.
     pub pools: Vec<Pool>,
-    /// Sets that the fit must be compared with if it leads.
-    pub challengers: Vec<Challenger>,
     /// For each effect of `model`, the indices of its terms in the list of known effects. A combined effect has two terms.
     pub ids: Vec<Ids>,
 }

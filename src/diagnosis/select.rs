@@ -43,7 +43,10 @@ struct Selector<'a, 'b> {
     discarded: BTreeSet<Ids>,
     /// Sets whose fit did not improve when it was repeated from another linearisation point.
     settled: BTreeSet<Ids>,
-    points: Vec<Point>,
+    /// Linearisation points: the fit without effects, and the most probable of the other fits.
+    points: Vec<Arc<Point>>,
+    /// Sets that the fit of a point must be compared with if it leads, for each point.
+    challengers: Vec<(Arc<FittedModel>, Vec<Challenger>)>,
     count: usize,
 }
 
@@ -63,6 +66,7 @@ pub(super) fn select(
         discarded: BTreeSet::new(),
         settled: BTreeSet::new(),
         points: Vec::new(),
+        challengers: Vec::new(),
         count: 1,
     };
     selector
@@ -124,29 +128,29 @@ impl Selector<'_, '_> {
         let Some(leading) = leading.and_then(|fit| fit.model().cloned()) else {
             return false;
         };
-        let is_own = |point: &Point| Arc::ptr_eq(&point.model.fitted, &leading);
-        let Some(at) = self.points.iter().position(is_own) else {
+        let is_own = |point: &&Arc<Point>| Arc::ptr_eq(&point.model.fitted, &leading);
+        let Some(point) = self.points.iter().find(is_own).cloned() else {
             return false;
         };
-        let mut open = std::mem::take(&mut self.points[at].challengers);
-        if only_laws {
-            let later = open.iter().filter(|c| c.reason != Reason::KnownLaw);
-            self.points[at].challengers = later.cloned().collect();
-            open.retain(|c| c.reason == Reason::KnownLaw);
-        }
+        let mut all = self.challengers.iter_mut();
+        let of_leading = all.find(|(fitted, _)| Arc::ptr_eq(fitted, &leading));
+        let open = of_leading.map_or_else(Vec::new, |(_, open)| {
+            let is_due = |c: &mut Challenger| !only_laws || c.reason == Reason::KnownLaw;
+            open.extract_if(.., is_due).collect()
+        });
         for Challenger {
             set,
             reason,
             expected,
         } in open
         {
-            let ids = self.points[at].ids_of(&set);
-            let model = &self.points[at].model;
+            let ids = point.ids_of(&set);
+            let model = &point.model;
             let is_new_law = |k: &usize| *k >= model.own && model.effects[*k].memory.is_some();
             // The fit of a law with memory may have stopped early at another start.
             let may_stop_early =
                 matches!(reason, Reason::Rival | Reason::UnusualSize) && set.iter().any(is_new_law);
-            let forms = self.points[at].forms_of(&set);
+            let forms = point.forms_of(&set);
             let of_set = self.fits.get(&ids);
             let is_settled = of_set.is_some_and(|fits| match reason {
                 Reason::OtherFunction => fits.holds(&forms),
@@ -166,12 +170,13 @@ impl Selector<'_, '_> {
             let estimate = SetEstimate {
                 ln_posterior: expected,
                 distance: f64::NAN,
-                point: at,
+                point: Arc::clone(&point),
                 marginal: 0,
                 set,
             };
             let becomes = match reason {
-                Reason::KnownLaw => BecomesPoint::Always,
+                // The linear model of the remaining effects shows what else can take the place of the omitted one.
+                Reason::KnownLaw | Reason::LeftOut => BecomesPoint::Always,
                 Reason::Rival => BecomesPoint::IfLeading,
                 _ => BecomesPoint::IfProbable,
             };
@@ -222,7 +227,8 @@ impl Selector<'_, '_> {
         self.known.len() - 1
     }
 
-    fn add_point(&mut self, fitted: &Arc<FittedModel>) {
+    /// Adds a linearisation point at a fit, with the probable sets of its linear model.
+    fn add_point(&mut self, fitted: &Arc<FittedModel>) -> Arc<Point> {
         let sites = sites_of(self.subject, fitted);
         let mut forces = gp_terms(self.subject, fitted, &sites);
         forces.extend(left_by_laws(self.subject, fitted, &sites));
@@ -264,13 +270,32 @@ impl Selector<'_, '_> {
         };
         let ids = model.effects.iter().map(terms).collect();
         self.forces.extend(forces);
-        self.points.push(Point {
+        self.challengers
+            .push((Arc::clone(fitted), challengers.unwrap_or_default()));
+        let new = Arc::new(Point {
             model,
             marginals,
             pools,
-            challengers: challengers.unwrap_or_default(),
             ids,
         });
+        self.points.push(Arc::clone(&new));
+        if self.points.len() > MAX_SELECTION_POINTS {
+            self.drop_least_probable_point();
+        }
+        new
+    }
+
+    /// Drops the least probable linearisation point. The fit without effects stays.
+    fn drop_least_probable_point(&mut self) {
+        let others = self.points.iter().enumerate().skip(1);
+        let probability = |point: &Point| point.model.fitted.ln_posterior();
+        let least = others.min_by(|(_, a), (_, b)| probability(a).total_cmp(&probability(b)));
+        if let Some((at, _)) = least {
+            let dropped = self.points.remove(at);
+            let fitted = &dropped.model.fitted;
+            self.challengers
+                .retain(|(own, _)| !Arc::ptr_eq(own, fitted));
+        }
     }
 
     fn estimates(&self) -> BTreeMap<Ids, SetEstimate> {
@@ -280,7 +305,7 @@ impl Selector<'_, '_> {
     /// Fits a set of effects, starting from the optimum of the linear model. Stores the fit, or discards the set if the fit fails.
     fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate, becomes: BecomesPoint) {
         self.count += 1;
-        let point = &self.points[estimate.point];
+        let point = &estimate.point;
         let marginal = &point.marginals[estimate.marginal];
         let sets = Sets::new(&point.model, marginal);
         let set = &estimate.set;
@@ -397,12 +422,10 @@ impl Selector<'_, '_> {
             BecomesPoint::IfProbable => own >= best - 0.5 * OCCAM_WINDOW_NATS,
             BecomesPoint::IfLeading => own > best + CONVERGED_NATS,
         };
-        if !is_point || self.points.len() >= MAX_SELECTION_POINTS {
+        if !is_point {
             return;
         }
-        self.add_point(found);
-        let at = self.points.len() - 1;
-        let point = &self.points[at];
+        let point = self.add_point(found);
         let Some(marginal) = point.marginals.first() else {
             return;
         };
@@ -429,7 +452,7 @@ impl Selector<'_, '_> {
             let estimate = SetEstimate {
                 ln_posterior: f64::NAN,
                 distance: f64::NAN,
-                point: at,
+                point: Arc::clone(&point),
                 marginal: 0,
                 set,
             };
@@ -475,7 +498,7 @@ impl Selector<'_, '_> {
         for estimate in self.estimates().into_values() {
             let ln_posterior = estimate.ln_posterior.min(best);
             if ln_posterior > best - OCCAM_WINDOW_NATS {
-                let effects = &self.points[estimate.point].model.effects;
+                let effects = &estimate.point.model.effects;
                 let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
                 sets.push(ModelSet {
                     causes: causes.collect(),

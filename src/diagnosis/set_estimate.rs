@@ -1,6 +1,7 @@
 //! Estimated log posteriors of sets of effects that are not fitted.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::closure::{EffectSet, Sets};
 use super::fitted_set::FittedSet;
@@ -12,8 +13,8 @@ pub(super) struct SetEstimate {
     pub ln_posterior: f64,
     /// Squared distance between the predictions of this set and of the nearest fitted set, in units of noise.
     pub distance: f64,
-    /// Index of the linearisation point.
-    pub point: usize,
+    /// Linearisation point.
+    pub point: Arc<Point>,
     /// Index of the marginal at this point.
     pub marginal: usize,
     pub set: EffectSet,
@@ -34,14 +35,14 @@ struct Reference {
 /// Estimates the log posterior of all probable sets that are not fitted. The linear model of a fit is used only for sets that contain all
 /// effects of the fit. It misjudges a set that lacks a large effect of the fit.
 pub(super) fn estimates(
-    points: &[Point],
+    points: &[Arc<Point>],
     fits: &BTreeMap<Ids, FittedSet>,
     discarded: &BTreeSet<Ids>,
 ) -> BTreeMap<Ids, SetEstimate> {
     let each = fits.values().map(FittedSet::ln_posterior);
     let best = each.fold(f64::NEG_INFINITY, f64::max);
     let mut out: BTreeMap<Ids, SetEstimate> = BTreeMap::new();
-    for (p, point) in points.iter().enumerate() {
+    for point in points {
         let references = references(point, fits);
         let by_law = errors_of_laws(point, &references);
         let largest = references.iter().map(|known| known.error);
@@ -88,7 +89,7 @@ pub(super) fn estimates(
                 let new = SetEstimate {
                     ln_posterior: linear + correction,
                     distance,
-                    point: p,
+                    point: Arc::clone(point),
                     marginal: r,
                     set: set.clone(),
                 };

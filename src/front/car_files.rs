@@ -7,7 +7,8 @@ use serde_json::json;
 
 use admire_car::{BushingChange, HardpointMove, NotWritten, OddTerm, Side, Subsystem, WriteBack};
 use admire_diagnosis::{
-    Cause, Finding, LARGEST_DEFLECTION, Outcome, STIFFNESS_RISES, spline_terms,
+    Cause, Finding, LARGEST_DEFLECTION, LARGEST_RADIAL_DEFLECTION, Outcome, STIFFNESS_RISES,
+    spline_terms,
 };
 use admire_identify::{Fit, LoadedStudy};
 use admire_solver::mechanics::{Pose, Vec3};
@@ -378,7 +379,8 @@ fn changed(new: [f64; 6], old: [f64; 6]) -> [Option<f64>; 6] {
 /// Returns the terms of a progressive law from the parameters of its finding.
 fn learned_terms(parameters: &BTreeMap<String, f64>) -> Vec<OddTerm> {
     let of = |name: &str| parameters.get(name).copied();
-    if let Some(largest) = of(LARGEST_DEFLECTION) {
+    let largest = of(LARGEST_DEFLECTION).or(of(LARGEST_RADIAL_DEFLECTION));
+    if let Some(largest) = largest {
         let rises = STIFFNESS_RISES.map(|name| of(name).unwrap_or(0.0));
         return spline_terms(largest, rises)
             .map(|[from, coefficient]| OddTerm {

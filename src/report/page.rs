@@ -359,6 +359,8 @@ mod tests {
             let id = link.split('"').next().unwrap();
             assert_eq!(html.matches(&format!("id=\"{id}\"")).count(), 1, "{id}");
         }
-        assert!(!html.contains("<details open") && at("12ab") > at("<h3>Origin"));
+        assert!(
+            !html.contains("<details open") && at("12ab") > at("<h3>Inputs and program version")
+        );
     }
 }

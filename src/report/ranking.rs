@@ -2,7 +2,9 @@
 
 use super::scene::Scene;
 use super::{Align, Table, escape, number, short_unit};
-use admire_diagnosis::{Cause, Diagnosis, Finding, LARGEST_DEFLECTION, STIFFNESS_RISES};
+use admire_diagnosis::{
+    Cause, Diagnosis, Finding, LARGEST_DEFLECTION, LARGEST_RADIAL_DEFLECTION, STIFFNESS_RISES,
+};
 use admire_identify::LoadedStudy;
 use admire_identify::settings::UNIDENTIFIABLE_LN_SD;
 use admire_syntax::Address;
@@ -216,7 +218,7 @@ pub(super) fn unit(cause: Cause, address: &str, name: &str, loaded: &LoadedStudy
         "force" | "asymmetry" | "law_misfit" if turns => format!("{force}-{length}"),
         "force" | "asymmetry" | "law_misfit" => force.to_string(),
         "anchor" | LARGEST_DEFLECTION if turns => "rad".to_string(),
-        LARGEST_DEFLECTION => length.to_string(),
+        LARGEST_DEFLECTION | LARGEST_RADIAL_DEFLECTION => length.to_string(),
         _ if STIFFNESS_RISES.contains(&name) && turns => format!("{force}-{length}/rad"),
         _ if STIFFNESS_RISES.contains(&name) => format!("{force}/{length}"),
         "stiffness" if turns => format!("{force}-{length}/rad"),

@@ -7,7 +7,7 @@ use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
-use super::super::elastic_element::ElasticElement;
+use super::super::elastic_element::{ElasticElement, SMALLEST_DEFLECTION};
 use super::super::operating_points::OperatingPoints;
 
 /// Pairs of coupled components with their names. Components 0 to 2 are translations, components 3 to 5 rotations.
@@ -32,7 +32,7 @@ const PAIRS: [(usize, usize, &str); 15] = [
 /// Adds candidates for a coupling between every pair of components of every bushing or FIELD.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for element in ElasticElement::all(survey) {
-        let (stiffness, pair) = (element.stiffness, element.pair);
+        let (stiffness, pair) = (element.deck_stiffness, element.pair);
         let [i, j] = [pair.0, pair.1].map(|marker| survey.marker_id(marker).to_string());
         let field = survey.free_id("FIELD");
         for (a, b, form) in PAIRS {
@@ -111,7 +111,7 @@ pub(crate) fn growth(
             .fold(0.0_f64, |most, u| most.max(u[axis].abs()))
     };
     let (far_a, far_b) = (largest(a), largest(b));
-    if far_a.min(far_b) < 1e-9 {
+    if far_a.min(far_b) < SMALLEST_DEFLECTION {
         return None;
     }
     let [u, v] = [a, b].map(|axis| survey.deflection_function(pair, axis));

@@ -2,6 +2,9 @@
 //!
 //! The added force is a sum of terms that begin at a deflection `a`, `-c sgn(u) max(0, |u| - a)^p`. A power law is one term that begins at zero. In
 //! the spline, the stiffness changes linearly between knots at zero, one third, two thirds and all of the largest deflection.
+//!
+//! The x and y components of a bushing of Adams/Car depend on the radial deflection `r = sqrt(x^2 + y^2)`. There a term is
+//! `-c (x/r) max(0, r - a)^p`.
 
 use admire_solver::mechanics::Vec6;
 
@@ -9,7 +12,7 @@ use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
-use super::super::elastic_element::ElasticElement;
+use super::super::elastic_element::{ElasticElement, SMALLEST_DEFLECTION};
 use super::super::operating_points::OperatingPoints;
 use admire_syntax::{Address, Expression};
 
@@ -17,8 +20,12 @@ use admire_syntax::{Address, Expression};
 pub const STIFFNESS_RISES: [&str; 3] = ["rise_first_third", "rise_second_third", "rise_last_third"];
 /// Name of the largest deflection among the parameters of a finding with a spline.
 pub const LARGEST_DEFLECTION: &str = "largest_deflection";
-/// Name of the form with the spline.
+/// Name of the largest radial deflection among the parameters of a finding with a spline over the radial deflection.
+pub const LARGEST_RADIAL_DEFLECTION: &str = "largest_radial_deflection";
+/// Name of the form with a spline over the deflection of the component.
 const SPLINE: &str = "spline";
+/// Name of the form with a spline over the radial deflection.
+const RADIAL_SPLINE: &str = "radial spline";
 
 /// Returns the terms of the spline with these changes of the stiffness over each third of the largest deflection. Each entry holds the deflection
 /// `a` at which a term begins, and its coefficient `c`. The restoring force is `c sgn(u) max(0, |u| - a)^2`.
@@ -29,12 +36,16 @@ pub fn spline_terms(largest: f64, rises: [f64; 3]) -> [[f64; 2]; 3] {
     std::array::from_fn(|k| [k as f64 * third, 0.5 * (rises[k] - before[k]) / third])
 }
 
-/// Returns the largest deflection of the spline of a candidate; `None` for another law.
-pub(crate) fn largest_deflection(effect: &CandidateEffect) -> Option<f64> {
-    let last = effect.numbers.last().filter(|_| effect.form == SPLINE)?;
-    match &last.unknown {
+/// Returns the largest deflection of the spline of a candidate, with its name among the parameters of a finding; `None` for another law.
+pub(crate) fn largest_deflection(effect: &CandidateEffect) -> Option<(&'static str, f64)> {
+    let name = match effect.form {
+        SPLINE => LARGEST_DEFLECTION,
+        RADIAL_SPLINE => LARGEST_RADIAL_DEFLECTION,
+        _ => return None,
+    };
+    match &effect.numbers.last()?.unknown {
         // The last rise has one term, whose coefficient is half of the reciprocal of a third.
-        Parametrisation::Extended(pairs) => pairs.first().map(|(_, c)| 1.5 / c),
+        Parametrisation::Extended(pairs) => pairs.first().map(|(_, c)| (name, 1.5 / c)),
         _ => None,
     }
 }
@@ -61,20 +72,148 @@ struct LawForm {
 }
 
 impl LawTerm {
-    /// Returns the force of the term for a unit coefficient.
-    fn rise(&self, u: f64) -> f64 {
-        (u.abs() - self.from).max(0.0).powi(self.power) * u.signum()
+    /// Returns the force of the term for a unit coefficient, at a deflection of the component.
+    fn rise(&self, at: LawDeflection) -> f64 {
+        (at.size - self.from).max(0.0).powi(self.power) * at.direction
     }
 
-    /// Returns the ADAMS function expression of the term with the coefficient zero, which is its first literal. `measure` is the expression of
-    /// the deflection.
-    fn text(&self, measure: &str) -> String {
-        match (self.from, self.power) {
-            (0.0, 2) => format!("-0.0*{measure}*ABS({measure})"),
-            (0.0, power) => format!("-0.0*{measure}**{power}"),
-            (from, power) => {
-                format!("-0.0*SIGN(1.0,{measure})*MAX(0.0,ABS({measure})-{from:E})**{power}")
+    /// Returns the ADAMS function expression of the term with the coefficient zero, which is its first literal.
+    fn text(&self, measure: &LawMeasure) -> String {
+        let u = &measure.component;
+        match (self.from, self.power, &measure.radial) {
+            (0.0, 2, None) => format!("-0.0*{u}*ABS({u})"),
+            (0.0, power, None) => format!("-0.0*{u}**{power}"),
+            (0.0, 2, Some(r)) => format!("-0.0*{u}*{r}"),
+            (0.0, power, Some(r)) => format!("-0.0*{u}*{r}**{}", power - 1),
+            (from, power, None) => {
+                format!("-0.0*SIGN(1.0,{u})*MAX(0.0,ABS({u})-{from:E})**{power}")
             }
+            (from, power, Some(r)) => format!("-0.0*{u}/{r}*MAX(0.0,{r}-{from:E})**{power}"),
+        }
+    }
+}
+
+/// Deflection on which the law of a component depends.
+#[derive(Clone, Copy)]
+struct LawDeflection {
+    /// Magnitude: the absolute deflection of the component, or the radial deflection.
+    size: f64,
+    /// Share of the force that acts along the component: a sign, or the direction cosine of the radial deflection.
+    direction: f64,
+}
+
+impl LawDeflection {
+    /// Returns the deflection of a component; `partner` is the deflection of the other component with which it shares its radial deflection.
+    fn new(u: f64, partner: Option<f64>) -> Self {
+        let size = libm::hypot(u, partner.unwrap_or(0.0));
+        let direction = if size > 0.0 { u / size } else { 0.0 };
+        Self { size, direction }
+    }
+}
+
+/// ADAMS function expressions of a [`LawDeflection`].
+struct LawMeasure {
+    /// Deflection of the component.
+    component: String,
+    /// Radial deflection; `None` if the law depends on the component alone.
+    radial: Option<String>,
+}
+
+/// Component of an elastic element, with the deflection on which a law of it depends.
+struct LawSite<'a> {
+    element: &'a ElasticElement,
+    axis: usize,
+    measure: LawMeasure,
+    /// Deflection in each case.
+    deflections: Vec<LawDeflection>,
+    /// Largest deflection in all cases.
+    largest: f64,
+}
+
+impl<'a> LawSite<'a> {
+    /// Returns the site of a law that depends on the component alone, or on the radial deflection of the component and its `partner`. Returns `None`
+    /// if that deflection is zero.
+    fn new(
+        survey: &OperatingPoints<'_>,
+        element: &'a ElasticElement,
+        axis: usize,
+        partner: Option<usize>,
+    ) -> Option<Self> {
+        let of = |axis| survey.deflection_function(element.pair, axis);
+        // A square root has no derivative at zero. The added length of one nanometre does not change the law.
+        let nanometre = 1e-6 * survey.millimetre();
+        let square = nanometre * nanometre;
+        let radial = |partner| format!("SQRT({}**2+{}**2+{square:E})", of(axis), of(partner));
+        let measure = LawMeasure {
+            component: of(axis),
+            radial: partner.map(radial),
+        };
+        let deflection =
+            |d: &[f64; 6]| LawDeflection::new(d[axis], partner.map(|partner| d[partner]));
+        let deflections: Vec<LawDeflection> = element.deflections.iter().map(deflection).collect();
+        let largest = deflections.iter().fold(0.0_f64, |m, u| m.max(u.size));
+        (largest > SMALLEST_DEFLECTION).then_some(Self {
+            element,
+            axis,
+            measure,
+            deflections,
+            largest,
+        })
+    }
+
+    /// Returns the candidate with one form of the law.
+    fn candidate(&self, survey: &OperatingPoints<'_>, form: &LawForm) -> CandidateEffect {
+        let (pair, axis) = (self.element.pair, self.axis);
+        let texts: Vec<String> = form
+            .terms
+            .iter()
+            .map(|term| term.text(&self.measure))
+            .collect();
+        let (gforce, changes) = survey.vector_force(pair, &[(axis, &texts.concat())]);
+        // The coefficient is the first literal of its term. The other literals of a term are marker ids and constants.
+        let mut first = 1;
+        let coefficients: Vec<Address> = texts
+            .iter()
+            .map(|text| {
+                let own = first;
+                first += Expression::parse_str(text).map_or(0, |text| text.literals.len());
+                Address::of_argument("GFORCE", gforce, FORCES[axis], Some(own))
+            })
+            .collect();
+        let numbers = form.numbers.iter().map(|number| {
+            let force = |u: LawDeflection| {
+                let each = form.terms.iter().zip(&number.coefficients);
+                each.map(|(term, factor)| factor * term.rise(u))
+                    .sum::<f64>()
+            };
+            let each = self.deflections.iter();
+            let wrench = each.map(|u| Vec6::ith(axis, -force(*u))).collect();
+            let each = coefficients
+                .iter()
+                .cloned()
+                .zip(number.coefficients.iter().copied());
+            let acting = each.filter(|(_, factor)| *factor != 0.0).collect();
+            EffectParameter {
+                column: Sensitivity::Wrench(pair, wrench),
+                ..EffectParameter::new(number.name, number.sd, Parametrisation::Extended(acting))
+            }
+        });
+        CandidateEffect {
+            cause: Cause::ProgressiveStiffness,
+            address: self.element.address(axis),
+            members: Vec::new(),
+            side: "",
+            form: match &self.measure.radial {
+                Some(_) if form.name == SPLINE => RADIAL_SPLINE,
+                _ => form.name,
+            },
+            numbers: numbers.collect(),
+            ln_prior: 0.0,
+            one_sided: form.numbers.len() == 1,
+            changes: changes.into_iter().map(Change::Add).collect(),
+            memory: None,
+            term: Term::Main,
+            joint_with: None,
         }
     }
 }
@@ -110,68 +249,26 @@ fn forms(stiffness: f64, largest: f64, usual: f64) -> [LawForm; 3] {
     [power("cubic", 3), power("quadratic", 2), spline]
 }
 
-/// Adds candidates for a law that is not linear in every component of every elastic element.
+/// Adds candidates for a law that is not linear in every component of every elastic element. The x and y components of a round bushing depend on their
+/// common radial deflection, so a spline over it is a further form of their laws.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let usual = survey.priors().progressive_stiffness;
     for element in ElasticElement::all(survey) {
-        let (pair, stiffness) = (element.pair, element.stiffness);
-        for axis in 0..6 {
-            let u: Vec<f64> = element.deflections.iter().map(|d| d[axis]).collect();
-            let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-            if largest < 1e-9 || stiffness[axis] <= 0.0 {
-                continue;
-            }
-            let measure = survey.deflection_function(pair, axis);
-            for form in forms(stiffness[axis], largest, usual) {
-                let texts: Vec<String> =
-                    form.terms.iter().map(|term| term.text(&measure)).collect();
-                let (gforce, changes) = survey.vector_force(pair, &[(axis, &texts.concat())]);
-                // The coefficient is the first literal of its term. The other literals of a term are marker ids and constants.
-                let mut first = 1;
-                let coefficients: Vec<Address> = texts
+        let stiff = (0..6).filter(|axis| element.deck_stiffness[*axis] > 0.0);
+        for axis in stiff {
+            let partner = (axis < 2).then(|| 1 - axis);
+            let is_radial = partner.is_some() && element.is_radial;
+            let own = (!is_radial).then(|| LawSite::new(survey, &element, axis, None));
+            let radial = partner
+                .filter(|partner| is_radial || element.moves(*partner))
+                .map(|partner| LawSite::new(survey, &element, axis, Some(partner)));
+            for site in [own, radial].into_iter().flatten().flatten() {
+                let is_further = site.measure.radial.is_some() && !is_radial;
+                let forms = forms(element.deck_stiffness[axis], site.largest, usual);
+                let own = forms
                     .iter()
-                    .map(|text| {
-                        let own = first;
-                        first += Expression::parse_str(text).map_or(0, |text| text.literals.len());
-                        Address::of_argument("GFORCE", gforce, FORCES[axis], Some(own))
-                    })
-                    .collect();
-                let is_power = form.numbers.len() == 1;
-                let numbers = form.numbers.iter().map(|number| {
-                    let force = |u: f64| {
-                        let each = form.terms.iter().zip(&number.coefficients);
-                        each.map(|(term, factor)| factor * term.rise(u))
-                            .sum::<f64>()
-                    };
-                    let wrench = u.iter().map(|u| Vec6::ith(axis, -force(*u))).collect();
-                    let each = coefficients
-                        .iter()
-                        .cloned()
-                        .zip(number.coefficients.iter().copied());
-                    let acting = each.filter(|(_, factor)| *factor != 0.0).collect();
-                    EffectParameter {
-                        column: Sensitivity::Wrench(pair, wrench),
-                        ..EffectParameter::new(
-                            number.name,
-                            number.sd,
-                            Parametrisation::Extended(acting),
-                        )
-                    }
-                });
-                out.push(CandidateEffect {
-                    cause: Cause::ProgressiveStiffness,
-                    address: element.address(axis),
-                    members: Vec::new(),
-                    side: "",
-                    form: form.name,
-                    numbers: numbers.collect(),
-                    ln_prior: 0.0,
-                    one_sided: is_power,
-                    changes: changes.into_iter().map(Change::Add).collect(),
-                    memory: None,
-                    term: Term::Main,
-                    joint_with: None,
-                });
+                    .filter(|form| !is_further || form.name == SPLINE);
+                out.extend(own.map(|form| site.candidate(survey, form)));
             }
         }
     }
@@ -204,13 +301,15 @@ mod tests {
             // The prior allows the same force at the largest deflection, whatever the form.
             let force = |number: &LawNumber| -> f64 {
                 let each = form.terms.iter().zip(&number.coefficients);
-                let sum: f64 = each.map(|(term, c)| c * term.rise(largest)).sum();
+                let end = LawDeflection::new(largest, None);
+                let sum: f64 = each.map(|(term, c)| c * term.rise(end)).sum();
                 sum * number.sd
             };
             let all: f64 = form.numbers.iter().map(|n| force(n).powi(2)).sum();
             let ratio = all.sqrt() / (0.5 * 1000.0 * largest);
             assert!((0.9..=1.2).contains(&ratio), "{}: {ratio}", form.name);
-            let odd = |term: &LawTerm| (term.rise(-1.5) + term.rise(1.5)).abs() < 1e-12;
+            let rise = |term: &LawTerm, u| term.rise(LawDeflection::new(u, None));
+            let odd = |term: &LawTerm| (rise(term, -1.5) + rise(term, 1.5)).abs() < 1e-12;
             assert!(form.terms.iter().all(odd));
         }
     }
