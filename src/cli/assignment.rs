@@ -73,7 +73,7 @@ impl Assignment<'_> {
         }
         let Some(operand) = plain_number(self.value) else {
             let message = format!(
-                "`{}` is not a number that can be used with *=, /=, += or -=",
+                "`{}` is not a plain number, but *=, /=, += and -= need one",
                 self.value
             );
             return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
@@ -134,7 +134,7 @@ pub(super) fn evaluated(
     let Some((operand, has_suffix)) = number::parse_number(value.as_bytes()) else {
         return Err(shell.usage(Diagnostic::error(
             Code::BadNumber,
-            format!("`{value}` is not a number that can be used with *=, /=, += or -="),
+            format!("`{value}` is not a number, but *=, /=, += and -= need one"),
         )));
     };
     let mut all = Vec::new();

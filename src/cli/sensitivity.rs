@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 fn text((of, units): (&[String], &[String]), rows: &[SensitivityRow]) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    let heads = ["d / d", "value", "unit"].map(str::to_string);
+    let heads = ["parameter", "value", "unit"].map(str::to_string);
     let columns = of
         .iter()
         .zip(units)
@@ -111,5 +111,6 @@ fn text((of, units): (&[String], &[String]), rows: &[SensitivityRow]) -> String 
     for column in table.column_iter_mut().skip(2).take(1) {
         column.set_cell_alignment(CellAlignment::Left);
     }
-    table_text(&table) + "each derivative is in the unit of its column per unit of its row\n"
+    table_text(&table)
+        + "derivatives of the columns by the parameters, in the unit of the column per unit of the parameter\n"
 }

@@ -90,7 +90,8 @@ fn hover_tells_the_grammar_and_the_model() {
     // The part is at 10, 0, 0, and the marker on it at 5, 0, 100.
     let marker = hover(&mut editor, "axle.adm", 9, 7);
     assert!(
-        marker.contains("In ground at 15, 0, 100 mm") && marker.contains("REULER = 90D, 0D, 0D"),
+        marker.contains("Position in ground: 15, 0, 100 mm")
+            && marker.contains("REULER = 90D, 0D, 0D"),
         "{marker}"
     );
     assert!(marker.contains("On part 2 arm"), "{marker}");
