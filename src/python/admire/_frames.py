@@ -1,4 +1,4 @@
-"""Frames, datasets and plots of columns with units."""
+"""Data frames, datasets and plots of columns with units."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ def needed(module: str, of: str, extra: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         package = module.split(".")[0]
-        raise ImportError(f"{of} needs {package}: pip install admire[{extra}]") from error
+        raise ImportError(f"{of} needs {package}; install it by: pip install admire[{extra}]") from error
 
 
 def time_of(names: Iterable[str]) -> str | None:
-    """Return the name of the column of time, if there is one."""
+    """Return the name of the time column; ``None`` if there is none."""
     return next((name for name in names if name.lower() in ("time", "time.time")), None)
 
 
@@ -81,7 +81,7 @@ def axes_for(count: int, ax: Any, of: str) -> list[Any]:
         return list(made[:, 0])
     given = list(np.atleast_1d(np.asarray(ax, dtype=object)))
     if len(given) != count:
-        raise ValueError(f"{count} axes are needed, one for each unit or quantity, not {len(given)}")
+        raise ValueError(f"ax must hold one axes for each unit or quantity: {count}, not {len(given)}")
     return given
 
 
@@ -106,7 +106,7 @@ def plot_columns(
     """
     shown = [name for name in columns if name != x]
     if not shown:
-        raise KeyError("no column to plot")
+        raise KeyError("no column to plot besides the column of the horizontal axis")
     groups: dict[str, list[str]] = {}
     for name in shown:
         groups.setdefault(units.get(name, ""), []).append(name)
