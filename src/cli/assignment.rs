@@ -79,12 +79,14 @@ impl Assignment<'_> {
             return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
         };
         let Some(old) = old else {
-            let message = format!("{address} is not a number");
+            let message =
+                format!("{address} is not a number, so *=, /=, += and -= cannot change it");
             return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
         };
         let new = rounded(self.operator.apply(old, operand));
         if !new.is_finite() {
-            let message = format!("{address} cannot be {new}: it is not a number");
+            let message =
+                format!("the new value of {address} would be {new}, which is not a finite number");
             return Err(shell.fail(Diagnostic::error(Code::OutOfRange, message)));
         }
         Ok(spell_like(new, written))
@@ -143,7 +145,8 @@ pub(super) fn evaluated(
         .flat_map(|address| places(address, dataset))
     {
         let Some(old) = dataset.value_at(&address) else {
-            let message = format!("{address} is not a number");
+            let message =
+                format!("{address} is not a number, so *=, /=, += and -= cannot change it");
             return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
         };
         // If an angle is written in degrees, its new value is computed in degrees, because values in degrees have fewer digits.
@@ -166,7 +169,8 @@ pub(super) fn evaluated(
             Operator::Multiply | Operator::Divide => operator.apply(old, operand),
         };
         if !new.is_finite() {
-            let message = format!("{address} cannot be {new}: it is not a number");
+            let message =
+                format!("the new value of {address} would be {new}, which is not a finite number");
             return Err(shell.fail(Diagnostic::error(Code::OutOfRange, message)));
         }
         let suffix = if in_degrees { "D" } else { "" };

@@ -392,7 +392,7 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     table.load_style(presets::NOTHING);
     let mut head = vec!["parameter", "unit", "initial", "identified", "std error"];
     if compares {
-        head.extend(["reference", "identified / reference"]);
+        head.extend(["reference", "identified/ref."]);
     }
     head.push("");
     table.set_header(&head);

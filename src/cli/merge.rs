@@ -35,7 +35,7 @@ pub(super) fn whole(folder: &SweepFolder, shell: &Shell) -> Outcome {
         Exit::Findings
     })?;
     let summary = Summary::of(folder).map_err(|error| {
-        let message = format!("`{}`: {error}", folder.results().display());
+        let message = format!("`{}` cannot be read: {error}", folder.results().display());
         shell.fail(Diagnostic::error(Code::CannotRead, message))
     })?;
     let json = serde_json::to_string_pretty(&summary).expect("numbers print") + "\n";

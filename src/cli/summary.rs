@@ -149,7 +149,7 @@ fn text(
     out.push('\n');
     _ = writeln!(
         out,
-        "degrees of freedom: {} (Gruebler count {}: {} of parts, {} equations,\n  {} of them redundant)",
+        "degrees of freedom: {} (Gruebler count {}: {} of the parts less {} constraint\n  equations, {} of which are redundant)",
         freedoms.actual(),
         freedoms.gruebler(),
         freedoms.of_parts,

@@ -27,7 +27,7 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
     let cannot = |what: &Path, error: &dyn std::fmt::Display| {
         shell.fail(Diagnostic::error(
             Code::CannotWrite,
-            format!("`{}`: {error}", what.display()),
+            format!("`{}` cannot be used: {error}", what.display()),
         ))
     };
     let absolute = |path: &Path| std::path::absolute(path).map_err(|error| cannot(path, &error));
@@ -117,7 +117,7 @@ fn sbatch(
     );
     let output = ran.map_err(|error| {
         refuse(
-            format!("`sbatch` cannot be started: {error}"),
+            format!("`sbatch` of SLURM cannot be started: {error}"),
             by_hand.clone(),
         )
     })?;
@@ -132,7 +132,7 @@ fn sbatch(
     if !output.status.success() || job.is_empty() {
         let said = String::from_utf8_lossy(&output.stderr).trim().to_string();
         return Err(refuse(
-            format!("`sbatch` submitted nothing: {said}"),
+            format!("`sbatch` did not submit the script: {said}"),
             by_hand,
         ));
     }

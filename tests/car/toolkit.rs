@@ -111,7 +111,7 @@ fn what_cannot_be_is_refused_and_nothing_is_written() {
         (
             vec!["set", "front.sub", "HARDPOINT/arm_front=1"],
             1,
-            "several values",
+            "name one of them",
         ),
         (
             vec!["set", "front.sub", "UNITS.LENGTH='mm"],

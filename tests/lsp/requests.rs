@@ -242,7 +242,7 @@ fn a_new_id_goes_through_functions_and_command_files() {
     // An id that is in use, and text that is no id.
     for (new, why) in [
         ("10", "MARKER/20 and MARKER/10 would both be MARKER/10"),
-        ("0", "above zero"),
+        ("0", "greater than zero"),
         ("99999999999", "whole number"),
     ] {
         marker["newName"] = json!(new);

@@ -336,7 +336,7 @@ class Deck:
         if values is not None and not isinstance(values, Mapping):
             raise TypeError("values must be a mapping; pass a command file as file=..., and the text of commands as commands=...")
         if file is not None and commands is not None:
-            raise TypeError("file= and commands= exclude each other: pass only one of them")
+            raise TypeError("pass file= or commands=, not both")
         given = _given(values) if values else []
         path = None if file is None else os.fspath(file)
         text = "SIMULATE/STATICS\n" if commands is None else commands.rstrip("\n") + "\n"

@@ -81,7 +81,7 @@ def axes_for(count: int, ax: Any, of: str) -> list[Any]:
         return list(made[:, 0])
     given = list(np.atleast_1d(np.asarray(ax, dtype=object)))
     if len(given) != count:
-        raise ValueError(f"ax must hold one axes for each unit or quantity: {count}, not {len(given)}")
+        raise ValueError(f"ax must hold {count} axes, one for each unit or quantity, not {len(given)}")
     return given
 
 

@@ -175,7 +175,7 @@ class Identification:
 
 @dataclass(frozen=True)
 class Rival:
-    """Alternative explanation that the readings do not exclude. ``bic_behind`` is the difference of its BIC to that of the finding."""
+    """Alternative explanation that the readings do not exclude. ``bic_behind`` is twice the log posterior odds of the finding against it."""
 
     cause: str
     address: str
