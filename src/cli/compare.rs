@@ -163,7 +163,7 @@ fn table(comparison: &Comparison, all: bool) -> String {
         }
     }
     for step in &comparison.kinds_differ {
-        _ = writeln!(out, "step {step} is of different kinds in the two files");
+        _ = writeln!(out, "the kind of step {step} differs between the two files");
     }
     let alone = comparison.only_in_a.len() + comparison.only_in_b.len();
     let mut said = vec![match differing {

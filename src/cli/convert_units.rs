@@ -36,7 +36,7 @@ const EXAMPLES: &str = "Examples:
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_command_file(&arguments.deck) {
         return Err(shell.usage(
-            Diagnostic::error(Code::WrongUnits, "a command file is not converted").help(
+            Diagnostic::error(Code::WrongUnits, "a command file cannot be converted").help(
                 "the units of its numbers are those of the dataset that it loads: write the numbers in the new units by hand",
             ),
         ));

@@ -12,7 +12,7 @@ use super::width::table_text;
 
 /// Join the shards of a sweep into one table.
 ///
-/// If a shard is missing or unfinished, or if parts are of different versions or inputs, all reasons are reported and nothing is joined. Writes
+/// If a shard is missing or unfinished, or if shards are of different versions or inputs, all reasons are reported and nothing is joined. Writes
 /// `results.parquet`, `summary.json` and `report.html`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire merge tolerance")]

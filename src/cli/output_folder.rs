@@ -207,7 +207,7 @@ fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<()
     Err(shell.fail(
         Diagnostic::error(
             Code::CannotWrite,
-            format!("nothing is written: no earlier run wrote these files, or they were changed since: {names}"),
+            format!("nothing is written, because these files are not the unchanged output of an earlier run: {names}"),
         )
         .help("name another folder, or replace the files with --force"),
     ))

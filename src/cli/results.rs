@@ -51,7 +51,7 @@ pub(super) struct Arguments {
     /// Only steps of this kind: static, quasiStatic, kinematic, dynamic, ...
     #[arg(long, value_name = "KIND")]
     kind: Vec<String>,
-    /// Change values and write the whole file, such as `arm_XFORM.X=12.5` or `'*.FX*=1000'`. The other options choose the steps.
+    /// Change values and write the whole file, such as `arm_XFORM.X=12.5` or `'*.FX*=1000'`. --steps, --from, --to and --kind select the steps.
     #[arg(long, num_args = 1.., value_name = "COLUMN=VALUE", conflicts_with_all = ["get", "list"])]
     set: Vec<String>,
     #[command(flatten)]

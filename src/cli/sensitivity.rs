@@ -28,8 +28,8 @@ pub(super) struct Arguments {
     /// Results to differentiate: a part (its motion), a force element or a joint (its force on I), or `REQUEST/1.F2`.
     #[arg(long, required = true, num_args = 1.., add = ArgValueCompleter::new(complete))]
     of: Vec<String>,
-    /// Parameters with respect to which derivatives are taken: `BUSHING/1.K`, `BUSHING/1`, `MARKER/4.QP.2`; all that have an effect if
-    /// absent.
+    /// Parameters with respect to which derivatives are taken: `BUSHING/1.K`, `BUSHING/1`, `MARKER/4.QP.2`; by default, all
+    /// parameters with an effect.
     #[arg(long, num_args = 1.., add = ArgValueCompleter::new(complete))]
     by: Vec<String>,
     /// TIME at which the equilibrium is solved.
@@ -112,5 +112,5 @@ fn text((of, units): (&[String], &[String]), rows: &[SensitivityRow]) -> String 
         column.set_cell_alignment(CellAlignment::Left);
     }
     table_text(&table)
-        + "derivatives of the columns by the parameters, in the unit of the column per unit of the parameter\n"
+        + "derivatives with respect to the parameters, in the unit of the column per unit of the parameter\n"
 }

@@ -210,7 +210,11 @@ fn listed(out: &mut String, what: &str, names: &[String], all: bool) {
         _ = writeln!(out, "  {what}: {name}");
     }
     if names.len() > shown {
-        _ = writeln!(out, "  ... and {} more (--all)", names.len() - shown);
+        _ = writeln!(
+            out,
+            "  ... and {} more (list them with --all)",
+            names.len() - shown
+        );
     }
 }
 

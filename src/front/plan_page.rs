@@ -232,20 +232,26 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
     page.scene(&scene);
     lines(&mut page, found);
     page.table(&ranking(found, count));
-    page.note(&format!(
-        "{}: decrease of the standard deviation in percent. K1 is the worst-determined combination; all are listed above.{}{}",
-        fall_columns(found),
-        if found.causes.is_some() {
-            " The column `cause` gives the expected rise of the probability of the true explanation."
-        } else {
-            ""
-        },
-        if found.candidates.iter().any(|ranked| ranked.what.contains(BEYOND)) {
-            " The word `beyond` marks a load outside the range of the load cases of the study."
-        } else {
-            ""
-        }
-    ));
+    let columns = fall_columns(found);
+    let mut legend = Vec::new();
+    if !columns.is_empty() {
+        legend.push(format!(
+            "{columns}: decrease of the standard deviation in percent."
+        ));
+    }
+    if !found.combinations.is_empty() {
+        legend.push("K1 is the worst-determined combination; all are listed above.".to_string());
+    }
+    if found.causes.is_some() {
+        let meaning = "cause: expected rise of the probability of the true explanation.";
+        legend.push(meaning.to_string());
+    }
+    let mut candidates = found.candidates.iter();
+    if candidates.any(|ranked| ranked.what.contains(BEYOND)) {
+        let meaning = "(beyond): load outside the range of the load cases of the study.";
+        legend.push(meaning.to_string());
+    }
+    page.note(&legend.join(" "));
     page.detail("Measurements that are not possible or were not considered");
     if !found.not_possible.is_empty() {
         page.list(&found.not_possible);

@@ -188,7 +188,7 @@ fn slots(
             }
         }
         if out.len() == before {
-            let message = format!("`{word}` is no parameter of the equilibrium");
+            let message = format!("`{word}` is not a parameter of the equilibrium");
             return Err(Diagnostic::error(Code::UndefinedId, message));
         }
     }
