@@ -41,7 +41,7 @@ class AxleTests:
         Returns
         -------
         pandas.DataFrame
-            One row for each state of each test. Column names are such as ``toe_angle.left [deg]``; ``attrs["units"]`` contains their units.
+            One row for each state of each test. Column names look like ``toe_angle.left [deg]``; ``attrs["units"]`` contains their units.
         """
         found = _table(self.curves_csv)
         found.attrs["units"] = {head: head_and_unit(head)[1] for head in found.columns if " [" in head}

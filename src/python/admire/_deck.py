@@ -421,7 +421,7 @@ class Deck:
         return AxleTests(json.loads(values), curves, gradients, html, complaints_of(told))
 
     def __contains__(self, address: object) -> bool:
-        """Return true if the deck has the object, and the argument if the address names one."""
+        """Return true if the deck has the object and, if the address names an argument, the argument."""
         if not isinstance(address, str):
             return False
         try:

@@ -47,7 +47,7 @@ def time_of(names: Iterable[str]) -> str | None:
 
 
 def frame(columns: Mapping[str, Column], kinds: list[str], units: Mapping[str, str]) -> "pandas.DataFrame":
-    """Return a frame with a row for each step; ``attrs["units"]`` holds the units."""
+    """Return a frame with one row for each step; ``attrs["units"]`` contains the units."""
     pd = needed("pandas", "to_pandas", "pandas")
     made: "pandas.DataFrame" = pd.DataFrame(dict(columns))
     made.insert(0, "step", kinds)
@@ -74,7 +74,7 @@ def dataset(
 
 
 def axes_for(count: int, ax: Any, of: str) -> list[Any]:
-    """Return as many axes as there are charts: those that the caller gives, or new ones below each other."""
+    """Return one axes for each chart: the given ones, or new ones below each other."""
     pyplot = needed("matplotlib.pyplot", of, "plot")
     if ax is None:
         _, made = pyplot.subplots(count, 1, sharex=True, squeeze=False, figsize=(6.4, 1.6 + 2.4 * count))
@@ -97,12 +97,12 @@ def plot_columns(
     ax: Any,
     options: Mapping[str, Any],
 ) -> Any:
-    """Plot columns over another one, a chart for each unit.
+    """Plot columns over another column, one chart for each unit.
 
     Returns
     -------
     matplotlib.axes.Axes or numpy.ndarray of Axes
-        One axes if all columns have the same unit.
+        A single axes if all columns have the same unit.
     """
     shown = [name for name in columns if name != x]
     if not shown:

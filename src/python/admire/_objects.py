@@ -21,7 +21,7 @@ class Objects(list[str]):
         self._deck = deck
 
     def to_pandas(self, *arguments: str) -> "pandas.DataFrame":
-        """Return a frame with a row for each object.
+        """Return a frame with one row for each object.
 
         Parameters
         ----------

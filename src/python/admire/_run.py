@@ -130,17 +130,17 @@ class Run:
         return {name: self.values[:, at] for name, at in zip(self.columns, self._inner.positions())}
 
     def to_pandas(self, *patterns: str) -> "pandas.DataFrame":
-        """Return a frame with a row for each step.
+        """Return a frame with one row for each step.
 
         Parameters
         ----------
         *patterns : str
-            Names of columns, as in :meth:`select`; all columns without any.
+            Names of columns, as in :meth:`select`; by default, all columns.
 
         Returns
         -------
         pandas.DataFrame
-            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` holds the units.
+            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` contains the units.
         """
         return frame(self._chosen(patterns), self.kinds, self.units)
 
@@ -150,7 +150,7 @@ class Run:
         Parameters
         ----------
         *patterns : str
-            Names of columns, as in :meth:`select`; all columns without any.
+            Names of columns, as in :meth:`select`; by default, all columns.
 
         Returns
         -------
@@ -273,7 +273,7 @@ class Results:
         Returns
         -------
         pandas.DataFrame
-            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` holds the units.
+            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` contains the units.
         """
         columns, kinds = self._chosen(patterns, steps, kind, times)
         return frame(columns, kinds, self.units)

@@ -142,7 +142,7 @@ class Identification:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
@@ -223,7 +223,7 @@ class Diagnosis:
     remarks: list[str] = field(repr=False, default_factory=list)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a frame with a row for each finding."""
+        """Return a frame with one row for each finding."""
         pd = needed("pandas", "to_pandas", "pandas")
         rows = [
             {"cause": f.cause, "address": f.address, "probability": f.probability, "minor": f.minor, **f.parameters}
@@ -238,7 +238,7 @@ class Diagnosis:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
@@ -307,7 +307,7 @@ class Plan:
         count : int
             Number of candidates.
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
@@ -398,7 +398,7 @@ class Tuning:
         goal : int or str
             Index of the goal, from 0, or its name.
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
