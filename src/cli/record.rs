@@ -60,9 +60,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     drop(bar);
     let (runs, failed) = backend.tally();
     shell.print(&format!(
-        "runs with a result, which were recorded: {} of {}\n`{}` now contains {}\n",
+        "runs with a result, which were recorded: {} of {runs}\n`{}` now contains {}\n",
         runs - failed,
-        runs,
         recording.folder.display(),
         counted(recording.count(), "run")
     ));

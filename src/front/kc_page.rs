@@ -125,7 +125,7 @@ pub(crate) fn kc_page(
         (
             "Swing arms and roll centre",
             format!(
-                "from the vertical load case `{}`",
+                "computed with the vertical load case {}",
                 json!(config.vertical_load).as_str().unwrap_or_default()
             ),
         ),
