@@ -173,7 +173,7 @@ fn table(comparison: &Comparison, all: bool) -> String {
         n => format!("{n} columns differ"),
     }];
     for (count, what) in [
-        (comparison.units_differ.len(), "in other units"),
+        (comparison.units_differ.len(), "with different units"),
         (alone, "in one file only"),
     ] {
         if count > 0 {
