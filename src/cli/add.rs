@@ -54,9 +54,17 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         (Some(name), [one]) if !name.contains(['\'', '\n', '\r']) => {
             one.view_name = Some(name.clone());
         }
-        (Some(name), _) => {
-            let message = format!("`{name}` cannot be the name");
-            let help = "a name is for one statement and must not contain quotes or line breaks";
+        (Some(_), [_]) => {
+            let message = "the view name contains a single quote or a line break";
+            let help = "the name stands between single quotes in a comment of the dataset";
+            return Err(shell.usage(Diagnostic::error(Code::SyntaxError, message).help(help)));
+        }
+        (Some(_), all) => {
+            let message = format!(
+                "--name names one statement, but {} statements are to be added",
+                all.len()
+            );
+            let help = "add the named statement by a command of its own";
             return Err(shell.usage(Diagnostic::error(Code::SyntaxError, message).help(help)));
         }
     }

@@ -73,18 +73,20 @@ impl Assignment<'_> {
         }
         let Some(operand) = plain_number(self.value) else {
             let message = format!(
-                "`{}` is not a number that can be used with *=, /=, += or -=",
+                "`{}` is not a plain number, but *=, /=, += and -= need one",
                 self.value
             );
             return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
         };
         let Some(old) = old else {
-            let message = format!("{address} is not a number");
+            let message =
+                format!("{address} is not a number, so *=, /=, += and -= cannot change it");
             return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
         };
         let new = rounded(self.operator.apply(old, operand));
         if !new.is_finite() {
-            let message = format!("{address} cannot be {new}: it is not a number");
+            let message =
+                format!("the new value of {address} would be {new}, which is not a finite number");
             return Err(shell.fail(Diagnostic::error(Code::OutOfRange, message)));
         }
         Ok(spell_like(new, written))
@@ -134,7 +136,7 @@ pub(super) fn evaluated(
     let Some((operand, has_suffix)) = number::parse_number(value.as_bytes()) else {
         return Err(shell.usage(Diagnostic::error(
             Code::BadNumber,
-            format!("`{value}` is not a number that can be used with *=, /=, += or -="),
+            format!("`{value}` is not a number, but *=, /=, += and -= need one"),
         )));
     };
     let mut all = Vec::new();
@@ -143,7 +145,8 @@ pub(super) fn evaluated(
         .flat_map(|address| places(address, dataset))
     {
         let Some(old) = dataset.value_at(&address) else {
-            let message = format!("{address} is not a number");
+            let message =
+                format!("{address} is not a number, so *=, /=, += and -= cannot change it");
             return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
         };
         // If an angle is written in degrees, its new value is computed in degrees, because values in degrees have fewer digits.
@@ -166,7 +169,8 @@ pub(super) fn evaluated(
             Operator::Multiply | Operator::Divide => operator.apply(old, operand),
         };
         if !new.is_finite() {
-            let message = format!("{address} cannot be {new}: it is not a number");
+            let message =
+                format!("the new value of {address} would be {new}, which is not a finite number");
             return Err(shell.fail(Diagnostic::error(Code::OutOfRange, message)));
         }
         let suffix = if in_degrees { "D" } else { "" };

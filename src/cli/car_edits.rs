@@ -63,9 +63,9 @@ pub(super) fn set(
         Some(first) if !force => Err(shell.fail(
             Diagnostic::error(
                 first.code,
-                format!("nothing is written: `{name}` would have a new fault"),
+                format!("nothing is written: `{name}` would have a new error, shown above"),
             )
-            .help("change the places that depend on it in the same command, or use --force"),
+            .help("change the dependent values in the same command, or write the file anyway with --force"),
         )),
         _ => Ok(file.source().bytes().to_vec()),
     }
@@ -77,10 +77,10 @@ fn changed(file: &PropertyFile, text: &str, shell: &Shell) -> Result<PropertyFil
     let found = select(file, assignment.left)
         .map_err(|refused| of_text(refused, assignment.left, shell))?;
     if found.len() > 1 && !assignment.left.contains('*') {
-        let message = format!("`{}` is several values", assignment.left);
+        let message = format!("`{}` names {} values", assignment.left, found.len());
         return Err(shell.fail(
             Diagnostic::error(Code::AmbiguousKeyword, message)
-                .help(format!("one of them is `{}`", found[0].address)),
+                .help(format!("name one of them, such as `{}`", found[0].address)),
         ));
     }
     let mut edits = Vec::new();
@@ -95,7 +95,7 @@ fn changed(file: &PropertyFile, text: &str, shell: &Shell) -> Result<PropertyFil
     let new = PropertyFile::parse(Source::new(file.source().name(), bytes)).value;
     if entries(&new).len() != entries(file).len() {
         return Err(conflict(format!(
-            "`{text}` would change more than the value that it names"
+            "`{text}` would change more than the named value"
         )));
     }
     Ok(new)

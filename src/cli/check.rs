@@ -42,8 +42,8 @@ use super::shell::{Exit, Shell, exit_of};
 #[derive(clap::Args, Debug)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// Datasets (.adm), command files (.acf), files of Adams/Car (.sub, .asy, .bus, .spr, .tir, ...), folders (with a study.toml: the study too), or
-    /// patterns: `runs/*.adm`.
+    /// Datasets (.adm), command files (.acf), files of Adams/Car (.sub, .asy, .bus, .spr, .tir, ...), folders, or patterns: `runs/*.adm`. In a
+    /// folder with a study.toml, the study is checked, too.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Folder for the page `report.html`. Without this option, no page is written.
@@ -194,8 +194,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 fn counted(files: usize, found: &[Diagnostic]) -> String {
     let many = |severity: Severity, word: &str| {
         let count = found.iter().filter(|d| d.severity == severity).count();
-        let end = if count == 1 { "" } else { "s" };
-        format!("{count} {word}{end}")
+        super::counted::counted(count, word)
     };
     format!(
         "{files} files: {}, {}, {}\n",

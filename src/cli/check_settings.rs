@@ -38,10 +38,10 @@ pub(super) struct Flags {
     /// Hide messages with these codes.
     #[arg(long, value_delimiter = ',', value_name = "CODE")]
     ignore: Vec<String>,
-    /// Warnings make the check fail, too.
+    /// Exit with code 1 for warnings, too.
     #[arg(long)]
     strict: bool,
-    /// The decks are for the FORTRAN solver: also report lines that it would cut off.
+    /// Also report lines that the FORTRAN solver of ADAMS would cut off.
     #[arg(long)]
     fortran: bool,
     /// Settings file to read instead of the `admire.toml` in the folder of a file or above it.

@@ -6,9 +6,10 @@ use crate::front::edits;
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::grammar::{Lookup, Role, find_statement};
 use admire_syntax::text::{Source, Span, apply_edits};
-use admire_syntax::{Address, CommandFile, Dataset, lint};
+use admire_syntax::{Address, CommandFile, Dataset, Statement, lint};
 
 use super::assignment::{Assignment, evaluated};
+use super::counted::counted;
 use super::shell::{Exit, Shell};
 
 /// Finds the commands of a file that match an address or a pattern. Each match consists of its name (such as `SIMULATE#2.END`), a dataset
@@ -37,8 +38,9 @@ pub(super) fn places(
     let Lookup::Found(def) = find_statement(keyword.as_bytes(), Role::Command) else {
         return refuse(
             Code::UnknownStatement,
-            format!("{keyword} is not a command"),
-            "write KIND.ARGUMENT, KIND/id.ARGUMENT, or KIND#2.ARGUMENT for the second one".into(),
+            format!("`{keyword}` is not a command of ADAMS"),
+            "an address is COMMAND.ARGUMENT, COMMAND/ID.ARGUMENT, or COMMAND#2.ARGUMENT for the second command of several, such as `SIMULATE#2.END`"
+                .into(),
         );
     };
     let found: Vec<usize> = file
@@ -60,8 +62,11 @@ pub(super) fn places(
                 None => {
                     return refuse(
                         Code::UndefinedId,
-                        format!("there is no {head}#{number}"),
-                        format!("the file has {} of them", found.len()),
+                        format!("the command file has no {head}#{number}"),
+                        format!(
+                            "it has {}",
+                            counted(found.len(), &format!("{head} command"))
+                        ),
                     );
                 }
             }
@@ -69,7 +74,10 @@ pub(super) fn places(
         None if found.len() > 1 && id != "*" => {
             return refuse(
                 Code::AmbiguousKeyword,
-                format!("the file has {} of {head}", found.len()),
+                format!(
+                    "{head} is ambiguous: the command file has {} of these commands",
+                    found.len()
+                ),
                 format!(
                     "write {head}#1 to {head}#{}, or {head}#* for all",
                     found.len()
@@ -79,11 +87,14 @@ pub(super) fn places(
         None => found.iter().copied().enumerate().collect(),
     };
     if chosen.is_empty() {
-        return refuse(
-            Code::UndefinedId,
-            format!("the file has no {head}"),
-            "write KIND.ARGUMENT, KIND/id.ARGUMENT, or KIND#2.ARGUMENT for the second one".into(),
-        );
+        let kinds: BTreeSet<&str> = file.commands().iter().filter_map(Statement::kind).collect();
+        let kinds: Vec<&str> = kinds.into_iter().collect();
+        let help = match kinds.as_slice() {
+            [] => "the file has no commands".to_string(),
+            kinds => format!("its commands are {}", kinds.join(", ")),
+        };
+        let message = format!("the command file has no {head} command");
+        return refuse(Code::UndefinedId, message, help);
     }
     let mut all = Vec::new();
     for (count, at) in chosen {
@@ -153,13 +164,13 @@ pub(super) fn set(
             shell.complain(&faults);
         }
         if !unreadable.is_empty() || !faults.is_empty() && !force {
-            let mut refused = Diagnostic::error(
-                Code::WrongType,
-                format!("`{text}` is not written: the file would have a new fault"),
-            );
-            if unreadable.is_empty() {
-                refused = refused.help("use --force to write it anyway");
-            }
+            let refused = if unreadable.is_empty() {
+                let message = format!("nothing is written: `{text}` causes the error above");
+                Diagnostic::error(Code::WrongType, message).help("--force writes the file anyway")
+            } else {
+                let message = format!("nothing is written: `{text}` makes the file unreadable");
+                Diagnostic::error(Code::WrongType, message)
+            };
             return Err(shell.fail(refused));
         }
         file = new;

@@ -35,13 +35,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(commands) = recorded_commands(&source, model) else {
         let message = format!("`{}` records no commands", arguments.messages.display());
         shell.complain(&[Diagnostic::error(Code::UnsupportedResults, message)
-            .help("a message file contains them after `command:`")]);
+            .help("the message file of a run contains each command after the word `command:`")]);
         return Err(Exit::Findings);
     };
     if commands.simulations == 0 {
         let message = format!("`{}` records no simulation", arguments.messages.display());
         shell.complain(&[Diagnostic::error(Code::UnsupportedResults, message)
-            .help("it has commands, but neither a SIMULATE or LINEAR among them nor a block `Begin Simulation` with a table of times")]);
+            .help("none of its commands is SIMULATE or LINEAR, and it has no block `Begin Simulation` with a table of times")]);
         return Err(Exit::Findings);
     }
     match &arguments.out {
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     if commands.rebuilt > 0 {
         shell.say(&format!(
-            "{} of {} simulations are not echoed and were rebuilt from their tables of times\n",
+            "simulations without an echoed command, rebuilt from their tables of times: {} of {}\n",
             commands.rebuilt, commands.simulations
         ));
     }

@@ -6,6 +6,7 @@ use crate::front::compare_page::compare_page;
 use admire_results::{Comparison, DifferenceFloor, Tolerance, compare_above};
 
 use super::Outcome;
+use super::counted::counted;
 use super::format::Format;
 use super::opening::Opening;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
@@ -33,7 +34,7 @@ pub(super) struct Arguments {
     /// Relative tolerance.
     #[arg(long, default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     rel: f64,
-    /// Share of the largest value of a unit up to which a difference is round-off; 0 compares exactly and reads each file once.
+    /// Fraction of the largest value in a unit up to which a difference counts as round-off; 0 compares exactly and reads each file only once.
     #[arg(long, value_name = "SHARE", default_value_t = DifferenceFloor::DEFAULT_SHARE, value_parser = tolerance, allow_negative_numbers = true)]
     floor: f64,
     /// Show all columns, not only those that differ.
@@ -109,15 +110,20 @@ fn table(comparison: &Comparison, all: bool) -> String {
     let width = longest.unwrap_or(0).clamp(20, 48);
     for column in &shown {
         let unit = column.units.as_deref().unwrap_or("");
+        let largest = format!("{:.3e} {unit}", column.largest);
         _ = write!(
             out,
-            "{:width$} largest {:.3e} {unit}, relative {:.3e}, {} of {} steps beyond the tolerance",
-            column.path, column.largest, column.largest_relative, column.beyond, comparison.steps
+            "{:width$} largest difference {} absolute, {:.3e} relative; {} of {} steps beyond the tolerance",
+            column.path,
+            largest.trim_end(),
+            column.largest_relative,
+            column.beyond,
+            comparison.steps
         );
         if let Some(worst) = &column.worst {
             _ = write!(
                 out,
-                "; step {} at time {}: {} and {}",
+                "; at step {}, time {}: {} and {}",
                 worst.step, worst.time, worst.a, worst.b
             );
         }
@@ -157,17 +163,17 @@ fn table(comparison: &Comparison, all: bool) -> String {
         }
     }
     for step in &comparison.kinds_differ {
-        _ = writeln!(out, "step {step} is of different kinds in the two files");
+        _ = writeln!(out, "the kind of step {step} differs between the two files");
     }
     let alone = comparison.only_in_a.len() + comparison.only_in_b.len();
     let mut said = vec![match differing {
         0 if comparison.columns.is_empty() => "nothing to compare".to_string(),
-        0 => "all within the tolerance".to_string(),
+        0 => "all values within the tolerance".to_string(),
         1 => "1 column differs".to_string(),
         n => format!("{n} columns differ"),
     }];
     for (count, what) in [
-        (comparison.units_differ.len(), "in other units"),
+        (comparison.units_differ.len(), "with different units"),
         (alone, "in one file only"),
     ] {
         if count > 0 {
@@ -182,11 +188,6 @@ fn table(comparison: &Comparison, all: bool) -> String {
         said.join(", ")
     );
     out
-}
-
-fn counted(count: usize, what: &str) -> String {
-    let end = if count == 1 { "" } else { "s" };
-    format!("{count} {what}{end}")
 }
 
 /// Groups columns by entity. Returns the name of each entity with its number of columns; an entity with a single column is named by that

@@ -36,8 +36,8 @@ const EXAMPLES: &str = "Examples:
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_command_file(&arguments.deck) {
         return Err(shell.usage(
-            Diagnostic::error(Code::WrongUnits, "a command file is not converted").help(
-                "its numbers have units only together with a dataset: write them in the new units",
+            Diagnostic::error(Code::WrongUnits, "a command file cannot be converted").help(
+                "the units of its numbers are those of the dataset that it loads: write the numbers in the new units by hand",
             ),
         ));
     }
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 Code::WrongUnits,
                 "command files of this dataset are not converted",
             )
-            .help("their times, redefined values and tolerances are still in the old units"),
+            .help("their times, redefined values and tolerances remain in the old units"),
         );
     }
     shell.complain(&said);

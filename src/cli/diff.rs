@@ -51,11 +51,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         [car, _] => {
             let (car, other) = if car { (a, b) } else { (b, a) };
             let message = format!(
-                "`{}` is a file of Adams/Car, `{}` is not",
+                "`{}` is a file of Adams/Car, but `{}` is not",
                 car.name(),
                 other.name()
             );
-            return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
+            let wrong = Diagnostic::error(Code::WrongType, message);
+            return Err(shell.fail(wrong.help("compare two datasets, or two files of Adams/Car")));
         }
     };
     shell.tell(&match shell.format {

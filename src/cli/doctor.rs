@@ -14,7 +14,7 @@ use super::Outcome;
 use super::permission::Permission;
 use super::shell::{Exit, Shell};
 
-/// Report what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
+/// Check the installation: which `mdi` a script would find, whether a study's program starts, Octave, and write permissions.
 ///
 /// Nothing is solved and no licence is taken. Programs are started only to read the first line that they print.
 #[derive(clap::Args, Debug)]
@@ -22,7 +22,7 @@ use super::shell::{Exit, Shell};
     after_help = "Examples:\n  admire doctor\n  admire doctor my-axle            # the program of its study.toml, too"
 )]
 pub(super) struct Arguments {
-    /// Study whose external program is tried, too.
+    /// Folder of a study whose external program is started, too.
     study: Option<PathBuf>,
     #[command(flatten)]
     permission: Permission,
@@ -44,10 +44,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let words = first_words(&path, &["--version"]);
             report.fine(
                 "Octave",
-                &words.unwrap_or_else(|| format!("{}, silent", path.display())),
+                &words.unwrap_or_else(|| {
+                    format!("{}, which does not report its version", path.display())
+                }),
             );
         }
-        None => report.look("Octave", "not on the PATH; only scripts for MATLAB need it"),
+        None => report.look(
+            "Octave",
+            "not on the PATH; needed only to run MATLAB scripts without MATLAB",
+        ),
     }
     for (what, folder) in [
         (
@@ -57,8 +62,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         ("temporary files", std::env::temp_dir()),
     ] {
         match tempfile::NamedTempFile::new_in(&folder) {
-            Ok(_) => report.fine(what, &format!("{}, can be written", folder.display())),
-            Err(error) => report.broken(what, &format!("{}: {error}", folder.display())),
+            Ok(_) => report.fine(what, &format!("{}, writable", folder.display())),
+            Err(error) => report.broken(
+                what,
+                &format!("{} is not writable: {error}", folder.display()),
+            ),
         }
     }
     shell.tell(&report.text);
@@ -80,12 +88,12 @@ impl Report {
     }
 
     fn look(&mut self, what: &str, found: &str) {
-        self.line("look", what, found);
+        self.line("warn", what, found);
     }
 
     fn broken(&mut self, what: &str, found: &str) {
         self.is_broken = true;
-        self.line("no", what, found);
+        self.line("fail", what, found);
     }
 
     fn line(&mut self, word: &str, what: &str, found: &str) {
@@ -105,22 +113,22 @@ fn programs(report: &mut Report) {
         .map(|path| path.with_file_name(format!("mdi{}", std::env::consts::EXE_SUFFIX)))
         .filter(|path| path.is_file());
     match &beside {
-        Some(path) => report.fine("its solver", &path.display().to_string()),
+        Some(path) => report.fine("mdi of admire", &path.display().to_string()),
         None => report.broken(
-            "its solver",
-            "no mdi beside admire: cargo install --locked --path . installs both",
+            "mdi of admire",
+            "not in the folder of admire; `cargo install --locked --path .` installs both",
         ),
     }
     let Some(found) = found_on_path("mdi") else {
         return report.look(
             "mdi on the PATH",
-            "none: scripts find no solver; admire install-shims FOLDER creates one",
+            "not found; `admire install-shims FOLDER` creates it for scripts that call ADAMS",
         );
     };
     let whose = if is_ours(&found, beside.as_deref()) {
-        "this solver"
+        "the mdi of admire"
     } else {
-        "another program, perhaps ADAMS"
+        "not the mdi of admire, possibly ADAMS"
     };
     report.fine("mdi on the PATH", &format!("{} ({whose})", found.display()));
 }
@@ -144,10 +152,8 @@ fn of_study(
     shell: &Shell,
 ) -> Result<(), Exit> {
     let Some(study) = Study::read(folder).value else {
-        let why = format!(
-            "`{}` cannot be read: admire check shows the reason",
-            folder.display()
-        );
+        let folder = folder.display();
+        let why = format!("`{folder}` cannot be read; `admire check {folder}` shows the reason");
         report.broken("study", &why);
         return Ok(());
     };
@@ -156,7 +162,7 @@ fn of_study(
         return Ok(());
     }
     let Some(program) = study.solver.command.first() else {
-        report.broken("study", "solver.command is empty");
+        report.broken("study", "`solver.command` in study.toml is empty");
         return Ok(());
     };
     let beside = study.folder.join(program);
@@ -166,7 +172,7 @@ fn of_study(
         found_on_path(program)
     };
     let Some(found) = found else {
-        report.broken("program of study", &format!("`{program}` does not exist"));
+        report.broken("program of study", &format!("`{program}` was not found"));
         return Ok(());
     };
     let named = NamedProgram::named_in(&study.folder.join("study.toml"), &study.solver.command);
@@ -175,11 +181,15 @@ fn of_study(
     match first_words(&found, &["-c", "exit"]) {
         Some(words) => report.fine(
             "program of study",
-            &format!("{} says: {words}", found.display()),
+            &format!("{} prints: {words}", found.display()),
         ),
         None => report.look(
             "program of study",
-            &format!("{} starts but prints nothing", found.display()),
+            &format!(
+                "{} did not start, or printed nothing within {} s",
+                found.display(),
+                PATIENCE.as_secs()
+            ),
         ),
     }
     Ok(())

@@ -29,9 +29,9 @@ pub(super) fn refuse_faults(
         Some(first) if !force => Err(shell.fail(
             Diagnostic::error(
                 first.code,
-                "nothing is written: the deck would have a new fault",
+                "nothing is written: the deck would have a new error, shown above",
             )
-            .help("change the places that depend on it in the same command, or use --force"),
+            .help("change the dependent statements in the same command, or write the deck anyway with --force"),
         )),
         _ => Ok(()),
     }

@@ -64,7 +64,7 @@ fn items(items: &[String], room: usize) -> String {
     let shown = fit.unwrap_or(0);
     let each = items.len().div_ceil(blocks.len());
     let more = items.len() - shown * each;
-    blocks[..shown].concat() + &format!("  {more} more: in the report, and here with -v\n")
+    blocks[..shown].concat() + &format!("  {more} more: see the report, or print them with -v\n")
 }
 
 /// Wraps a text as [`hanging`] does, and cuts it after a number of lines. Three points mark the cut.

@@ -12,8 +12,8 @@ use super::Outcome;
 use super::shell::{Exit, Shell};
 use super::width::hanging;
 
-/// Explain a word: a term of the field, a statement, a command, a function, the code of a message, a key of study.toml, a cause of a
-/// diagnosis, a field of a result file, a column.
+/// Explain a word: a technical term, a statement, a command, a function, the code of a message, a key of study.toml, a cause of a
+/// diagnosis, a field of a JSON output, a column.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -77,8 +77,9 @@ fn complete(current: &std::ffi::OsStr) -> Vec<CompletionCandidate> {
 }
 
 fn list() -> String {
-    let mut out =
-        String::from("Statements and commands (the letters that must be typed are capitals):\n");
+    let mut out = String::from(
+        "Statements and commands (the capital letters are the shortest abbreviation):\n",
+    );
     for def in STATEMENTS {
         entry(&mut out, &minimal(def.name, def.minimum), def.doc);
     }
@@ -86,7 +87,7 @@ fn list() -> String {
     for def in FUNCTIONS {
         entry(&mut out, def.name, def.doc);
     }
-    out.push_str("\nCodes of messages:\n");
+    out.push_str("\nMessage codes:\n");
     for code in Code::ALL {
         let first = code.explain().trim().lines().next().unwrap_or_default();
         entry(&mut out, code.as_str(), first.trim());
@@ -142,7 +143,10 @@ fn page(word: &str) -> Result<String, String> {
         return Ok(found.join("\n"));
     }
     if let Lookup::Ambiguous(names) = statement {
-        return Err(format!("`{word}` is ambiguous: {}\n", names.join(", ")));
+        return Err(format!(
+            "`{word}` is ambiguous: it abbreviates {}\n",
+            names.join(", ")
+        ));
     }
     let names = STATEMENTS
         .iter()
@@ -175,7 +179,7 @@ const VALUE_WIDTH: usize = 14;
 fn priors() -> String {
     let sections: [(&str, &[Constant]); 7] = [
         (
-            "Causes of a diagnosis, settable in `[priors]` of study.toml",
+            "Priors of the causes of a diagnosis, set in `[priors]` of study.toml",
             CausePriors::TABLE,
         ),
         (
@@ -194,11 +198,8 @@ fn priors() -> String {
             "Settings of the diagnosis",
             admire_diagnosis::settings::TABLE,
         ),
-        (
-            "Settings of the design of measurements",
-            admire_design::settings::TABLE,
-        ),
-        ("Settings of tuning", admire_tune::settings::TABLE),
+        ("Settings of `admire plan`", admire_design::settings::TABLE),
+        ("Settings of `admire tune`", admire_tune::settings::TABLE),
     ];
     let mut out = String::new();
     for (k, (heading, table)) in sections.into_iter().enumerate() {
@@ -236,7 +237,10 @@ fn of_glossary(entry: &Entry) -> String {
         line(&mut out, &format!("  {head}: {text}"));
     }
     if !entry.picture.is_empty() {
-        line(&mut out, "  picture: `o` readings, `.` the model, `*` both");
+        line(
+            &mut out,
+            "  picture: `o` readings, `.` model, `*` both at the same place",
+        );
         for row in &entry.picture {
             line(&mut out, &format!("    {row}"));
         }

@@ -37,11 +37,11 @@ pub(super) struct Arguments {
     /// With --replace-user: folder in which property files are searched by name, besides the folder of the deck.
     #[arg(long, value_name = "FOLDER", requires = "replace_user")]
     files: Vec<PathBuf>,
-    /// With --replace-user: free length of a spring, or distance at which a stop makes contact, such as `SFORCE/3=210`.
+    /// With --replace-user: free length of a spring, or distance at which a stop makes contact, in the length unit of the deck: `SFORCE/3=210`.
     #[arg(long, value_name = "FORCE=LENGTH", requires = "replace_user")]
     length: Vec<String>,
-    /// With --replace-user: force whose subroutine only reads its file, while the other parameters of the subroutine have no effect, such
-    /// as `GFORCE/3`.
+    /// With --replace-user: force, such as `GFORCE/3`, whose subroutine depends only on its property file; the other USER parameters are
+    /// ignored.
     #[arg(long, value_name = "FORCE", requires = "replace_user")]
     plain: Vec<String>,
 }
@@ -114,8 +114,9 @@ fn without_user_forces(
         let (word, value) = text.split_once('=').unwrap_or((text, ""));
         let address = get::parse(word, &dataset, shell)?;
         let Ok(value) = value.trim().parse::<f64>() else {
-            let message = format!("`{text}` is not FORCE=LENGTH");
-            return Err(shell.usage(Diagnostic::error(Code::BadNumber, message)));
+            let message = format!("`{text}` does not have the form FORCE=LENGTH");
+            let wrong = Diagnostic::error(Code::BadNumber, message);
+            return Err(shell.usage(wrong.help("write a force and a number, such as SFORCE/3=210")));
         };
         lengths.push((address, value));
     }

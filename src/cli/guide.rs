@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         || format!("the pages are {}", topics.join(", ").to_lowercase()),
         |near| format!("did you mean `{}`?", near.to_lowercase()),
     );
-    shell.say(&format!("error: the guide has no page `{topic}`: {help}\n"));
+    shell.say(&format!("error: the guide has no page `{topic}`; {help}\n"));
     Err(Exit::Usage)
 }
 

@@ -176,7 +176,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut more = Vec::new();
     if let Some(repeats) = repeats.filter(|_| !fit.interrupted) {
         if !fit.converged {
-            let message = "the fit did not converge, so it cannot be repeated";
+            let message = "the fit did not converge, so bootstrap and posterior were not computed";
             shell.fail(Diagnostic::error(Code::NoFit, message));
             return Err(Exit::NoAnswer);
         }
@@ -267,18 +267,18 @@ fn repeated(
     let Some(marginal) = marginal else {
         return Err(shell.fail(Diagnostic::error(
             Code::NoFit,
-            "the fit cannot be repeated: its unknowns are not those of the built-in solver",
+            "bootstrap and posterior were not computed: they need a fit by Gauss-Newton with the built-in solver",
         )));
     };
     let folder = out.join(UNFINISHED);
     let io = |path: &Path, error: &dyn std::fmt::Display| {
-        let message = format!("{}: {error}", path.display());
+        let message = format!("`{}` cannot be read or written: {error}", path.display());
         shell.fail(Diagnostic::error(Code::CannotWrite, message))
     };
     std::fs::create_dir_all(&folder).map_err(|error| io(&folder, &error))?;
     let shown = Arc::new(Mutex::new(None));
     let seen = Arc::clone(&shown);
-    let bar = Bar::new("repeating", shell, move || *seen.lock().ok()?);
+    let bar = Bar::new("repeating the fit", shell, move || *seen.lock().ok()?);
     let problem = loaded.problem();
     let made = repeat(
         &problem,
@@ -306,7 +306,10 @@ fn repeated(
     );
     drop(bar);
     let made = made.map_err(|error| {
-        let message = format!("{}: {error}", folder.display());
+        let message = format!(
+            "the repetitions of the fit in `{}` failed: {error}",
+            folder.display()
+        );
         shell.fail(Diagnostic::error(Code::NoFit, message));
         Exit::NoAnswer
     })?;
@@ -341,10 +344,10 @@ fn repeats_table(fit: &Fit) -> String {
     table.load_style(presets::NOTHING);
     let mut heads = vec!["95 % interval", "unit", "profile likelihood"];
     if fit.bootstrap.is_some() {
-        heads.extend(["bootstrap", "width"]);
+        heads.extend(["bootstrap", "width ratio"]);
     }
     if fit.posterior.is_some() {
-        heads.extend(["posterior", "width", "effective draws", "R-hat"]);
+        heads.extend(["posterior", "width ratio", "effective draws", "R-hat"]);
     }
     let columns = heads.len();
     table.set_header(heads);
@@ -387,9 +390,9 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     let compares = reference.iter().any(Option::is_some);
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    let mut head = vec!["number", "unit", "initial", "identified", "std error"];
+    let mut head = vec!["parameter", "unit", "initial", "identified", "std error"];
     if compares {
-        head.extend(["reference", "ratio"]);
+        head.extend(["reference", "identified/ref."]);
     }
     head.push("");
     table.set_header(&head);

@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         && let Some(first) = json::disagreements(&changed.value, &read).first()
     {
         return Err(not_written(
-            &format!("{first} cannot be written in this form"),
+            &format!("the value of {first} cannot be written as given"),
             shell,
         ));
     }

@@ -48,12 +48,17 @@ const EXAMPLES: &str = "Examples:
 
 fn test(word: &str) -> Result<TestKind, String> {
     let found = TestKind::ALL.into_iter().find(|kind| kind.name() == word);
-    found.ok_or_else(|| format!("tests are {}", TestKind::ALL.map(TestKind::name).join(", ")))
+    found.ok_or_else(|| {
+        format!(
+            "the tests are {}",
+            TestKind::ALL.map(TestKind::name).join(", ")
+        )
+    })
 }
 
 fn side(word: &str) -> Result<Side, String> {
     let found = Side::BOTH.into_iter().find(|side| side.word() == word);
-    found.ok_or_else(|| "sides are left, right".to_string())
+    found.ok_or_else(|| "the side is left or right".to_string())
 }
 
 /// Reads the files, completes the mapping, converts the rows and writes the table.
@@ -68,7 +73,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 "{option} has {count} values for {} files",
                 arguments.files.len()
             );
-            return Err(shell.usage(Diagnostic::error(Code::BadSetting, message)));
+            let wrong = Diagnostic::error(Code::BadSetting, message);
+            return Err(
+                shell.usage(wrong.help("give one value for all files, or one for each file"))
+            );
         }
     }
     let out = arguments.out.clone().unwrap_or_else(|| beside(first));
@@ -121,12 +129,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_asked && !open.is_empty() && is_terminal {
         let mut ask = |question: &str| reply(question, shell);
         if !mapping.complete(&found, &sheets, &mut ask) {
-            let message = "nothing is imported: a question was not answered";
+            let message = "nothing is imported, because a question was left without a reply";
             return Err(shell.fail(Diagnostic::error(Code::UnclearColumn, message)));
         }
         shell.write(&target, mapping.text(&[]).as_bytes())?;
         shell.say(&format!(
-            "mapping, for the next file: {}\n",
+            "mapping saved for the next file: {}\n",
             target.display()
         ));
     } else if !open.is_empty() || mapping.columns.is_empty() {
@@ -136,7 +144,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         if is_asked {
             shell.print(&mapping.text(&open));
-            shell.say("fill in every ? of the mapping above, and save it in a file: --map FILE\n");
+            shell.say("fill in every ? of the mapping above, save the mapping in a file, and name the file by --map\n");
         }
         return Err(Exit::Findings);
     }
@@ -189,7 +197,7 @@ fn tables(
     if found.is_empty() {
         let message = format!("`{}` has no table of numbers", arguments.files[0].display());
         let wrong = Diagnostic::error(Code::MissingColumn, message);
-        let help = "two rows of numbers below a line of headings are needed; `[file]` of a mapping names lines and separator";
+        let help = "a table is a line of headings with at least two rows of numbers below; the section `[file]` of a mapping sets its lines and separator";
         return Err(shell.fail(wrong.help(help)));
     }
     Ok((all, found))
@@ -237,13 +245,19 @@ fn reply(question: &str, shell: &Shell) -> Option<String> {
 fn summary(table: &CurveTable, out: &Path) -> String {
     let mut shown = Table::new();
     shown.load_style(presets::NOTHING);
-    shown.set_header(["column", "holds", "unit", "positive direction", "side"]);
+    shown.set_header([
+        "column",
+        "characteristic",
+        "unit",
+        "positive direction",
+        "side",
+    ]);
     for row in &table.assumed {
         shown.add_row([&row.column, &row.holds, &row.unit, &row.sign, &row.side]);
     }
     let mut text = table_text(&shown);
     if !table.left_out.is_empty() {
-        text += &format!("left out: {}\n", table.left_out.join(", "));
+        text += &format!("columns left out: {}\n", table.left_out.join(", "));
     }
     let counts: Vec<String> = table
         .counts
@@ -251,7 +265,7 @@ fn summary(table: &CurveTable, out: &Path) -> String {
         .map(|(test, count)| format!("{} {count}", test.name()))
         .collect();
     let file = out.display();
-    text += &format!("rows: {}\n{file}\n", counts.join(", "));
+    text += &format!("rows of each test: {}\ntable: {file}\n", counts.join(", "));
     text += &format!("next: `admire kc DECK --measured {file}`, or in study.toml:\n");
     let name = out.file_name().unwrap_or_default().to_string_lossy();
     text + &table.study_lines.replace("FILE\"", &format!("{name}\""))

@@ -27,7 +27,7 @@ pub(super) fn files_of(words: &[PathBuf], shell: &Shell) -> Result<Vec<PathBuf>,
                     word.display()
                 )
             } else {
-                format!("there is no file `{}`", word.display())
+                format!("no file matches the pattern `{}`", word.display())
             };
             return Err(shell.fail(Diagnostic::error(Code::CannotRead, what)));
         }

@@ -33,9 +33,10 @@ const COMPLETIONS: [(&str, &str); 3] = [
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let home = || std::env::home_dir().map(|home| home.join(".local"));
     let Some(prefix) = arguments.prefix.clone().or_else(home) else {
-        let message = "there is no home folder for the installation";
+        let message = "the home folder of the user is unknown";
         return Err(shell.usage(
-            Diagnostic::error(Code::CannotWrite, message).help("name a folder: --prefix DIR"),
+            Diagnostic::error(Code::CannotWrite, message)
+                .help("name the folder of the installation by --prefix DIR"),
         ));
     };
     let mut files = pages().map_err(|error| refused(&prefix, &error, shell))?;

@@ -16,7 +16,7 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// Folder for the commands; it is created if missing.
     directory: PathBuf,
-    /// Names of the commands. By default they are `mdi`, `MDI`, and the names of the releases of ten years, `adams2016` to `adams2025_1`.
+    /// Names of the commands; by default, `mdi`, `MDI`, and the launchers of the ADAMS releases of ten years, `adams2016` to `adams2025_1`.
     #[arg(long, value_delimiter = ',', default_values_t = default_names(), hide_default_value = true)]
     names: Vec<String>,
     /// Replace existing files with these names.
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .map_err(|error| shell.fail(cannot(folder, &error)))?;
     if !mdi.is_file() {
         let message = format!(
-            "`{}` does not exist, so the commands would have nothing to start",
+            "`{}` does not exist, so the commands could not start the solver",
             mdi.display()
         );
         return Err(shell.fail(Diagnostic::error(Code::CannotRead, message).help(
@@ -75,10 +75,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     };
     for name in &arguments.names {
         if !plain(name) {
-            return Err(shell.usage(Diagnostic::error(
-                Code::CannotWrite,
-                format!("`{name}` is not a name for a command"),
-            )));
+            return Err(shell.usage(
+                Diagnostic::error(
+                    Code::CannotWrite,
+                    format!("`{name}` cannot be the name of a command"),
+                )
+                .help("use letters, digits, `_`, `-` and `.` only"),
+            ));
         }
         let mut files = vec![(format!("{name}.bat"), windows_shim(&mdi, &whole))];
         if cfg!(unix) {
@@ -95,7 +98,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                         Code::CannotWrite,
                         format!("`{}` already exists", path.display()),
                     )
-                    .help("`--force` replaces it"),
+                    .help("--force replaces the file"),
                 ));
             }
             shell.write(&path, text.as_bytes())?;

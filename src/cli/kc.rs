@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     };
     let tests = |deck: &Deck, path: &Path, shell: &Shell| -> Result<KcRun, Exit> {
         let mut bench = bench(&config, deck, shell)?;
-        let bar = Progress::new("driving the axle through its tests", shell, || None);
+        let bar = Progress::new("running the K&C tests", shell, || None);
         let mut each = |done, of| bar.count(done, Some(of), "states");
         run_watched(&mut bench, &deck.model.units, &mut each)
             .map_err(|why| refuse(&why, path, shell))
@@ -109,13 +109,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let other = read(path, shell)?;
         if other.model.units != units {
             let message = format!(
-                "`{}` is in other units than `{}`",
+                "the units of `{}` differ from those of `{}`",
                 path.display(),
                 arguments.deck.display()
             );
             return Err(shell.fail(
                 Diagnostic::error(Code::BadSetting, message)
-                    .help("convert it with `admire convert-units`"),
+                    .help("convert one of the decks with `admire convert-units`"),
             ));
         }
         let name = path
@@ -145,7 +145,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             shell.complain(&[Diagnostic::note(
                 Code::OutOfRange,
                 format!(
-                    "{name} omits {}: not defined in every state",
+                    "`{name}` does not contain {}, because some states have no value",
                     lost.join(", ")
                 ),
             )]);
@@ -226,16 +226,16 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
         }
         BenchError::Free { at, motion } => {
             let message = format!(
-                "`{file}`, {at}: a motion of the wheel is free, so compliances are not defined: {motion}"
+                "`{file}`, {at}: the wheel has a free motion, so its compliance is not defined: {motion}"
             );
-            let help = "name the part that does not spin as the wheel carrier; lock the free motion, or name the statement that locks it. A deck \
-                        without springs has kinematics only: leave its load tests out by `run = false`, or hold = \"height\"";
+            let help = "in kc.toml, name the part that does not spin as the wheel carrier; in the deck, lock the free motion, such as the steering. A deck \
+                        without springs has only kinematics: leave out its load tests by `run = false`, or set `hold = \"height\"`";
             shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
             Exit::NoAnswer
         }
         BenchError::NoAxleLoad { .. } => {
             let message = format!("`{file}`, {why}");
-            let help = "a deck without springs carries no load; hold = \"height\" prescribes the wheel heights instead";
+            let help = "a deck without springs carries no load; `hold = \"height\"` prescribes the wheel heights instead";
             shell.complain(&[Diagnostic::error(Code::NoEquilibrium, message).help(help)]);
             Exit::NoAnswer
         }
@@ -248,8 +248,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
                 } => {
                     let mut lines = causes.clone();
                     lines.extend(history_table(history));
-                    lines
-                        .push("there may be equilibria in a smaller range of the test".to_string());
+                    lines.push("try a smaller range of the test".to_string());
                     diagnostic.help(lines.join("\n"))
                 }
                 _ => diagnostic,
@@ -262,7 +261,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
 
 /// Formats a summary of the values at ride height and the gradients of every test.
 fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convention) -> String {
-    let mut out = String::from("at ride height\n");
+    let mut out = String::from("characteristics at ride height\n");
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header(["characteristic", "left", "right", "unit"]);
@@ -308,7 +307,7 @@ fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convent
         column.set_cell_alignment(CellAlignment::Right);
     }
     out += &table_text(&table);
-    out += "\ntangents at ride height\n";
+    out += "\ngradients at ride height\n";
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header([
@@ -318,7 +317,7 @@ fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convent
         "camber left",
         "camber right",
         "unit",
-        "samples",
+        "states",
     ]);
     for test in &run.tests {
         let of = |name: &str, side: &str| {
@@ -345,7 +344,8 @@ fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convent
     out += &table_text(&table);
     let told = run.balance.describe(units);
     if !told.is_empty() {
-        out += &format!("\nrecomputed force balance: at most {told} remains\n");
+        out +=
+            &format!("\nlargest imbalance in the recomputed sums of forces and torques: {told}\n");
     }
     out
 }

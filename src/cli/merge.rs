@@ -12,7 +12,7 @@ use super::width::table_text;
 
 /// Join the shards of a sweep into one table.
 ///
-/// If a shard is missing or unfinished, or if parts are of different versions or inputs, all reasons are reported and nothing is joined. Writes
+/// If a shard is missing or unfinished, or if shards are of different versions or inputs, all reasons are reported and nothing is joined. Writes
 /// `results.parquet`, `summary.json` and `report.html`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire merge tolerance")]
@@ -35,7 +35,7 @@ pub(super) fn whole(folder: &SweepFolder, shell: &Shell) -> Outcome {
         Exit::Findings
     })?;
     let summary = Summary::of(folder).map_err(|error| {
-        let message = format!("`{}`: {error}", folder.results().display());
+        let message = format!("`{}` cannot be read: {error}", folder.results().display());
         shell.fail(Diagnostic::error(Code::CannotRead, message))
     })?;
     let json = serde_json::to_string_pretty(&summary).expect("numbers print") + "\n";
@@ -49,7 +49,7 @@ pub(super) fn whole(folder: &SweepFolder, shell: &Shell) -> Outcome {
     } else {
         shell.print(&text(&summary));
         shell.say(&format!(
-            "answer: {}\nreport: {}\n",
+            "table: {}\nreport: {}\n",
             folder.results().display(),
             report.display()
         ));
@@ -68,7 +68,7 @@ fn text(summary: &Summary) -> String {
     table.set_header([
         "",
         "unit",
-        "deck as it is",
+        "nominal deck",
         "mean",
         "sd",
         "5 %",
@@ -99,10 +99,10 @@ fn text(summary: &Summary) -> String {
     }
     let mut out = table_text(&table);
     let ok = summary.statuses.get("ok").copied().unwrap_or_default();
-    out += &format!("{ok} of {} cases have a result\n", summary.cases);
+    out += &format!("cases with a result: {ok} of {}\n", summary.cases);
     for (reason, count) in summary.reasons.iter().take(5) {
         out += &format!(
-            "  {count} without: {}\n",
+            "  {count} without a result: {}\n",
             reason.lines().next().unwrap_or_default()
         );
     }
@@ -116,14 +116,18 @@ fn most(output: &admire_sweep::OutputSummary) -> String {
         .iter()
         .max_by(|a, b| a.total[0].total_cmp(&b.total[0]));
     if let Some(index) = by_total {
-        return format!("{} (total index {:.2})", index.name, index.total[0]);
+        return format!("{} (total Sobol index {:.2})", index.name, index.total[0]);
     }
     let by_size = output
         .effects
         .iter()
         .max_by(|a, b| a.size[0].total_cmp(&b.size[0]));
     if let Some(effect) = by_size {
-        return format!("{} (effect {})", effect.name, six_digits(effect.size[0]));
+        return format!(
+            "{} (elementary effect {})",
+            effect.name,
+            six_digits(effect.size[0])
+        );
     }
     output.swings.first().map_or_else(String::new, |swing| {
         format!(

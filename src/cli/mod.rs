@@ -15,6 +15,7 @@ mod commands;
 mod compare;
 mod completions;
 mod convert_units;
+mod counted;
 mod diagnose;
 mod diff;
 mod doctor;
@@ -85,12 +86,12 @@ use shell::{ColorChoice, Exit, Shell, Verbosity};
 
 const EXAMPLES: &str = "First steps:
   admire new my-axle --from front.adm        begin a study of a deck
-  admire check my-axle                       what is missing; whether it is plausible
+  admire check my-axle                       missing entries, plausibility
   admire identify my-axle --out answer       stiffnesses with their uncertainty
-  admire diagnose my-axle --out diagnosis    what the model still gets wrong
+  admire diagnose my-axle --out diagnosis    faults that remain in the model
   admire plan my-axle                        what to measure next
   admire guide tutorial                      fifteen minutes from a test to a diagnosed model
-  admire doctor                              what is installed here, and what is found";
+  admire doctor                              check of the installation";
 
 /// Reads, checks, edits and solves ADAMS datasets, identifies bushing stiffnesses, and diagnoses the faults that remain in a model.
 ///
@@ -107,7 +108,7 @@ struct Cli {
     /// When to use colours; `auto` obeys NO_COLOR.
     #[arg(long, global = true, value_enum, default_value_t = ColorChoice::Auto)]
     color: ColorChoice,
-    /// Print nothing but messages and the result; `check` prints errors only.
+    /// Print only messages and the result; `check` prints only errors.
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     quiet: bool,
     /// Print every stage, even if no terminal shows progress.

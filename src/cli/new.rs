@@ -39,7 +39,7 @@ const EXAMPLES: &str = "Examples:
   admire new my-axle --from front.adm
   admire new my-axle --from front.adm --measured marks,wheel --bushings 1,2
   admire new my-axle --from front.adm --measured curves      # from a K&C rig
-  admire check my-axle                       # what is still missing";
+  admire check my-axle                       # lists what is still missing";
 
 /// Choice of the measured quantities on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
@@ -81,13 +81,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let named: Vec<&str> = files.value.sources().map(Source::name).collect();
     if !named.is_empty() {
         let message = format!(
-            "the deck names files that the study needs, too: copy {} beside it",
+            "the study also needs the files that the deck names: copy {} into the folder of the study",
             named.join(", ")
         );
         shell.complain(&[Diagnostic::note(Code::CannotRead, message)]);
     }
     let Some(deck) = arguments.from.file_name() else {
-        let message = format!("`{}` is not a deck", arguments.from.display());
+        let message = format!("`{}` is not a file", arguments.from.display());
         return Err(shell.usage(Diagnostic::error(Code::CannotRead, message)));
     };
     let deck = deck.to_string_lossy().into_owned();
@@ -103,8 +103,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let all = starter.bushings();
     let wanted: Vec<&str> = arguments.bushings.iter().map(String::as_str).collect();
     let Some(mut bushings) = chosen(&wanted, &all) else {
-        let message = format!("the deck has no such bushing: it has {}", all.join(", "));
-        return Err(shell.usage(Diagnostic::error(Code::UndefinedId, message)));
+        let is_missing = |word: &&&str| chosen(&[**word], &all).is_none();
+        let missing: Vec<&str> = wanted.iter().filter(is_missing).copied().collect();
+        let message = format!("the deck has no bushing {}", missing.join(", "));
+        let help = match all.as_slice() {
+            [] => "the deck has no bushings: leave out --bushings".to_string(),
+            all => format!("its bushings are {}", all.join(", ")),
+        };
+        return Err(shell.usage(Diagnostic::error(Code::UndefinedId, message).help(help)));
     };
     if std::io::stdin().is_terminal() && std::io::stderr().is_terminal() {
         if kinds.is_empty() {
@@ -137,7 +143,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         && shell.is_verbose()
     {
         shell.say(&format!(
-            "the permission for programs of the study was not saved, so you will be asked for it: {error}\n"
+            "the permission to start programs of the study was not saved, so a later command will ask for it: {error}\n"
         ));
     }
     let study = arguments.study.display();
@@ -146,7 +152,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         text += &format!("{}\n", arguments.study.join(name).display());
     }
     text += &format!(
-        "next: look through {}, fill in the tables,\nthen `admire check {study}` says what is still missing\n",
+        "next: check the settings in {}, and fill in the tables;\n`admire check {study}` lists what is still missing\n",
         arguments.study.join("study.toml").display()
     );
     shell.print(&text);
@@ -167,7 +173,7 @@ pub(super) fn answer(question: &str, shell: &Shell) -> String {
 fn ask_kinds(shell: &Shell) -> BTreeSet<Kind> {
     loop {
         let line = answer(
-            "what was measured: marks, wheel, curves, readings? [marks]",
+            "what was measured (marks, wheel, curves, readings)? [marks]",
             shell,
         );
         let words: Vec<&str> = line
@@ -186,7 +192,7 @@ fn ask_kinds(shell: &Shell) -> BTreeSet<Kind> {
             .collect();
         match kinds {
             Some(kinds) => return kinds,
-            None => shell.say("one or more of these words, please\n"),
+            None => shell.say("enter one or more of the words marks, wheel, curves, readings\n"),
         }
     }
 }
@@ -197,7 +203,7 @@ fn ask_bushings(all: &[String], shell: &Shell) -> Vec<String> {
     }
     loop {
         let line = answer(
-            &format!("bushings to identify, of {}? [all]", all.join(", ")),
+            &format!("which bushings are identified ({})? [all]", all.join(", ")),
             shell,
         );
         let wanted: Vec<&str> = line
@@ -206,7 +212,7 @@ fn ask_bushings(all: &[String], shell: &Shell) -> Vec<String> {
             .collect();
         match chosen(&wanted, all) {
             Some(found) => return found,
-            None => shell.say("their ids with commas between, please: 1, 2\n"),
+            None => shell.say("enter the ids of bushings, separated by commas, such as 1, 2\n"),
         }
     }
 }

@@ -161,7 +161,10 @@ pub(super) fn write_folder(
     manifest.written_by = WRITER.to_string();
     let made = |folder: &Path| {
         std::fs::create_dir_all(folder).map_err(|error| {
-            let message = format!("{}: {error}", folder.display());
+            let message = format!(
+                "the folder `{}` cannot be created: {error}",
+                folder.display()
+            );
             shell.fail(Diagnostic::error(Code::CannotWrite, message))
         })
     };
@@ -204,8 +207,8 @@ fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<()
     Err(shell.fail(
         Diagnostic::error(
             Code::CannotWrite,
-            format!("nothing is written: these files exist and are not the unchanged output of an earlier run: {names}"),
+            format!("nothing is written, because these files are not the unchanged output of an earlier run: {names}"),
         )
-        .help("name another folder, or replace it with --force"),
+        .help("name another folder, or replace the files with --force"),
     ))
 }

@@ -22,7 +22,7 @@ impl Permission {
         else {
             return Ok(());
         };
-        let help = "`--allow-command` allows it; on a terminal, you are asked once";
+        let help = "allow the program by --allow-command; on a terminal, you are asked once";
         if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
             return Err(shell.usage(program.refusal(help)));
         }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
 use crate::front::plan_page::{
-    MIN_PROBABILITY_GAIN, fall, name, percent, plan_page, without_loads,
+    MIN_PROBABILITY_GAIN, fall, fall_columns, name, percent, plan_page, without_loads,
 };
 use crate::front::{foreign_parts, suggested};
 use admire_design::{Aim, Combination, Plan, Ranked, plan};
@@ -53,11 +53,11 @@ pub(super) struct Arguments {
 /// Choice of the aim on the command line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum AimChoice {
-    /// The three worst-determined combinations of unknowns.
+    /// Stiffnesses: the three worst-determined combinations of unknowns.
     Stiffnesses,
-    /// Toe, camber and centre of the wheel over the cases of the study.
+    /// Prediction of toe, camber and wheel centre over the load cases of the study.
     Curves,
-    /// Which of two explanations is true; takes as long as a diagnosis.
+    /// Choice between two causes that the readings do not distinguish; takes as long as a diagnosis.
     Causes,
 }
 
@@ -141,8 +141,8 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
     let mut text = String::new();
     for (k, combination) in found.combinations.iter().enumerate() {
         if k == 0 {
-            text +=
-                "worst-determined combinations, sd of ln K (of a change: in sd of its prior):\n";
+            text += "worst-determined combinations of unknowns, with the standard deviation (sd) of\n\
+                     ln K (of an unknown change: in units of its prior sd):\n";
         }
         let head = format!("  K{}  {:.3}  ", k + 1, combination.sd_log);
         text += &hanging(&head, &name(combination));
@@ -152,7 +152,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
             "{}: toe {:.2e} deg, camber {:.2e} deg, centre {:.2e} {length}",
             curves.wheel, curves.sd.toe_deg, curves.sd.camber_deg, curves.sd.position
         );
-        text += "predicted wheel over the cases of the study, sd:\n";
+        text += "sd of the predicted wheel position and angles over the load cases of the study:\n";
         text += &hanging("  ", &line);
     }
     if let Some(undecided) = &found.causes {
@@ -163,18 +163,22 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
             text += &hanging("", &without_loads(undecided));
         }
     } else if matches!(found.aim, Aim::All | Aim::Causes) {
-        text += "causes: the readings distinguish all explanations\n";
+        text += "the readings distinguish all explanations\n";
     }
     if found.candidates.is_empty() {
         return text;
     }
     text += "\n";
     text += &table(found, count);
-    text += "K1 to centre: percent by which the sd falls.";
-    if found.causes.is_some() {
-        text += " cause: by how much the\nprobability of the true explanation is expected to rise.";
+    let columns = fall_columns(found);
+    if !columns.is_empty() {
+        text += &hanging(&format!("{columns}: "), "decrease of the sd in percent");
     }
-    text += "\n\n";
+    if found.causes.is_some() {
+        let meaning = "expected rise of the probability of the true explanation";
+        text += &hanging("cause: ", meaning);
+    }
+    text += "\n";
     if let Some(best) = found.candidates.first() {
         text += &hanging("", &sentence(found, best));
     }
@@ -189,7 +193,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
     }
     if found.left_out > 0 {
         text += &format!(
-            "{} further combinations of loads were not considered\n",
+            "combinations of loads that were not considered: {}\n",
             found.left_out
         );
     }
@@ -262,7 +266,7 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
         gains.push(if fall(combination.sd_log, *sd) < NOTHING {
             let nats = best.information.unwrap_or_default();
             format!(
-                "gives no information about the worst-determined combinations, but {nats:.1} nats about all stiffnesses together"
+                "does not lower the sd of the worst-determined combinations, but gives {nats:.1} nats of information about all stiffnesses together"
             )
         } else {
             format!(
@@ -290,7 +294,7 @@ fn sentence(found: &Plan, best: &Ranked) -> String {
         } else {
             let word = if causes.at_least { "at least " } else { "" };
             format!(
-                "raises the probability of the true one of {a} and {b} by {word}{:.2}",
+                "is expected to raise the probability of the true explanation ({a} or {b}) by {word}{:.2}",
                 causes.probability_shift
             )
         });

@@ -30,8 +30,9 @@ pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> 
         return Ok(());
     }
     deck_warnings(loaded, shell);
-    Err(shell
-        .fail(Diagnostic::error(Code::ImplausibleStudy, message).help("`--force` fits it anyway")))
+    Err(shell.fail(
+        Diagnostic::error(Code::ImplausibleStudy, message).help("--force fits the study anyway"),
+    ))
 }
 
 /// Names the doubtful properties of a study in one line; `None` if there are none.
@@ -43,7 +44,7 @@ fn doubts(found: &Plausibility, study: &Path) -> Option<String> {
     (!names.is_empty()).then(|| {
         let names = names.join(", ");
         format!(
-            "doubtful: {names}; see `admire check {}`\n",
+            "doubtful properties of the study: {names}; see `admire check {}`\n",
             study.display()
         )
     })
@@ -63,8 +64,8 @@ pub(super) fn text(found: &Plausibility) -> String {
     for check in &found.checks {
         let word = match check.verdict {
             Verdict::Plausible => "ok",
-            Verdict::Doubtful => "look",
-            Verdict::Impossible => "no",
+            Verdict::Doubtful => "warn",
+            Verdict::Impossible => "fail",
         };
         let told = if check.why.is_empty() {
             check.found.clone()

@@ -4,6 +4,7 @@ use admire_rebuild::rebuild as rebuild_deck;
 use admire_syntax::diagnostic::Severity;
 
 use super::Outcome;
+use super::counted::counted;
 use super::output_folder::{Replacing, folder_beside, output_folder, write_folder};
 use super::shell::{Exit, Shell};
 
@@ -60,19 +61,19 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let largest = rebuilt.repeat.largest(run.states.clone());
         text += &match largest {
             Some(place) => format!(
-                "{}: {} states, parts within {place:.1e} {length}\n",
+                "{}: {}; largest position error of the parts {place:.1e} {length}\n",
                 run.name,
-                run.states.len()
+                counted(run.states.len(), "state")
             ),
             None => format!(
-                "{}: no equilibrium in some of {} states\n",
+                "{}: {}; the deck has no equilibrium in at least one of them\n",
                 run.name,
-                run.states.len()
+                counted(run.states.len(), "state")
             ),
         };
     }
     let folder = out.display();
-    text += &format!("{folder}: deck, study and rebuild.md\n");
+    text += &format!("deck, study and rebuild.md: {folder}\n");
     shell.print(&text);
     let solved = rebuilt.repeat.largest(0..rebuilt.record.states()).is_some();
     let warned = answer

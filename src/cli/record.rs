@@ -7,6 +7,7 @@ use admire_study::{permission::NamedProgram, solver};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
+use super::counted::counted;
 use super::identify::MethodChoice;
 use super::input::study;
 use super::interrupt;
@@ -59,10 +60,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     drop(bar);
     let (runs, failed) = backend.tally();
     shell.print(&format!(
-        "{} of {runs} runs gave a result and were recorded; {} holds {} runs\n",
+        "runs with a result, which were recorded: {} of {runs}\n`{}` now contains {}\n",
         runs - failed,
         recording.folder.display(),
-        recording.count()
+        counted(recording.count(), "run")
     ));
     match outcome {
         Ok(fit) if fit.converged => Ok(Exit::Fine),

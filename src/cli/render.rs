@@ -140,7 +140,11 @@ fn graphical(diagnostics: &[Diagnostic], sources: &Sources, colours: bool, width
         out.push('\n');
     }
     if diagnostics.len() > SHOWN {
-        _ = writeln!(out, "... and {} more", diagnostics.len() - SHOWN);
+        _ = writeln!(
+            out,
+            "messages that are not shown: {}",
+            diagnostics.len() - SHOWN
+        );
     }
     out
 }
@@ -187,8 +191,8 @@ impl<'a> Shown<'a> {
                     let place = sources.place(label);
                     help.push(match said {
                         Some(said) => format!("{place}: {said}"),
-                        None if label.is_about_all() => format!("it is about {place}"),
-                        None => format!("{place}: here"),
+                        None if label.is_about_all() => format!("file: {place}"),
+                        None => format!("see {place}"),
                     });
                 }
             }

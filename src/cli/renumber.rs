@@ -117,7 +117,10 @@ fn ids(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Renumbering, Exit
         let found = in_order(dataset, kind, first, step);
         let too_many = found.len() as u64 * u64::from(step) + u64::from(first);
         if too_many > u64::from(u32::MAX) {
-            return Err(wrong(format!("`{text}`: the ids become too large")));
+            return Err(wrong(format!(
+                "`{text}`: the last id would exceed {}",
+                u32::MAX
+            )));
         }
         return Ok(found);
     }
@@ -126,7 +129,9 @@ fn ids(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Renumbering, Exit
     let space = statement.and_then(|statement| statement.def?.id);
     match (space, address.id, &address.argument) {
         (Some(space), Some(id), None) => Ok(Renumbering::from([((space, id), first)])),
-        _ => Err(wrong(format!("`{what}` is not an object with an id"))),
+        _ => Err(wrong(format!(
+            "`{what}` is neither a kind of statement nor an object with an id"
+        ))),
     }
 }
 

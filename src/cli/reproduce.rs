@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(out) = &arguments.out {
         refuse_replacing(out, &[OUTPUT], arguments.replacing, shell)?;
     }
-    let bar = Progress::new("reproducing", shell, || None);
+    let bar = Progress::new("reproducing the paper", shell, || None);
     let mut begun = 0;
     let mut progress = |what: &str| {
         bar.detail(what.to_string());
@@ -94,8 +94,8 @@ fn section(section: &Section) -> String {
         text.push_str(&format!("\n{}\n{}", comparison.title, table(comparison)));
     }
     for (head, lines) in [
-        ("What this says", &section.findings),
-        ("What cannot be compared", &section.limits),
+        ("Findings", &section.findings),
+        ("Results that cannot be compared", &section.limits),
     ] {
         if !lines.is_empty() {
             text.push_str(&format!("\n{head}\n"));

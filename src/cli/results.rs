@@ -10,6 +10,7 @@ use admire_syntax::text::Source;
 
 use super::Outcome;
 use super::addresses::complete_columns;
+use super::counted::counted;
 use super::format::Format;
 use super::results_edits;
 use super::results_file::{open, refused, selection};
@@ -35,7 +36,7 @@ pub(super) struct Arguments {
     /// Print values as JSON.
     #[arg(long)]
     json: bool,
-    /// Print CSV of numbers alone: column names without units, and no column for the kind of step.
+    /// Print CSV with numbers only: no units in the column names, and no column for the kind of step.
     #[arg(long, conflicts_with = "json")]
     plain: bool,
     /// Only these steps, counted from 1: `3`, `2-5`, `7-`, `last`; several are separated by commas.
@@ -50,7 +51,7 @@ pub(super) struct Arguments {
     /// Only steps of this kind: static, quasiStatic, kinematic, dynamic, ...
     #[arg(long, value_name = "KIND")]
     kind: Vec<String>,
-    /// Change values and write the whole file, such as `arm_XFORM.X=12.5` or `'*.FX*=1000'`. The other options choose the steps.
+    /// Change values and write the whole file, such as `arm_XFORM.X=12.5` or `'*.FX*=1000'`. --steps, --from, --to and --kind select the steps.
     #[arg(long, num_args = 1.., value_name = "COLUMN=VALUE", conflicts_with_all = ["get", "list"])]
     set: Vec<String>,
     #[command(flatten)]
@@ -170,23 +171,23 @@ fn describe_run(file: &MessageFile, shell: &Shell) -> Exit {
     } else {
         &file.solver
     };
-    _ = writeln!(out, "{solver}, {} command lines", file.commands);
+    _ = writeln!(out, "{solver}, {}", counted(file.commands, "command line"));
     for analysis in &file.analyses {
         _ = write!(out, "{:>6}  {}", analysis.line, analysis.kind);
         if let Some(iterations) = analysis.iterations {
-            _ = write!(out, ": converged in {iterations} iterations");
+            _ = write!(out, ": converged in {}", counted(iterations, "iteration"));
         }
         if let Some((first, last)) = analysis.times {
             _ = write!(
                 out,
-                ": {} steps shown, time {first} to {last}",
-                analysis.steps
+                ": {} from time {first} to {last}",
+                counted(analysis.steps, "printed step")
             );
         }
         out.push_str(if analysis.ended {
             "\n"
         } else {
-            ", NOT ENDED\n"
+            ", DID NOT END\n"
         });
     }
     for frame in &file.frames {
@@ -204,7 +205,7 @@ fn describe_run(file: &MessageFile, shell: &Shell) -> Exit {
         );
     }
     for name in &file.redundant {
-        _ = writeln!(out, "        redundant: {name}");
+        _ = writeln!(out, "        redundant constraint: {name}");
     }
     let errors = file
         .frames
@@ -212,7 +213,12 @@ fn describe_run(file: &MessageFile, shell: &Shell) -> Exit {
         .filter(|frame| frame.kind == "ERROR")
         .count();
     let warnings = file.frames.len() - errors;
-    _ = write!(out, "{errors} errors, {warnings} warnings");
+    _ = write!(
+        out,
+        "{}, {}",
+        counted(errors, "error"),
+        counted(warnings, "warning")
+    );
     if let Some(elapsed) = file.elapsed {
         _ = write!(out, ", elapsed {elapsed} s");
     }
@@ -220,9 +226,9 @@ fn describe_run(file: &MessageFile, shell: &Shell) -> Exit {
         _ = write!(out, ", CPU {cpu} s");
     }
     out.push_str(if file.finished {
-        ", finished\n"
+        ", run finished\n"
     } else {
-        ", NOT FINISHED\n"
+        ", RUN DID NOT FINISH\n"
     });
     shell.print(&out);
     exit

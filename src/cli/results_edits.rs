@@ -32,8 +32,11 @@ pub(super) fn run(
     let to = target.file(file).filter(|path| *path != Path::new("-"));
     let Some(to) = to else {
         return Err(shell.usage(
-            Diagnostic::error(Code::CannotWrite, "results are written to a file")
-                .help("name a file with -o FILE, or use --in-place"),
+            Diagnostic::error(
+                Code::CannotWrite,
+                "changed results cannot be printed on standard output",
+            )
+            .help("name a file with -o FILE, or use --in-place"),
         ));
     };
     let mut reader = open(file, shell)?;
@@ -102,7 +105,7 @@ pub(super) fn run(
     })?;
     take_place(scratch, to).map_err(cannot)?;
     shell.complain(&written.diagnostics);
-    shell.say(&format!("{} values changed\n", written.changed));
+    shell.say(&format!("changed values: {}\n", written.changed));
     Ok(Exit::Fine)
 }
 

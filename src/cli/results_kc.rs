@@ -40,10 +40,11 @@ pub(super) struct KcArguments {
     /// position in the frame of the part; without a position, it is the part's origin.
     #[arg(long, value_name = "PART[@X,Y,Z]", requires = "kc", num_args = 2..=4, value_parser = body_point)]
     steer_axis: Vec<BodyPoint>,
-    /// Unloaded tyre radius, for contact points.
+    /// Unloaded tyre radius, in the length unit of the file; needed for the contact points.
     #[arg(long, value_name = "LENGTH", requires = "kc", value_parser = positive)]
     radius: Option<f64>,
-    /// Vertical tyre stiffness. The radius shrinks by the forces in the columns `left_tire_forces.normal` and `right_tire_forces.normal`.
+    /// Vertical tyre stiffness, in the units of the file. The loaded radius follows from the columns `left_tire_forces.normal` and
+    /// `right_tire_forces.normal`.
     #[arg(long, value_name = "RATE", requires = "radius", value_parser = positive)]
     tyre_rate: Option<f64>,
     /// Road: `level`; `patches`, the plane through both contact points; or `rig`, level unless the file's own columns show that the rig rolls.
@@ -99,7 +100,7 @@ enum RoadChoice {
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("not a number above 0".to_string()),
+        _ => Err("the value is a number above zero".to_string()),
     }
 }
 
@@ -178,7 +179,7 @@ pub(super) fn run(
     {
         shell.complain(&[Diagnostic::warning(
             Code::UndefinedId,
-            "the file has no columns left_tire_forces.normal and right_tire_forces.normal: the radius is kept constant",
+            "the file has no columns left_tire_forces.normal and right_tire_forces.normal, so --tyre-rate has no effect",
         )]);
     }
     let rows = rows(reader.as_mut(), arguments, filter, shell)?;
@@ -220,7 +221,7 @@ fn rows(
     let points = &arguments.steer_axis;
     if points.len() % 2 == 1 || points.len() / 2 > arguments.wheel.len() {
         let message = format!(
-            "--steer-axis takes a lower and an upper point for each --wheel, not {} points",
+            "--steer-axis needs a lower and an upper point for each --wheel, but the number of points is {}",
             points.len()
         );
         return Err(shell.usage(Diagnostic::error(Code::BadSetting, message)));
@@ -284,8 +285,11 @@ fn rows(
     }
     if rows.is_empty() {
         return Err(shell.fail(
-            Diagnostic::error(Code::CannotRead, "the options select no step of the file")
-                .help("--kind modelInput shows the model as it was input"),
+            Diagnostic::error(
+                Code::CannotRead,
+                "no step of the file matches --steps, --from, --to and --kind",
+            )
+            .help("--kind input selects the design position"),
         ));
     }
     Ok(rows)
@@ -295,15 +299,15 @@ fn no_wheel(error: &ReplayError, shell: &Shell) -> Exit {
     let diagnostic = Diagnostic::error(Code::UndefinedId, error.to_string());
     shell.fail(match error {
         ReplayError::NoBody { bodies, .. } if bodies.is_empty() => {
-            diagnostic.help("the file contains no body motions")
+            diagnostic.help("the file contains no positions of parts")
         }
         ReplayError::NoBody { bodies, .. } => {
-            diagnostic.help(format!("its bodies are {}", bodies.join(", ")))
+            diagnostic.help(format!("the parts in the file are {}", bodies.join(", ")))
         }
         ReplayError::NoSpin { .. } => {
             diagnostic.help("give the spin axis by --spin, and the axes of the file by --axes")
         }
-        ReplayError::SameSide { .. } => diagnostic.help("one wheel for each side"),
+        ReplayError::SameSide { .. } => diagnostic.help("name at most one wheel for each side"),
         ReplayError::NoPose { .. } => diagnostic,
     })
 }
@@ -402,7 +406,7 @@ fn against(rows: &[Row], json: bool, units: &Units) -> String {
         );
     }
     if order.is_empty() {
-        out.push_str("no column of the file has the name of a characteristic\n");
+        out.push_str("the file has no column with the name of a characteristic\n");
     }
     out
 }

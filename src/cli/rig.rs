@@ -26,26 +26,28 @@ pub(super) struct Arguments {
     /// Seed of the measurement noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Standard deviation of one mark coordinate, instead of the study's value.
+    /// Standard deviation of one mark coordinate in the deck's length unit, instead of the study's value.
     #[arg(long)]
     sigma: Option<f64>,
-    /// Effect to plant: `cause@address:name=value,...`
+    /// Effect to plant: `cause@address:name=value,...`. `admire guide rig` lists the effects.
     #[arg(long, value_name = "SPEC")]
     effect: Vec<String>,
     /// File of effects to plant, one per line; `#` begins a comment.
     #[arg(long, value_name = "FILE")]
     effects: Vec<PathBuf>,
-    /// Standard deviation of one coordinate in the first session, which measures the marks on their parts, instead of the study's value.
+    /// Standard deviation of one coordinate in the first session, which measures the marks on their parts, in the deck's length unit, instead
+    /// of the study's value.
     #[arg(long, value_name = "SIGMA")]
     sigma_on_parts: Option<f64>,
     /// Additional small errors in many places, as standard deviations: `hardpoints=0.3,load_gain=0.005,pose=0.02`. The names are the keys
-    /// of `[tolerances]`, and `parts`, `assembly_offset`, `bushing_axis_deg`, `preload`, `pose_deg`
+    /// of `[tolerances]`, and `parts`, `assembly_offset`, `bushing_axis_deg`, `preload`, `pose_deg`.
     #[arg(long, value_name = "LIST")]
     tolerances: Option<String>,
-    /// Noise that differs from the noise stated in the study: `tails=3,outliers=6,outlier_size=2,declared=0.5`
+    /// Noise that differs from the noise stated in the study: `tails=3,outliers=6,outlier_size=2,declared=0.5`. `admire guide rig` describes
+    /// the names.
     #[arg(long, value_name = "LIST")]
     scatter: Option<String>,
-    /// Load cases of the paper's table 1 or 2, or each load up and down, instead of the study's load cases.
+    /// Load programme instead of the study's load cases: table 1 or 2 of the paper, or each load increased and decreased in turn.
     #[arg(long, value_enum)]
     programme: Option<Programme>,
     /// File in which the planted effects are written.
@@ -81,7 +83,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     for file in &arguments.effects {
         let source = shell.read(file)?;
         let text = source.utf8().map_err(|_| {
-            let message = format!("{} is not UTF-8 text", file.display());
+            let message = format!("`{}` is not UTF-8 text", file.display());
             shell.fail(Diagnostic::error(Code::CannotRead, message))
         })?;
         effects.extend(EffectSpec::parse_list(text).map_err(|why| shell.fail(why))?);

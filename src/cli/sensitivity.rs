@@ -28,8 +28,8 @@ pub(super) struct Arguments {
     /// Results to differentiate: a part (its motion), a force element or a joint (its force on I), or `REQUEST/1.F2`.
     #[arg(long, required = true, num_args = 1.., add = ArgValueCompleter::new(complete))]
     of: Vec<String>,
-    /// Parameters with respect to which derivatives are taken: `BUSHING/1.K`, `BUSHING/1`, `MARKER/4.QP.2`; all that have an effect if
-    /// absent.
+    /// Parameters with respect to which derivatives are taken: `BUSHING/1.K`, `BUSHING/1`, `MARKER/4.QP.2`; by default, all
+    /// parameters with an effect.
     #[arg(long, num_args = 1.., add = ArgValueCompleter::new(complete))]
     by: Vec<String>,
     /// TIME at which the equilibrium is solved.
@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 fn text((of, units): (&[String], &[String]), rows: &[SensitivityRow]) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    let heads = ["d / d", "value", "unit"].map(str::to_string);
+    let heads = ["parameter", "value", "unit"].map(str::to_string);
     let columns = of
         .iter()
         .zip(units)
@@ -111,5 +111,6 @@ fn text((of, units): (&[String], &[String]), rows: &[SensitivityRow]) -> String 
     for column in table.column_iter_mut().skip(2).take(1) {
         column.set_cell_alignment(CellAlignment::Left);
     }
-    table_text(&table) + "each derivative is in the unit of its column per unit of its row\n"
+    table_text(&table)
+        + "derivatives with respect to the parameters, in the unit of the column per unit of the parameter\n"
 }

@@ -191,10 +191,10 @@ fn look_at(
         shell.sources.add(shown.unwrap_or_else(|| before.clone()));
         not_written(assignment, shell)
     } else if structure_digest(&deck.value, &places) != expected {
-        let message = format!("`{assignment}` would change more than the value that it names");
+        let message = format!("`{assignment}` would change more than the named value");
         shell.fail(
             Diagnostic::error(Code::SyntaxError, message)
-                .help("change each argument by its own address"),
+                .help("change each argument by an assignment of its own"),
         )
     } else {
         return Ok(());
@@ -206,6 +206,6 @@ fn look_at(
 fn not_written(assignment: &str, shell: &Shell) -> Exit {
     shell.fail(Diagnostic::error(
         Code::WrongType,
-        format!("`{assignment}` is not written: the deck would be unreadable"),
+        format!("nothing is written: `{assignment}` makes the deck unreadable, as shown above"),
     ))
 }

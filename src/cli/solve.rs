@@ -16,6 +16,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
 use super::Outcome;
+use super::counted::counted;
 use super::format::Format;
 use super::input::{Solvable, solvable};
 use super::shell::{Exit, Shell};
@@ -43,11 +44,11 @@ pub(super) struct Arguments {
     /// Further folders in which a command file may read and write; its own folder and the working directory are always allowed.
     #[arg(long, value_name = "DIR")]
     allow_path: Vec<PathBuf>,
-    /// Proceed from an unstable equilibrium to a stable one: both directions along the unstable motion are followed, and the nearer
+    /// Continue from an unstable equilibrium to a stable one: both directions along the unstable motion are followed, and the nearer
     /// equilibrium is taken.
     #[arg(long)]
     stable: bool,
-    /// Leave out statements that are not solved and for which the equilibrium would be refused: CONTACT, FRICTION/3, ...
+    /// Leave out statements that the built-in solver cannot solve, such as CONTACT or FRICTION/3. Without this option, the dataset is refused.
     #[arg(long, value_name = "STATEMENTS", value_parser = ignored)]
     ignore: Vec<Ignored>,
     #[command(flatten)]
@@ -73,7 +74,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         None if is_command_file(&arguments.file) => Some((None, arguments.file.as_path())),
         None => None,
         Some(_) if is_command_file(&arguments.file) => {
-            return conflict(shell, "name the dataset before the command file");
+            return conflict(
+                shell,
+                "two command files are named: name a dataset first, and the command file second",
+            );
         }
         Some(commands) => Some((Some(arguments.file.as_path()), commands.as_path())),
     };
@@ -81,7 +85,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         if arguments.stable {
             return conflict(
                 shell,
-                "--stable applies only to a dataset; a command file is executed exactly as by `mdi`",
+                "--stable applies only to a dataset, because a command file is executed exactly as by `mdi`",
             );
         }
         let allowed = arguments.allow_path.as_slice();
@@ -90,7 +94,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if arguments.taken.is_asked() {
         return conflict(
             shell,
-            "--csv and --plot take columns from the results of a command file",
+            "--csv and --plot apply only to a command file, because a dataset alone gives no results file",
         );
     }
     let Solvable {
@@ -172,8 +176,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 
 /// Creates the warning that a part moved far.
 fn went_far(part: &str) -> Diagnostic {
-    Diagnostic::warning(Code::LargeMotion, format!("{part} in this static solution"))
-        .help("this may not be the intended equilibrium; apply the loads in steps to reach the nearest one")
+    Diagnostic::warning(Code::LargeMotion, format!("in this static solution, {part}"))
+        .help("check that this is the intended equilibrium; to reach the nearest one, apply the loads in steps")
 }
 
 /// Creates the warning that an equilibrium is unstable.
@@ -182,13 +186,13 @@ fn does_not_last(motion: Option<&str>) -> Diagnostic {
         Code::UnstableEquilibrium,
         format!("this equilibrium is UNSTABLE: {}", moves(motion)),
     )
-    .help("--stable continues to a stable one")
+    .help("--stable searches for a stable equilibrium from here")
 }
 
 fn moves(motion: Option<&str>) -> String {
     format!(
         "after the slightest disturbance {}",
-        motion.unwrap_or("the parts leave it")
+        motion.unwrap_or("the parts move away from it")
     )
 }
 
@@ -321,7 +325,7 @@ impl Answer<'_> {
             units.name(Dimension::LENGTH)
         );
         if word == "neutral" && stiffness != 0.0 {
-            _ = write!(out, ", which may be off by {error:.1e}");
+            _ = write!(out, " with an error of up to {error:.1e}");
         }
         if let (Some(motion), "UNSTABLE") = (self.motion, word) {
             _ = write!(out, "; {}", moves(Some(motion)));
@@ -342,11 +346,13 @@ impl Answer<'_> {
         let settled = self.settled?;
         let length = self.model.units.name(Dimension::LENGTH);
         let other = match settled.other {
-            Some(moved) => format!("the other direction leads to one {moved:.4} {length} away"),
+            Some(moved) => {
+                format!("the equilibrium in the other direction is {moved:.4} {length} away")
+            }
             None => "no equilibrium was found in the other direction".to_string(),
         };
         Some(format!(
-            "the first equilibrium was unstable: {}\nthis one is {:.4} {length} away; {other}",
+            "the first equilibrium was unstable: {}\nthe stable equilibrium is {:.4} {length} away from it; {other}",
             moves(self.motion),
             settled.moved
         ))
@@ -355,15 +361,22 @@ impl Answer<'_> {
     /// Describes the imbalance that remains when forces and torques are summed independently of the solver.
     fn left_over(&self) -> Option<String> {
         let told = self.report.balance.describe(&self.model.units);
-        (!told.is_empty()).then(|| format!("recomputed force balance: at most {told} remains"))
+        (!told.is_empty()).then(|| {
+            format!("largest imbalance in the recomputed sums of forces and torques: {told}")
+        })
     }
 
     /// Describes the continuation method that was used; `None` if plain iteration converged.
     fn help_needed(&self) -> Option<String> {
         Some(match self.report.continuation? {
-            Continuation::Damped => "reached with damping that was gradually reduced".to_string(),
+            Continuation::Damped => {
+                "equilibrium reached with damping that was gradually reduced".to_string()
+            }
             Continuation::Load { steps } => {
-                format!("reached by removing the initial imbalance in {steps} steps")
+                format!(
+                    "equilibrium reached by removing the initial imbalance in {}",
+                    counted(steps, "step")
+                )
             }
         })
     }
@@ -372,7 +385,7 @@ impl Answer<'_> {
         let units = &self.model.units;
         let (length, force) = (units.name(Dimension::LENGTH), units.name(Dimension::FORCE));
         let mut out = format!(
-            "{}\n{}equilibrium at time {} after {} iterations, largest imbalance {:.1e}\n\n",
+            "{}\n{}equilibrium at time {} {} after {}\nlargest residual of any equation: {:.1e} ({force}, {force}-{length} or {length})\n\n",
             self.model.title,
             if self.verdict() == Some("unstable") {
                 "UNSTABLE "
@@ -380,7 +393,8 @@ impl Answer<'_> {
                 ""
             },
             self.state.time,
-            self.report.iterations,
+            units.name(Dimension::TIME),
+            counted(self.report.iterations, "iteration"),
             self.report.imbalance
         );
         let unit = format!("({length}, deg)");
@@ -395,7 +409,9 @@ impl Answer<'_> {
                 out,
                 "\n{}",
                 table(
-                    &format!("bushing, J axes ({length}, {force}, {force}-{length})"),
+                    &format!(
+                        "bushing: deflection, force and torque on I, J axes ({length}, {force}, {force}-{length})"
+                    ),
                     &["dx", "dy", "dz", "FX", "FY", "FZ", "TX", "TY", "TZ"],
                     &bushings,
                 )
@@ -405,7 +421,7 @@ impl Answer<'_> {
             let rows = self.loads(part);
             let rows: Vec<(&str, [f64; 6])> = rows.iter().map(|(n, v)| (n.as_str(), *v)).collect();
             let head = format!(
-                "on {}, ground axes, torque about its origin ({force}, {force}-{length})",
+                "loads on {}, ground axes, torque about the part origin ({force}, {force}-{length})",
                 self.system.part_name(part)
             );
             let names = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
@@ -421,10 +437,13 @@ impl Answer<'_> {
             _ = write!(out, "\n{line}");
         }
         for redundant in &self.report.redundant {
-            _ = write!(out, "\nredundant (removed): {redundant}");
+            _ = write!(out, "\nredundant constraint equation, removed: {redundant}");
         }
         for free in &self.report.free_motions {
-            _ = write!(out, "\n{free}: harmless, nothing drives it");
+            _ = write!(
+                out,
+                "\n{free}: harmless, because no force drives this motion"
+            );
         }
         out.trim_end().to_string() + "\n"
     }

@@ -11,6 +11,7 @@ use admire_solver::model::Ignore;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
+use super::counted::counted;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing};
 use super::results_file::{open, refused, selection};
@@ -92,7 +93,7 @@ pub(super) fn run(
     bar.finish_and_clear();
     if taken.is_asked() {
         let Some(results) = &ending.results else {
-            let message = "the run wrote no results, so there are no columns to write";
+            let message = "the run wrote no results file, so --csv and --plot have no columns";
             return Err(shell.fail(Diagnostic::error(Code::CannotRead, message)));
         };
         take(results, taken, shell)?;
@@ -199,9 +200,9 @@ fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<Stri
     }
     let name = results.file_name().unwrap_or_default().to_string_lossy();
     let lead = format!(
-        "{} columns over {} steps",
-        columns.len() - usize::from(time.is_some()),
-        rows.len()
+        "{} over {}",
+        counted(columns.len() - usize::from(time.is_some()), "column"),
+        counted(rows.len(), "step")
     );
     let mut page = Page::new("Results", &name, &lead);
     let mut figures = Vec::new();

@@ -14,10 +14,11 @@ use admire_syntax::property::{PropertyFile, PropertyKind};
 use admire_syntax::text::Source;
 
 use super::Outcome;
+use super::counted::counted;
 use super::format::Format;
 use super::shell::{Exit, Shell};
 
-/// Summarise a model in a few numbers: objects per kind, units, mass and centre of mass, degrees of freedom, unused markers.
+/// Summarise a model: objects per kind, units, mass and centre of mass, degrees of freedom, unused markers.
 ///
 /// Masses and lengths are in the deck's units. The centre of mass is for the positions of the parts in the dataset.
 #[derive(clap::Args, Debug)]
@@ -123,19 +124,19 @@ fn text(
     let [force, mass, length, time] = summary.units;
     _ = writeln!(
         out,
-        "units: {force}, {mass}, {length}, {time}{}; UCF {}",
+        "units: {force}, {mass}, {length}, {time}{}; units consistency factor (UCF) {}",
         if summary.units_stated {
             ""
         } else {
-            " (none are stated)"
+            " (assumed, because the deck states none)"
         },
         summary.ucf
     );
     _ = writeln!(
         out,
-        "{} bytes, {} statements",
-        dataset.bytes().len(),
-        dataset.statements().len()
+        "{}, {}",
+        counted(dataset.bytes().len(), "byte"),
+        counted(dataset.statements().len(), "statement")
     );
     for (kind, count) in &summary.statements {
         _ = writeln!(out, "  {kind:24} {count}");
@@ -148,7 +149,7 @@ fn text(
     out.push('\n');
     _ = writeln!(
         out,
-        "degrees of freedom: {} (Gruebler count {}: {} of parts, {} equations,\n  {} of them redundant)",
+        "degrees of freedom: {} (Gruebler count {}: {} of the parts less {} constraint\n  equations, {} of which are redundant)",
         freedoms.actual(),
         freedoms.gruebler(),
         freedoms.of_parts,
@@ -157,13 +158,13 @@ fn text(
     );
     listed(&mut out, "redundant", &freedoms.redundant, all);
     if let Some(what) = &freedoms.without_value {
-        _ = writeln!(out, "  no value at the design position: {what}");
+        _ = writeln!(out, "  not defined at the design position: {what}");
     }
     if errors > 0 {
         let word = if errors == 1 { "error" } else { "errors" };
         _ = writeln!(
             out,
-            "  the deck has {errors} {word}; objects with errors may not be counted (`admire check`)"
+            "  the deck has {errors} {word}, so some objects are not counted; see `admire check`"
         );
     }
     let markers: Vec<String> = summary
@@ -176,7 +177,7 @@ fn text(
         "unused markers: {}{}",
         markers.len(),
         if summary.calls_subroutines && !markers.is_empty() {
-            " (user subroutines may use them)"
+            " (the user subroutines of the deck may use them)"
         } else {
             ""
         }
@@ -209,7 +210,11 @@ fn listed(out: &mut String, what: &str, names: &[String], all: bool) {
         _ = writeln!(out, "  {what}: {name}");
     }
     if names.len() > shown {
-        _ = writeln!(out, "  ... and {} more (--all)", names.len() - shown);
+        _ = writeln!(
+            out,
+            "  ... and {} more (list them with --all)",
+            names.len() - shown
+        );
     }
 }
 

@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&[Diagnostic::note(
             Code::RunsProgram,
             format!(
-                "every case is solved by a program that {} names: {}",
+                "every case is solved by an external program, which `{}` names: {}",
                 arguments.plan.display(),
                 command.join(" ")
             ),
@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     if shard != Shard::WHOLE {
         shell.say(&format!(
-            "shard {shard} is finished; `admire merge {}` joins all\n",
+            "shard {shard} is finished; `admire merge {}` joins all shards\n",
             out.display()
         ));
         return Ok(Exit::Fine);
@@ -174,7 +174,7 @@ fn cases(
         ran.map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?;
     if ran.before > 0 {
         shell.say(&format!(
-            "{} of {} cases were finished by an earlier run\n",
+            "cases finished by an earlier run: {} of {}\n",
             ran.before, ran.all
         ));
     }

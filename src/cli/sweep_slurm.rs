@@ -8,6 +8,7 @@ use admire_sweep::SweepFolder;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
+use super::counted::counted;
 use super::shell::{Exit, Shell};
 
 /// Sweep to be submitted to SLURM.
@@ -26,7 +27,7 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
     let cannot = |what: &Path, error: &dyn std::fmt::Display| {
         shell.fail(Diagnostic::error(
             Code::CannotWrite,
-            format!("`{}`: {error}", what.display()),
+            format!("`{}` cannot be used: {error}", what.display()),
         ))
     };
     let absolute = |path: &Path| std::path::absolute(path).map_err(|error| cannot(path, &error));
@@ -79,13 +80,14 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
             format!("--output={}", log.display()),
         ];
         let job = sbatch(&own, options, &array, shell)?;
-        shell.say(&format!("array of {} shards: job {job}\n", left.len()));
+        let shards = counted(left.len(), "shard");
+        shell.say(&format!("array job of {shards}: {job}\n"));
         joining.push(format!("--dependency=afterok:{job}"));
     }
     joining.push(format!("--output={}", place.join("merge.log").display()));
     let job = sbatch(&joining, options, &merge, shell)?;
     shell.say(&format!(
-        "joining them: job {job}; `{}` holds the scripts and their output\n",
+        "job that joins the shards: {job}; scripts and logs: `{}`\n",
         place.display()
     ));
     shell.print(&format!("{job}\n"));
@@ -109,13 +111,13 @@ fn sbatch(
         shell.fail(Diagnostic::error(Code::RunsProgram, why).help(help))
     };
     let by_hand = format!(
-        "the scripts are written; submit them by hand: sbatch {} {}",
+        "the scripts are written; submit this one by hand: sbatch {} {}",
         own.join(" "),
         script.display()
     );
     let output = ran.map_err(|error| {
         refuse(
-            format!("`sbatch` cannot be started: {error}"),
+            format!("`sbatch` of SLURM cannot be started: {error}"),
             by_hand.clone(),
         )
     })?;
@@ -130,7 +132,7 @@ fn sbatch(
     if !output.status.success() || job.is_empty() {
         let said = String::from_utf8_lossy(&output.stderr).trim().to_string();
         return Err(refuse(
-            format!("`sbatch` submitted nothing: {said}"),
+            format!("`sbatch` did not submit the script: {said}"),
             by_hand,
         ));
     }

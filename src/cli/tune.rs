@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     /// Folder for the output files; by default, `out-tune` in the folder of the study.
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Number of further starts within the bounds, instead of the study's own.
+    /// Number of further start points within the bounds, instead of the study's own number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     restarts: Option<u16>,
     /// Compute the Pareto front of two goals, given by their names in the output or by their numbers (from 1).

@@ -10,6 +10,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::text::open_to_read;
 
 use super::Outcome;
+use super::counted::counted;
 use super::opening::Opening;
 use super::results_file::{open, refused};
 use super::shell::{Exit, Shell, exit_of};
@@ -46,7 +47,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut exit = Exit::Fine;
     let mut scene = if alone {
         if arguments.run.is_some() {
-            let message = format!("`{}` is a results file", arguments.deck.display());
+            let message = format!(
+                "`{}` is a results file, not a deck",
+                arguments.deck.display()
+            );
             return Err(shell.usage(
                 Diagnostic::error(Code::UnsupportedResults, message)
                     .help("name the deck first, and its results second"),
@@ -82,7 +86,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     for address in &arguments.highlight {
         if !scene.highlight(address, address) {
-            let message = format!("{address} is not a drawn part, joint or force");
+            let message = format!("the view contains no part, joint or force `{address}`");
             return Err(shell.fail(Diagnostic::error(Code::UndefinedId, message)));
         }
     }
@@ -107,15 +111,15 @@ fn target(arguments: &Arguments, shell: &Shell) -> Result<PathBuf, Exit> {
         return Ok(out.clone());
     }
     if arguments.deck == Path::new("-") {
-        let message = "a deck from standard input has no name";
+        let message = "the page has no name, because the deck comes from standard input";
         return Err(shell.usage(
             Diagnostic::error(Code::CannotWrite, message).help("name the page: --out view.html"),
         ));
     }
     let target = PathBuf::from(name(&arguments.deck)).with_extension("html");
     if target.exists() {
-        let message = format!("`{}` exists", target.display());
-        let help = format!("--out {} replaces it", target.display());
+        let message = format!("`{}` already exists", target.display());
+        let help = format!("--out {} replaces the file", target.display());
         return Err(shell.fail(Diagnostic::error(Code::CannotWrite, message).help(help)));
     }
     Ok(target)
@@ -139,18 +143,18 @@ fn moved(scene: &mut Scene, reader: &mut dyn ResultsReader, shell: &Shell) -> Re
     }
     if !found.missing.is_empty() {
         scene.notes.push(format!(
-            "The results contain no position of {}; they remain in their design positions.",
+            "Shown in the design position, because the results contain no position: {}.",
             found.missing.join(", ")
         ));
     }
     if found.others {
         scene
             .notes
-            .push("The results hold bodies that the deck does not have.".to_string());
+            .push("The results contain parts that the deck does not have.".to_string());
     }
     if found.frames.len() < found.steps {
         scene.notes.push(format!(
-            "{} of {} steps are shown, evenly spread.",
+            "Steps shown: {} of {}, evenly spaced.",
             found.frames.len(),
             found.steps
         ));
@@ -161,9 +165,10 @@ fn moved(scene: &mut Scene, reader: &mut dyn ResultsReader, shell: &Shell) -> Re
 
 fn lead(scene: &Scene) -> String {
     let parts = scene.parts.iter().filter(|part| !part.ground).count();
-    let mut text = format!("{parts} parts, {} joints and forces", scene.objects.len());
+    let parts = counted(parts, "part");
+    let mut text = format!("{parts}, {} joints and forces", scene.objects.len());
     if !scene.frames.is_empty() {
-        text += &format!(", {} steps", scene.frames.len());
+        text += &format!(", {}", counted(scene.frames.len(), "step"));
     }
     text + &format!("; lengths in {}", scene.length)
 }

@@ -27,9 +27,9 @@ pub(crate) fn edits(
             "false" => dataset.set_flag(address, false),
             _ => Err(Diagnostic::error(
                 Code::WrongType,
-                format!("{address} is a flag, it cannot be `{value}`"),
+                format!("{address} is a flag, so its value cannot be `{value}`"),
             )
-            .help("write =true or =false")),
+            .help("write true or false")),
         };
     }
     dataset.set_typed(address, value, beside)

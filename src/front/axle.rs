@@ -86,8 +86,15 @@ impl Deck {
         for (name, deck) in &beside.decks {
             let (model, files) = deck.model()?;
             if model.units != units {
-                let message = format!("`{}` is in other units than `{}`", deck.name(), self.name());
-                return Err(refused(&[Diagnostic::error(Code::BadSetting, message)]));
+                let message = format!(
+                    "the units of `{}` differ from those of `{}`",
+                    deck.name(),
+                    self.name()
+                );
+                let wrong = Diagnostic::error(Code::BadSetting, message);
+                return Err(refused(&[
+                    wrong.help("convert the units of one of the decks")
+                ]));
             }
             let mut sources = Sources::default();
             sources.add(deck.dataset().source().clone());

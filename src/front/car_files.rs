@@ -110,7 +110,7 @@ pub(crate) fn diagnosed(
             Cause::ElementParameter if subject.is_of_bushing(&finding.address) => {}
             cause if cause.is_reading_fault() => {}
             _ => not_written.push(refused(
-                "a subsystem file has no parameter for it".to_string(),
+                "a subsystem file has no parameter for this cause".to_string(),
             )),
         }
     }
@@ -142,7 +142,7 @@ impl<'a> Subject<'a> {
     fn moved(&self, finding: &Finding) -> Result<HardpointMove, String> {
         if finding.form.as_deref() != Some("point") {
             return Err(
-                "only one part differs; a hardpoint moves all parts that meet there".to_string(),
+                "only one part differs, but a hardpoint of Adams/Car moves all parts that meet there".to_string(),
             );
         }
         let names = std::iter::once(&finding.address).chain(&finding.members);
@@ -211,7 +211,7 @@ impl<'a> Subject<'a> {
                     .map(|(at, side)| point(*at).full_name(*side))
                     .collect();
                 Err(format!(
-                    "{} are at this place; the table `car.hardpoints` of study.toml says which one it is",
+                    "several hardpoints are at this place ({}); name one of them in the table `car.hardpoints` of study.toml",
                     names.join(", ")
                 ))
             }
@@ -269,7 +269,7 @@ impl<'a> Subject<'a> {
                 not_written.push(NotWritten {
                     what: because,
                     why: format!(
-                        "its name `{}` is not in the subsystem; the table `car.bushings` of study.toml says which one it is",
+                        "the subsystem has no bushing of its name `{}`; name the bushing in the table `car.bushings` of study.toml",
                         old.name
                     ),
                 });
@@ -289,7 +289,7 @@ impl<'a> Subject<'a> {
                     not_written.push(NotWritten {
                         what: format!("{how} {address}"),
                         why:
-                            "the deck's own stiffness is zero, so no factor can express the change"
+                            "the stiffness in the deck is zero, so no scale factor expresses the change"
                                 .to_string(),
                     });
                 }
@@ -352,7 +352,7 @@ impl<'a> Subject<'a> {
         sentences.extend(
             not_written
                 .iter()
-                .map(|one| format!("not in {name}: {}, {}", one.what, one.why)),
+                .map(|one| format!("not written to {name}: {} ({})", one.what, one.why)),
         );
         let mut files = vec![
             (path(&name), written.bytes),

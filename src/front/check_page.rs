@@ -86,18 +86,18 @@ fn answer(checked: &Checked<'_>) -> String {
     ];
     let counts: Vec<String> = counts.into_iter().flatten().collect();
     let files = match &counts[..] {
-        [] => "The files have no fault.".to_string(),
-        counts => format!("The files have {}.", counts.join(", ")),
+        [] => "No faults were found.".to_string(),
+        counts => format!("Found: {}.", counts.join(", ")),
     };
     let allows = checked
         .studies
         .iter()
         .all(|study| study.table.allows_a_fit());
     let study = match checked.studies {
-        _ if !checked.steps.is_empty() => " The study is unfinished.",
+        _ if !checked.steps.is_empty() => " The study is incomplete.",
         [] => "",
-        _ if allows => " The study allows a fit.",
-        _ => " A fit of the study would be meaningless.",
+        _ if allows => " The study is plausible enough for a fit.",
+        _ => " The study is implausible and should not be fitted.",
     };
     files + study
 }
@@ -121,7 +121,7 @@ fn next(checked: &Checked<'_>) -> Vec<String> {
     }
     match checked.studies {
         [] => Vec::new(),
-        _ => vec!["`admire identify` or `admire diagnose` on the study".to_string()],
+        _ => vec!["Run `admire identify` or `admire diagnose` on the study".to_string()],
     }
 }
 
@@ -134,11 +134,11 @@ fn complaints(checked: &Checked<'_>) -> Table {
         .collect();
     all.sort_by_key(|complaint| std::cmp::Reverse(complaint.severity));
     let mut table = Table::new(&[
-        ("", Align::Left),
-        ("where", Align::Left),
-        ("what", Align::Wrap),
+        ("severity", Align::Left),
+        ("place", Align::Left),
+        ("message", Align::Wrap),
         ("code", Align::Left),
-        ("cure", Align::Wrap),
+        ("remedy", Align::Wrap),
     ]);
     for complaint in all {
         let (word, class) = match complaint.severity {
@@ -169,16 +169,16 @@ fn complaints(checked: &Checked<'_>) -> Table {
 /// Tabulates the properties of a study, with the assessment of each.
 fn plausibility(found: &Plausibility) -> Table {
     let mut table = Table::new(&[
-        ("", Align::Left),
+        ("verdict", Align::Left),
         ("property", Align::Left),
         ("found", Align::Wrap),
-        ("why", Align::Wrap),
+        ("reason for the verdict", Align::Wrap),
     ]);
     for check in &found.checks {
         let (word, class) = match check.verdict {
             Verdict::Plausible => ("ok", "good"),
-            Verdict::Doubtful => ("look", ""),
-            Verdict::Impossible => ("no", "bad"),
+            Verdict::Doubtful => ("warn", ""),
+            Verdict::Impossible => ("fail", "bad"),
         };
         table.row([word, check.what, &check.found, &check.why]);
         table.mark(0, class);

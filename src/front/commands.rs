@@ -144,7 +144,7 @@ impl Commands {
             return Err(Error::new(ErrorKind::Usage, &fresh, &sources));
         }
         if new.value.commands().len() != count + 1 {
-            let message = format!("`{}` is not one command", text.trim());
+            let message = format!("`{}` is not exactly one command", text.trim());
             let refused = Diagnostic::error(Code::SyntaxError, message);
             return Err(Error::plain(ErrorKind::Usage, &refused));
         }

@@ -72,7 +72,7 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
         alone(&comparison.only_in_b, b),
         steps(comparison.steps_only_in_a, a),
         steps(comparison.steps_only_in_b, b),
-        (units > 0).then(|| format!("{} in other units, not compared", counted(units, "column"))),
+        (units > 0).then(|| format!("{} whose units differ", counted(units, "column"))),
     ];
     page.found(&[
         (
@@ -86,7 +86,7 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
         (
             "Found",
             vec![match differ {
-                0 => "all within the tolerance".to_string(),
+                0 => "all values within the tolerance".to_string(),
                 1 => "1 column beyond the tolerance".to_string(),
                 count => format!("{count} columns beyond the tolerance"),
             }],
@@ -96,7 +96,7 @@ pub(crate) fn compare_page(files: [&Path; 2], comparison: &Comparison) -> Result
     if !worst.is_empty() {
         page.table(&differences(&worst[..worst.len().min(MAX_LISTED)], &names));
         page.note(
-            "The largest difference of each column, at that time, with the values of both files. Of its size: in percent of the larger of the two values.",
+            "Each row gives the largest difference of a column, its time, and the values of both files at this time. The relative difference is in percent of the larger value.",
         );
     }
     if worst.len() > MAX_LISTED {
@@ -163,7 +163,8 @@ fn answer(comparison: &Comparison, worst: &[&ColumnDifference], names: &[String;
         return if comparison.agrees() {
             "The two files agree.".to_string()
         } else {
-            "All common columns agree; one file has more.".to_string()
+            "All compared values agree, but the files differ in their columns, units or steps."
+                .to_string()
         };
     };
     let largest = number(first.largest, Some(0.1 * first.largest));
@@ -178,9 +179,9 @@ fn answer(comparison: &Comparison, worst: &[&ColumnDifference], names: &[String;
         )
     });
     format!(
-        "{} of {} differ; most of all, relative to its size, {}: by {}{at}.",
+        "Columns beyond the tolerance: {} of {}. The largest relative difference is in {}: {}{at}.",
         worst.len(),
-        counted(comparison.columns.len(), "column"),
+        comparison.columns.len(),
         first.path,
         format!("{largest} {unit}").trim_end()
     )
@@ -192,9 +193,9 @@ fn differences(columns: &[&ColumnDifference], names: &[String; 2]) -> Table {
     let mut table = Table::new(&[
         ("column", Align::Left),
         ("unit", Align::Left),
-        ("difference", Align::Right),
-        ("of its size", Align::Right),
-        ("steps beyond", Align::Right),
+        ("largest difference", Align::Right),
+        ("relative", Align::Right),
+        ("steps beyond the tolerance", Align::Right),
         ("at time", Align::Right),
         (a.as_str(), Align::Right),
         (b.as_str(), Align::Right),

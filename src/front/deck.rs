@@ -155,7 +155,7 @@ impl Deck {
     pub fn number(&self, text: &str) -> Result<f64, Error> {
         let found = self.get(text)?;
         found.as_f64().ok_or_else(|| {
-            let message = format!("`{text}` is not one number");
+            let message = format!("the value of `{text}` is not a single number");
             usage(Diagnostic::error(Code::WrongType, message))
         })
     }
@@ -240,8 +240,8 @@ impl Deck {
         let title = addresses.iter().any(|address| address.kind == "TITLE");
         if !title && structure_digest(dataset, &places) != structure_digest(&changed.value, &places)
         {
-            let message = format!("`{text}` would change more than the value that it names");
-            let help = "change each argument by its own address";
+            let message = format!("the new value of `{text}` would change more than this value");
+            let help = "set each argument by its own address";
             let refused = Diagnostic::error(Code::SyntaxError, message).help(help);
             return Err(usage(refused));
         }
@@ -263,12 +263,12 @@ impl Deck {
         let Some(path) = self.path.clone() else {
             let nameless =
                 Diagnostic::error(Code::CannotWrite, "this deck was not read from a file");
-            return Err(usage(nameless.help("give a file name to save it")));
+            return Err(usage(nameless.help("give the name of the file to write")));
         };
         let there = std::fs::read(&path);
         if !force && there.is_ok_and(|there| there != self.stored.value.bytes()) {
             let message = format!("`{}` was changed since it was read", path.display());
-            let help = "read it again, or save with force";
+            let help = "read the deck again, or save it with `force`";
             let changed = Diagnostic::error(Code::CannotWrite, message).help(help);
             let kind = ErrorKind::File(std::io::ErrorKind::AlreadyExists);
             return Err(Error::plain(kind, &changed));

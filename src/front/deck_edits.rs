@@ -124,6 +124,7 @@ pub(crate) fn edited(dataset: &Dataset, edits: &[Edit]) -> Result<Checked<Datase
 pub(crate) fn no_statement(text: &str) -> Diagnostic {
     let message = format!("`{text}` is not a statement that can be added");
     Diagnostic::error(Code::SyntaxError, message)
+        .help("write a whole statement, such as `MARKER/99, PART=2, QP=1,2,3`")
 }
 
 /// Adds statements to a dataset; it is an error if an id is already taken.
@@ -137,7 +138,11 @@ pub(crate) fn with_statements(
         if taken.is_some() {
             let id = statement.id.map_or_else(String::new, |id| format!("/{id}"));
             let message = format!("the deck already has {}{id}", statement.kind);
-            return Err(Diagnostic::error(Code::DuplicateId, message));
+            let help = match statement.id {
+                Some(_) => "give the new statement another id",
+                None => "change the existing statement instead",
+            };
+            return Err(Diagnostic::error(Code::DuplicateId, message).help(help));
         }
         let edits = after.value.add(statement);
         after = edited(&after.value, &edits)?;
@@ -173,7 +178,7 @@ pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<ObjectId
     };
     let found: Vec<ObjectId> = addresses.into_iter().filter_map(body).collect();
     if found.is_empty() {
-        let message = format!("`{text}` is not a part that moves");
+        let message = format!("`{text}` is not a moving part");
         let help = "name parts, such as PART/7 or their view names";
         return Err(Diagnostic::error(Code::UnknownTarget, message).help(help));
     }

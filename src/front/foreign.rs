@@ -21,15 +21,17 @@ pub(crate) fn foreign_parts(loaded: &LoadedStudy) -> Vec<Diagnostic> {
         let mut diagnostic = Diagnostic::error(
             Code::InconsistentMarks,
             format!(
-                "the marks of {name} in cases {} do not belong to one part: the best rigid motion leaves {:.3} rms, and no part deforms so much",
+                "the marks of {name} do not belong to one part in the load cases {}: the best rigid motion leaves a residual of {:.3} {} rms per \
+                 coordinate, more than any part deforms",
                 labels.join(", "),
-                foreign.rms
+                foreign.rms,
+                loaded.model.units.length.word
             ),
         );
         if let Some(read) = place {
             diagnostic = diagnostic.label(marks.measured.source.name(), read.place, "");
         }
-        diagnostic.help("correct the readings, or leave these cases out; then diagnose again")
+        diagnostic.help("correct the readings, or leave out these load cases")
     };
     foreign_marks(measurement).into_iter().map(of).collect()
 }

@@ -41,7 +41,7 @@ pub(crate) fn measured(
         };
         if path.contains('.') {
             let factor = column_unit(unit, units).ok_or_else(|| {
-                let help = "angles: deg, min, rad; lengths: mm, m, in; forces: N, kN, lbf; torques: Nm; else a unit of curves.csv";
+                let help = "use deg, min or rad for angles, mm, m or in for lengths, N, kN or lbf for forces, Nm for torques, or a unit of curves.csv";
                 wrong(cell, format!("`{unit}` is not a known unit"), help.to_string())
             })?;
             columns.push((k, path.trim().to_string(), factor));
@@ -68,7 +68,7 @@ pub(crate) fn measured(
             Some(cell) => variable_unit(&cell.text, *kind, units).ok_or_else(|| {
                 let words = [driven_unit(kind.driven(), units)];
                 let message = format!(
-                    "`{}` is not a unit of the test `{}`",
+                    "`{}` is not a unit of the variable of the test `{}`",
                     cell.text,
                     kind.name()
                 );
@@ -91,7 +91,10 @@ pub(crate) fn measured(
     }
     let mut diagnostics = Vec::new();
     if curves.is_empty() {
-        let message = format!("`{}` has no curve of a test that is run", source.name());
+        let message = format!(
+            "`{}` contains no curve of the tests in the configuration",
+            source.name()
+        );
         diagnostics.push(Diagnostic::warning(Code::MissingColumn, message));
     }
     Ok(Checked {

@@ -63,10 +63,10 @@ pub(crate) fn kc_page(
         (
             "Axle",
             if config.mirror {
-                "one wheel, mirrored: no coupling of the wheels".to_string()
+                "one wheel, mirrored; without coupling of the two wheels".to_string()
             } else {
                 format!(
-                    "{} wheels, anti-roll bar {}",
+                    "wheels: {}, anti-roll bar: {}",
                     config.sides().len(),
                     config.anti_roll_bar
                 )
@@ -86,7 +86,7 @@ pub(crate) fn kc_page(
             "Vehicle",
             given(config.vehicle.map(|v| {
                 format!(
-                    "{} axle, wheelbase {} {length}, centre of mass {} {length} high, sprung mass {} {}, front shares: brake {}, drive {}",
+                    "{} axle, wheelbase {} {length}, height of the centre of mass {} {length}, sprung mass {} {}, share of the front axle: brake {}, drive {}",
                     v.axle.word(),
                     v.wheelbase,
                     v.cg_height,
@@ -101,7 +101,7 @@ pub(crate) fn kc_page(
             "Ride height",
             match config.ride_load {
                 Some(load) => format!("vertical load {load} {force} on each wheel"),
-                None => format!("{} {length} over design", config.ride_height),
+                None => format!("{} {length} above the design height", config.ride_height),
             },
         ),
         (
@@ -115,25 +115,25 @@ pub(crate) fn kc_page(
             "Friction",
             match found.ride.seen.friction {
                 Some(_) => format!(
-                    "joints slide with MU_{}",
+                    "joints slide with the friction coefficient MU_{}",
                     config.sliding_with.word().to_uppercase()
                 ),
-                None => "no joint rubs".to_string(),
+                None => "no joint has friction".to_string(),
             },
         ),
-        ("Axes of the answer", convention.word().to_string()),
+        ("Axes of the results", convention.word().to_string()),
         (
             "Swing arms and roll centre",
             format!(
-                "vertical load {}",
+                "computed with the vertical load case {}",
                 json!(config.vertical_load).as_str().unwrap_or_default()
             ),
         ),
         (
             "Compliance matrix",
             match found.ride.seen.axle.compliance {
-                Some(_) => format!("lack of symmetry {:.1e}", found.asymmetry),
-                None => "not defined: nothing but the rig holds the wheels up".to_string(),
+                Some(_) => format!("relative asymmetry {:.1e}", found.asymmetry),
+                None => "not defined, because only the rig supports the wheels".to_string(),
             },
         ),
         ("Definitions", format!("version {}", output::DEFINITIONS)),

@@ -44,7 +44,7 @@ impl Deck {
         }
         for address in highlight {
             if !scene.highlight(address, address) {
-                let message = format!("{address} is not a drawn part, joint or force");
+                let message = format!("the view contains no part, joint or force `{address}`");
                 let none = Diagnostic::error(Code::UndefinedId, message);
                 return Err(Error::plain(ErrorKind::Usage, &none));
             }

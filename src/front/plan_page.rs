@@ -15,12 +15,12 @@ pub(crate) fn without_loads(undecided: &Undecided) -> String {
     let all = undecided.would_separate.iter().map(ToString::to_string);
     let all: Vec<String> = all.collect();
     let would = if all.is_empty() {
-        "no mark, curve or load cell would, either".to_string()
+        "neither does any mark, curve or load cell".to_string()
     } else {
-        format!("would: {}", all.join("; "))
+        format!("these measurements would: {}", all.join("; "))
     };
     format!(
-        "no load in the range separates them (chi-square {:.1} at most); {would}",
+        "no load in the range distinguishes the two (chi-square {:.1} at most); {would}",
         undecided.by_loads
     )
 }
@@ -78,6 +78,19 @@ pub(crate) fn fall(before: f64, after: f64) -> f64 {
     }
 }
 
+/// Names the columns of a ranking that give decreases of standard deviations, such as `K1 to K3, toe, camber, centre`.
+pub(crate) fn fall_columns(found: &Plan) -> String {
+    let combinations = match found.combinations.len() {
+        0 => None,
+        1 => Some("K1".to_string()),
+        count => Some(format!("K1 to K{count}")),
+    };
+    let curves = found.curves.as_ref();
+    let curves = curves.map(|_| "toe, camber, centre".to_string());
+    let names: Vec<String> = combinations.into_iter().chain(curves).collect();
+    names.join(", ")
+}
+
 /// Returns the address with the largest share of a combination.
 fn main_address(combination: &Combination) -> &str {
     let shares = combination.combination.iter();
@@ -105,7 +118,7 @@ fn gains(found: &Plan, best: &Ranked, scene: &Scene) -> Vec<String> {
         let camber = fall(before.sd.camber_deg, after.camber_deg);
         if toe.max(camber) >= 1.0 {
             out.push(format!(
-                "the uncertainty of predicted toe falls by {toe:.0} %, of camber by {camber:.0} %"
+                "the uncertainty of the predicted toe falls by {toe:.0} %, and that of camber by {camber:.0} %"
             ));
         }
     }
@@ -113,7 +126,7 @@ fn gains(found: &Plan, best: &Ranked, scene: &Scene) -> Vec<String> {
         && causes.probability_shift >= MIN_PROBABILITY_GAIN
     {
         let [a, b] = &undecided.between;
-        out.push(format!("it helps to distinguish {a} from {b}"));
+        out.push(format!("{a} and {b} are easier to distinguish"));
     }
     out
 }
@@ -155,11 +168,11 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
         Some(best) => {
             let gains = gains(found, best, &scene);
             let gains = if gains.is_empty() {
-                "no candidate gains much".to_string()
+                "The expected gain is small".to_string()
             } else {
-                gains.join("; ")
+                format!("Then {}", gains.join("; "))
             };
-            format!("Measure next: {}. Then {gains}.", in_words(&best.what))
+            format!("Measure next: {}. {gains}.", in_words(&best.what))
         }
         None => "Nothing needs to be measured for this purpose.".to_string(),
     };
@@ -179,62 +192,73 @@ pub(crate) fn plan_page(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
     let mut figures = Vec::new();
     for (k, combination) in found.combinations.iter().enumerate().take(2) {
         let title = format!(
-            "Less uncertainty of K{}, mostly {}",
+            "Decrease of the uncertainty of K{}, mainly {}",
             k + 1,
             scene.named(main_address(combination))
         );
         let gain = |ranked: &Ranked| Some(fall(combination.sd_log, *ranked.sd_log.get(k)?));
-        figures.extend(chart(found, &title, "fall of the uncertainty [%]", &gain));
+        figures.extend(chart(
+            found,
+            &title,
+            "decrease of the standard deviation [%]",
+            &gain,
+        ));
     }
     if let Some(curves) = &found.curves {
         let gain = |ranked: &Ranked| Some(fall(curves.sd.toe_deg, ranked.curves.as_ref()?.toe_deg));
-        let x = "fall of the uncertainty of toe [%]";
+        let x = "decrease of the standard deviation [%]";
         figures.extend(chart(
             found,
-            "Less uncertainty of the predicted toe",
+            "Decrease of the uncertainty of the predicted toe",
             x,
             &gain,
         ));
     }
     if let Some(undecided) = &found.causes {
         let [a, b] = &undecided.between;
-        let title = format!("What distinguishes {a} from {b}");
+        let title = format!("Choice between {a} and {b}");
         let gain = |ranked: &Ranked| Some(ranked.causes?.probability_shift);
         figures.extend(chart(
             found,
             &title,
-            "expected rise of the probability",
+            "expected rise of the probability of the true one",
             &gain,
         ));
     }
     page.figures(&figures);
     for combination in &found.combinations {
-        scene.highlight(main_address(combination), "least known");
+        scene.highlight(main_address(combination), "worst determined");
     }
     page.scene(&scene);
     lines(&mut page, found);
     page.table(&ranking(found, count));
-    page.note(&format!(
-        "Each number is the fall of an uncertainty in percent. K1 to K{} are the combinations of stiffnesses that are known least, listed above.{}{}",
-        found.combinations.len(),
-        if found.causes.is_some() {
-            " For causes, it is the expected rise of the probability of the true one."
-        } else {
-            ""
-        },
-        if found.candidates.iter().any(|ranked| ranked.what.contains(BEYOND)) {
-            " Beyond: a load outside the range of the cases of the study."
-        } else {
-            ""
-        }
-    ));
-    page.detail("Not possible");
+    let columns = fall_columns(found);
+    let mut legend = Vec::new();
+    if !columns.is_empty() {
+        legend.push(format!(
+            "{columns}: decrease of the standard deviation in percent."
+        ));
+    }
+    if !found.combinations.is_empty() {
+        legend.push("K1 is the worst-determined combination; all are listed above.".to_string());
+    }
+    if found.causes.is_some() {
+        let meaning = "cause: expected rise of the probability of the true explanation.";
+        legend.push(meaning.to_string());
+    }
+    let mut candidates = found.candidates.iter();
+    if candidates.any(|ranked| ranked.what.contains(BEYOND)) {
+        let meaning = "(beyond): load outside the range of the load cases of the study.";
+        legend.push(meaning.to_string());
+    }
+    page.note(&legend.join(" "));
+    page.detail("Measurements that are not possible or were not considered");
     if !found.not_possible.is_empty() {
         page.list(&found.not_possible);
     }
     if found.left_out > 0 {
         page.note(&format!(
-            "{} further combinations of loads were not considered.",
+            "Combinations of loads that were not considered: {}.",
             found.left_out
         ));
     }
@@ -247,14 +271,11 @@ fn lines(page: &mut Page, found: &Plan) {
     let least = combinations.map(|(k, combination)| {
         let share = 100.0 * combination.sd_log;
         let what = name(combination);
-        format!(
-            "K{}, known to {share:.0} % (one standard deviation): {what}",
-            k + 1
-        )
+        format!("K{}, standard deviation {share:.0} %: {what}", k + 1)
     });
     let wheel = found.curves.iter().map(|curves| {
         format!(
-            "{}: toe to {} deg, camber to {} deg (one standard deviation)",
+            "{}: standard deviation of predicted toe {} deg, of predicted camber {} deg",
             curves.wheel,
             two_digits(curves.sd.toe_deg),
             two_digits(curves.sd.camber_deg)
@@ -275,9 +296,9 @@ fn lines(page: &mut Page, found: &Plan) {
         format!("Measure {}, {cases}", in_words(&best.what))
     });
     page.found(&[
-        ("Least known", least.collect()),
-        ("Wheel", wheel.collect()),
-        ("Undecided", undecided.collect()),
+        ("Worst-determined combinations", least.collect()),
+        ("Predicted wheel", wheel.collect()),
+        ("Undecided causes", undecided.collect()),
         ("To do next", next.into_iter().collect()),
     ]);
 }

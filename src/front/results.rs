@@ -176,7 +176,7 @@ pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selec
     let capitals: Vec<String> = known.iter().map(|path| path.to_uppercase()).collect();
     let near = nearest(pattern, capitals.iter().map(String::as_str))
         .and_then(|near| capitals.iter().position(|path| path == near));
-    let message = format!("there is no column `{pattern}`");
+    let message = format!("the results have no column `{pattern}`");
     let mut refused = Diagnostic::error(Code::UndefinedId, message);
     if let Some(at) = near {
         refused = refused.help(format!("did you mean `{}`?", known[at]));
@@ -191,8 +191,13 @@ pub(crate) fn one_column(catalogue: &Catalogue, name: &str) -> Result<SelectedCo
         return Ok(found.remove(0));
     }
     let some: Vec<&str> = found.iter().take(6).map(|c| c.path.as_str()).collect();
+    let more = if found.len() > some.len() {
+        ", ..."
+    } else {
+        ""
+    };
     let message = format!(
-        "`{name}` means {} columns: {} ...",
+        "`{name}` matches {} columns: {}{more}",
         found.len(),
         some.join(", ")
     );

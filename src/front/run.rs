@@ -157,7 +157,10 @@ impl Run {
     /// When no column has this name, or when the name is ambiguous.
     pub fn position(&self, name: &str) -> Result<usize, Error> {
         let Some(table) = self.table() else {
-            let none = Diagnostic::error(Code::CannotRead, "the run has no results");
+            let none = Diagnostic::error(
+                Code::CannotRead,
+                "the run has no results, because no simulation started",
+            );
             return Err(Error::plain(ErrorKind::Usage, &none));
         };
         Ok(one_column(&table.catalogue, name)?.id - 1)
@@ -216,7 +219,7 @@ impl Run {
             _ => self.files.get(&extension).ok_or_else(|| {
                 let kinds: Vec<&str> = self.files.keys().map(String::as_str).collect();
                 let message = format!("this run has no .{extension} file");
-                let help = format!("it has res, {}", kinds.join(", "));
+                let help = format!("the files of the run are res, {}", kinds.join(", "));
                 let none = Diagnostic::error(Code::CannotWrite, message).help(help);
                 Error::plain(ErrorKind::Usage, &none)
             })?,

@@ -140,8 +140,9 @@ fn quantities(
             quantity: Quantity::Request(index, component - 1),
         }]);
     }
-    let message = format!("`{text}` is not a part, force, joint or REQUEST/id.F2");
-    Err(Diagnostic::error(Code::WrongType, message))
+    let message = format!("`{text}` is not a part, force, joint or request component");
+    let help = "name a result such as PART/4, BUSHING/1, JOINT/3 or REQUEST/1.F2";
+    Err(Diagnostic::error(Code::WrongType, message).help(help))
 }
 
 /// Returns the parameters whose addresses begin with one of the words. Without words, returns all parameters except literals in functions
@@ -187,7 +188,7 @@ fn slots(
             }
         }
         if out.len() == before {
-            let message = format!("no parameter of `{word}` affects the equilibrium");
+            let message = format!("`{word}` is not a parameter of the equilibrium");
             return Err(Diagnostic::error(Code::UndefinedId, message));
         }
     }

@@ -165,7 +165,7 @@ impl Study {
     fn may_start(&self) -> Result<(), Error> {
         match NamedProgram::of_study(&self.settings) {
             Some(program) if !self.allowed && !program.is_allowed() => {
-                let help = "`allow_command` allows it; so does `admire identify` on a terminal, which asks once";
+                let help = "allow the program by `allow_command`; or run `admire identify` on a terminal, which asks once";
                 Err(Error::plain(ErrorKind::Usage, &program.refusal(help)))
             }
             _ => Ok(()),
@@ -210,7 +210,9 @@ impl Study {
         let (mut fit, marginal) = found.map_err(|error| self.no_fit(&error.to_string()))?;
         if let Some(again) = again {
             let Some(marginal) = marginal.filter(|_| fit.converged && !fit.interrupted) else {
-                return Err(self.no_fit("the fit did not converge, so it cannot be repeated"));
+                return Err(self.no_fit(
+                    "the fit did not converge, so bootstrap and posterior were not computed",
+                ));
             };
             again(&loaded, &marginal, &mut fit)?;
         }
@@ -389,10 +391,10 @@ impl Study {
     /// Returns the study with its readings.
     fn loaded(&self) -> Result<&LoadedStudy, Error> {
         let refused = || {
-            let message = "the study has a target alone: nothing was measured";
+            let message = "the study has only a target, and no measurements";
             let refused = Diagnostic::error(Code::MissingSetting, message)
                 .label(self.settings.source.name(), self.settings.place(&["target"]), "")
-                .help("`admire tune` searches for the target; readings need the sections [loads] and [marks], [wheel] or [readings]");
+                .help("use `admire tune` to meet the target; a fit needs the sections [loads] and [marks], [wheel], [kc] or [readings]");
             self.refused(&[refused])
         };
         self.loaded.as_ref().ok_or_else(refused)
@@ -402,7 +404,7 @@ impl Study {
         match Plausibility::of(self.loaded()?).refusal() {
             Some(message) if !force => {
                 let refused = Diagnostic::error(Code::ImplausibleStudy, message);
-                let refused = refused.help("`force` fits it anyway");
+                let refused = refused.help("`force` fits the study anyway");
                 Err(self.failed(ErrorKind::Input, refused))
             }
             _ => Ok(()),

@@ -40,19 +40,19 @@ pub(crate) fn tune_page(
             "Gauss-Newton with a trust region and active bounds; multipliers for limits and minimax goals".to_string(),
         ),
         (
-            "Derivatives by differences",
+            "Derivatives by finite differences",
             listed(differences.collect()),
         ),
         (
             "Work",
             format!(
-                "{} evaluations with derivatives over {} starts, {} runs of the tests",
+                "evaluations with derivatives: {}, start points: {}, runs of the tests: {}",
                 outcome.evaluations,
                 outcome.starts.len(),
                 outcome.runs
             ),
         ),
-        ("Cost", format!("{:.6} before, {:.6} now", outcome.cost_before, outcome.cost)),
+        ("Cost function", format!("{:.6} before, {:.6} after", outcome.cost_before, outcome.cost)),
         ("Date", format!("{} UTC", Timestamp::now().date_time())),
         ("Made by", format!("admire {}", admire_report::VERSION)),
         (

@@ -133,7 +133,7 @@ pub(crate) fn tuned(
         outcome.pareto = Some(front);
     }
     if tuning.study.tolerances.is_stated && watch.goes_on() {
-        watch.stage("drawing axles");
+        watch.stage("solving axles with drawn tolerances");
         let draws = tuning.target.draws;
         outcome.robust = tuning.robust(&outcome.x, draws, &mut |done| {
             watch.count(done, Some(draws), "axles");
@@ -157,9 +157,9 @@ pub(crate) fn is_input(error: &TuneError) -> bool {
 pub(crate) fn refusal(error: &TuneError) -> Vec<Diagnostic> {
     let message = match &error.why {
         BenchError::Deck(found) if !found.is_empty() => return found.clone(),
-        BenchError::Deck(_) => "the axle has no equilibrium at any start".to_string(),
+        BenchError::Deck(_) => "the axle has no equilibrium at any start point".to_string(),
         why => why.to_string(),
     };
-    let help = "a smaller range of the test or a smaller load may be within reach; `admire kc` with the kc.toml of the study solves the tests alone";
+    let help = "try a smaller range of the test or a smaller load; `admire kc` with the kc.toml of the study shows which test fails";
     vec![Diagnostic::error(Code::NoEquilibrium, message).help(help)]
 }

@@ -24,7 +24,7 @@ pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
     let kind = ErrorKind::File(std::io::ErrorKind::AlreadyExists);
     Err(Error::plain(
         kind,
-        &refused.help("name another file, or replace it on purpose"),
+        &refused.help("name another file, or allow the replacement of this one"),
     ))
 }
 
@@ -91,7 +91,7 @@ fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
         file.sync_all()
     };
     copy().map_err(|error| {
-        let message = format!("{error}; the whole new text is in {}", whole.display());
+        let message = format!("{error}; the complete new file is `{}`", whole.display());
         std::io::Error::new(error.kind(), message)
     })?;
     std::fs::remove_file(&whole)

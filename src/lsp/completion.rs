@@ -122,7 +122,7 @@ fn free_id(document: &Document, def: &StatementDef, typed: Range) -> Option<Comp
     def.id?;
     let id = next_id(document, def).to_string();
     Some(CompletionItem {
-        detail: Some(format!("the next id of a {}", def.name)),
+        detail: Some(format!("next free id of {}", def.name)),
         ..item(&id, CompletionItemKind::VALUE, id.clone(), typed)
     })
 }
@@ -173,7 +173,7 @@ fn values(argument: &'static ArgumentDef, typed: Range) -> Vec<CompletionItem> {
     let numbers: Vec<String> = argument.default.iter().map(f64::to_string).collect();
     let text = numbers.join(", ");
     vec![CompletionItem {
-        detail: Some(format!("the default of {}", argument.name)),
+        detail: Some(format!("default value of {}", argument.name)),
         ..item(&text, CompletionItemKind::VALUE, text.clone(), typed)
     }]
 }

@@ -26,7 +26,7 @@ pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
     if dropped > 0 {
         let more = Diagnostic::note(
             Code::LimitExceeded,
-            format!("{dropped} more messages are not shown; `admire check` lists them"),
+            format!("messages that are not shown here: {dropped}; `admire check` lists all"),
         );
         let more = more.label(file.document.name(), Span::at(0), "");
         shown.push(diagnostic(&more, pieces, &file.uri));

@@ -99,7 +99,7 @@ fn of_object(
         // The object is not defined. It is named by a command that redefines it, or by a reference.
         let def = own.statement(found.place?).def?;
         return Some(format!(
-            "{}/{}: not defined\n\n{}",
+            "{}/{} is not defined\n\n{}",
             object.0.to_uppercase(),
             object.1,
             def.doc
@@ -153,17 +153,17 @@ fn facts(document: &Document, place: (usize, usize), object: ObjectId) -> Vec<St
             Some(pose) => {
                 let [x, y, z] = [pose.p.x, pose.p.y, pose.p.z].map(short);
                 facts.push(format!(
-                    "In ground at {x}, {y}, {z} {}",
+                    "Position in ground: {x}, {y}, {z} {}",
                     model.units.length.word
                 ));
                 let angles =
                     psi_theta_phi(&pose.R).map(|angle| format!("{}D", short(angle.to_degrees())));
                 facts.push(format!(
-                    "Turned in ground by REULER = {}",
+                    "Orientation in ground: REULER = {}",
                     angles.join(", ")
                 ));
             }
-            None => facts.push("It has no position of its own".to_string()),
+            None => facts.push("The marker has no fixed position".to_string()),
         }
         facts.push(format!("On part {} {}", part.header.id, part.header.name));
     }

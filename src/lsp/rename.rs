@@ -56,7 +56,9 @@ pub(super) fn rename(
         ..
     }) = cursor(&file.document, offset)
     else {
-        return Err(refused("only ids and view names can be renamed"));
+        return Err(refused(
+            "only ids and view names can be renamed; place the cursor on one of them",
+        ));
     };
     let new = params.new_name.trim();
     let all = match new.parse::<u32>() {
@@ -109,11 +111,13 @@ fn new_name(
     object: ObjectId,
     new: &str,
 ) -> Result<Vec<(PathBuf, Vec<Edit>)>, Refused> {
-    if new.is_empty() || new.contains(['\n', '\r', '\'']) {
-        return Err(refused(&format!(
-            "a view name cannot be `{}`",
-            new.escape_debug()
-        )));
+    if new.is_empty() {
+        return Err(refused("the view name is empty"));
+    }
+    if new.contains(['\n', '\r', '\'']) {
+        return Err(refused(
+            "the view name contains a single quote or a line break",
+        ));
     }
     let places = everywhere(workspace, path, offset, object);
     let names = places
@@ -125,7 +129,7 @@ fn new_name(
     if all.is_empty() {
         let (space, id) = object;
         return Err(refused(&format!(
-            "{}/{id} has no view name; its id is a whole number",
+            "{}/{id} has no view name, so the new name must be an id: a whole number",
             space.to_uppercase()
         )));
     }
@@ -140,7 +144,7 @@ fn new_id(
     new: u32,
 ) -> Result<Vec<(PathBuf, Vec<Edit>)>, Refused> {
     if new == 0 {
-        return Err(refused("an id is above zero"));
+        return Err(refused("an id is greater than zero"));
     }
     let files = workspace.together(path);
     let document = |path: &PathBuf| workspace.file(path).map(|file| &file.document);
@@ -151,7 +155,9 @@ fn new_id(
         Some(path.to_path_buf())
     };
     let Some((deck, of_deck)) = deck.and_then(|deck| Some((deck.clone(), document(&deck)?))) else {
-        return Err(refused("the deck of these commands cannot be read"));
+        return Err(refused(
+            "the dataset that this command file loads cannot be read",
+        ));
     };
     let dataset = Dataset::parse(of_deck.pieces().source()).value;
     let commands: Vec<(&PathBuf, CommandFile)> = files

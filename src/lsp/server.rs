@@ -217,7 +217,10 @@ impl Server {
             .file_mut(&path)
             .filter(|file| file.version.is_some())
         else {
-            self.log(&format!("{} is not open", uri.as_str()));
+            self.log(&format!(
+                "the changes of {} are ignored, because the file is not open",
+                uri.as_str()
+            ));
             return;
         };
         file.version = Some(params.text_document.version);

@@ -167,7 +167,9 @@ impl<R: BufRead> Messages<R> {
             match found {
                 Some(found) => return Ok(Some(found)),
                 None if said && !self.lost => {
-                    return Ok(Some(Err("a message without Content-Length".to_string())));
+                    return Ok(Some(Err(
+                        "the message has no Content-Length header".to_string()
+                    )));
                 }
                 None => {}
             }
@@ -180,9 +182,11 @@ fn length(digits: &[u8]) -> Result<u64, String> {
     match shown.parse() {
         Ok(size) if size <= LARGEST => Ok(size),
         Ok(size) => Err(format!(
-            "a message of {size} bytes; at most {LARGEST} are read"
+            "the message has {size} bytes; the limit is {LARGEST} bytes"
         )),
-        Err(_) => Err(format!("`{shown}` is not a Content-Length")),
+        Err(_) => Err(format!(
+            "the Content-Length `{shown}` is not a number of bytes"
+        )),
     }
 }
 

@@ -215,7 +215,7 @@ impl Deck {
             "iso" => Convention::Iso,
             "sae" => Convention::Sae,
             other => {
-                let message = format!("`{other}` is none of adams-car, iso, sae");
+                let message = format!("the convention is adams-car, iso or sae, not `{other}`");
                 return Err(PyValueError::new_err(message));
             }
         };

@@ -63,15 +63,18 @@ impl Results {
             ..StepFilter::default()
         };
         let wrong = |word: &str, what: &str| PyValueError::new_err(format!("`{word}` is {what}"));
-        filter
-            .positions(steps)
-            .map_err(|word| wrong(&word, "no step; steps are counted from 1: 3, 2-5, 7-, last"))?;
+        filter.positions(steps).map_err(|word| {
+            wrong(
+                &word,
+                "not a step; steps are counted from 1: 3, 2-5, 7-, last",
+            )
+        })?;
         for word in &kinds {
             let mut named = StepKind::NAMED.into_iter();
             let kind = named.find(|kind| kind.step_type().eq_ignore_ascii_case(word));
             filter
                 .kinds
-                .push(kind.ok_or_else(|| wrong(word, "no kind of step"))?);
+                .push(kind.ok_or_else(|| wrong(word, "not a kind of step"))?);
         }
         let results = self.0.clone();
         let watched = SharedProgress::default();

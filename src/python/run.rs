@@ -133,7 +133,9 @@ impl Run {
     #[classmethod]
     fn restore(_class: &Bound<'_, PyType>, text: &str, values: &[u8]) -> PyResult<Self> {
         let mut run: front::Run = serde_json::from_str(text).map_err(|error| {
-            PyValueError::new_err(format!("not a run of this version: {error}"))
+            PyValueError::new_err(format!(
+                "the pickled run is not of this version of admire: {error}"
+            ))
         })?;
         let (chunks, _) = values.as_chunks::<8>();
         run.set_values(
@@ -147,7 +149,7 @@ impl Run {
             .is_none_or(|table| table.values.len() == table.kinds.len() * table.catalogue.len());
         if !whole {
             return Err(PyValueError::new_err(
-                "not a run of this version: values are missing",
+                "the pickled run is damaged: values are missing",
             ));
         }
         Ok(Self::of(run))

@@ -81,7 +81,8 @@ impl Study {
             Some("regression") => study.set_method(Method::Regression),
             Some("direct") => study.set_method(Method::Direct),
             Some(other) => {
-                let message = format!("`{other}` is none of gauss-newton, regression, direct");
+                let message =
+                    format!("the method is gauss-newton, regression or direct, not `{other}`");
                 return Err(PyValueError::new_err(message));
             }
         }
@@ -125,7 +126,7 @@ impl Study {
             "held-out" => GainCheck::HeldOut,
             "folds" => GainCheck::Folds,
             other => {
-                let message = format!("`{other}` is none of quick, held-out, folds");
+                let message = format!("check_gain is quick, held-out or folds, not `{other}`");
                 return Err(PyValueError::new_err(message));
             }
         };
@@ -184,7 +185,8 @@ impl Study {
             "curves" => Aim::Curves,
             "causes" => Aim::Causes,
             other => {
-                let message = format!("`{other}` is none of all, stiffnesses, curves, causes");
+                let message =
+                    format!("the aim is all, stiffnesses, curves or causes, not `{other}`");
                 return Err(PyValueError::new_err(message));
             }
         };
@@ -218,7 +220,7 @@ fn asked(
     ];
     for (name, count, least) in counts {
         if count.is_some_and(|count| !(least..=MOST).contains(&count)) {
-            let message = format!("{name} is a number from {least} to {MOST}");
+            let message = format!("{name} must be from {least} to {MOST}");
             return Err(PyValueError::new_err(message));
         }
     }
@@ -260,7 +262,7 @@ fn repeated(
         };
         let made = repeat(&problem, marginal, fit, asked, None, VERSION, &mut tell)
             .map_err(|error| failed(&error.to_string()))?
-            .ok_or_else(|| failed("stopped before its end"))?;
+            .ok_or_else(|| failed("the repetitions of the fit were stopped before the end"))?;
         for (kind, made) in made {
             let RepeatOutput::Rows(rows) = made else {
                 continue;

@@ -99,8 +99,7 @@ fn run(
         && !allow_command
         && !program.is_allowed()
     {
-        let help =
-            "`allow_command=True` starts it; so does `admire sweep` on a terminal, which asks once";
+        let help = "allow the program by `allow_command=True`; or run `admire sweep` on a terminal, which asks once";
         return Err(Error::plain(ErrorKind::Usage, &program.refusal(help)));
     }
     let manifest = Manifest::of(&plan, shard.of, VERSION);

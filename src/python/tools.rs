@@ -95,7 +95,8 @@ pub(super) fn study_files(
         })
         .collect();
     let Some(wanted) = wanted.filter(|kinds| !kinds.is_empty()) else {
-        let message = "what was measured is one or more of marks, wheel, curves, readings";
+        let message =
+            "`measured` must hold one or more of the words marks, wheel, curves, readings";
         return Err(PyValueError::new_err(message));
     };
     let (deck, name) = (deck.now(py), name.to_string());

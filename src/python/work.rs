@@ -67,7 +67,9 @@ pub(super) fn at_once<T: Send + 'static>(
     }
     match py.detach(|| catch_unwind(AssertUnwindSafe(job))) {
         Ok(done) => done.map_err(|error| raised(py, &error)),
-        Err(_) => Err(PyRuntimeError::new_err("admire failed; this is a bug")),
+        Err(_) => Err(PyRuntimeError::new_err(
+            "internal error of admire; please report it",
+        )),
     }
 }
 
@@ -92,7 +94,9 @@ pub(super) fn work<T: Send + 'static>(
             Ok(Ok(Ok(done))) => return Ok(done),
             Ok(Ok(Err(error))) => return Err(raised(py, &error)),
             Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => {
-                return Err(PyRuntimeError::new_err("admire failed; this is a bug"));
+                return Err(PyRuntimeError::new_err(
+                    "internal error of admire; please report it",
+                ));
             }
             Err(RecvTimeoutError::Timeout) => {}
         }

@@ -144,7 +144,7 @@ impl ReproductionReport<'_> {
             if Some(k) != shown {
                 page.figures(&Self::figures(section)?);
             }
-            page.subheading("What cannot be compared");
+            page.subheading("Results that cannot be compared");
             page.list(&section.limits);
         }
         Ok(page.finish(&format!("admire {}", super::VERSION)))

@@ -313,7 +313,7 @@ impl Session<'_> {
         };
         let part = softest.part(system);
         let motion = softest.described(system, parameters, state);
-        let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
+        let motion = motion.unwrap_or_else(|| "the parts move away from it".to_string());
         // If two motions have nearly the same stiffness, either of them may be the softest at different times. Each is reported once until
         // the model is stable again.
         if !softest.is_unstable() || loaded.said_unstable.contains(&part) {

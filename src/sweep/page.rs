@@ -141,7 +141,7 @@ fn main_effects(output: &OutputSummary) -> Result<Vec<Figure>, DrawingError> {
             level: output.nominal,
             ..Chart::default()
         };
-        let caption = "Each point is a variant. The dotted line is the deck as it is.";
+        let caption = "Each point is a variant. The dotted line is the nominal deck.";
         figures.push(Figure::chart(&chart, caption)?);
     }
     Ok(figures)
@@ -152,7 +152,7 @@ fn ranges(summary: &Summary) -> Table {
     let mut table = Table::new(&[
         ("output", Align::Left),
         ("unit", Align::Left),
-        ("deck as it is", Align::Right),
+        ("nominal deck", Align::Right),
         ("5 %", Align::Right),
         ("median", Align::Right),
         ("95 %", Align::Right),

@@ -38,11 +38,12 @@ impl Dataset {
         name: Option<&str>,
     ) -> Result<Option<Edit>, Diagnostic> {
         let refused = |message: String| self.refuse(Code::SyntaxError, message, statement.keyword);
-        if let Some(name) = name
-            && (name.is_empty() || name.contains(['\n', '\r', '\'']))
-        {
-            let said = name.escape_debug();
-            return Err(refused(format!("a view name cannot be `{said}`")));
+        if name.is_some_and(str::is_empty) {
+            return Err(refused("the view name is empty".to_string()));
+        }
+        if name.is_some_and(|name| name.contains(['\n', '\r', '\''])) {
+            let message = "the view name contains a single quote or a line break";
+            return Err(refused(message.to_string()));
         }
         Ok(match (statement.view_name, name) {
             (None, None) => None,
@@ -62,7 +63,7 @@ impl Dataset {
                 let start = self.line_start(statement.span.start());
                 let lead = &self.bytes()[start..statement.span.start()];
                 if !lead.trim_ascii().is_empty() {
-                    let message = "a name is a comment above its statement, but other text precedes the statement on its line";
+                    let message = "the statement cannot have a view name: the name is a comment on a line of its own, but other text precedes the statement on its line";
                     return Err(refused(message.to_string()));
                 }
                 let comment = Style::of(self).name_comment(new);

@@ -111,7 +111,7 @@ fn what_cannot_be_is_refused_and_nothing_is_written() {
         (
             vec!["set", "front.sub", "HARDPOINT/arm_front=1"],
             1,
-            "several values",
+            "name one of them",
         ),
         (
             vec!["set", "front.sub", "UNITS.LENGTH='mm"],
@@ -127,12 +127,12 @@ fn what_cannot_be_is_refused_and_nothing_is_written() {
         (
             vec!["set", "front.sub", "HARDPOINT/arm_front.symmetry=both"],
             1,
-            "would have a new fault",
+            "would have a new error",
         ),
         (
             vec!["set", "soft.bus", "FX_CURVE/2.x=7"],
             1,
-            "would have a new fault",
+            "would have a new error",
         ),
         (
             vec!["diff", "front.sub", "model.adm"],

@@ -193,7 +193,7 @@ fn an_extract_feels_the_forces_of_the_whole() {
         assert!((a - b).abs() < 1e-9 * size, "{whole:?} {alone:?}");
     }
     let (code, _, err) = folder.run(&["extract", "d.adm", "PART/1"]);
-    assert!(code == 1 && err.contains("not a part that moves"), "{err}");
+    assert!(code == 1 && err.contains("not a moving part"), "{err}");
 }
 
 fn unit(table: &[Unit], name: &str) -> Unit {
@@ -310,11 +310,13 @@ fn freedoms_are_always_counted() {
     folder.write("x.adm", &broken);
     let (_, out, _) = folder.run(&["summary", "x.adm"]);
     assert!(
-        out.contains("degrees of freedom: 12 (Gruebler count 12: 12 of parts, 0 equations"),
+        out.contains(
+            "degrees of freedom: 12 (Gruebler count 12: 12 of the parts less 0 constraint"
+        ),
         "{out}"
     );
     assert!(
-        out.contains("no value at the design position: SFORCE/4"),
+        out.contains("not defined at the design position: SFORCE/4"),
         "{out}"
     );
     folder.write("y.adm", &DECK.replace("I=21, J=11", "I=21, J=99"));
@@ -389,7 +391,7 @@ fn results_are_filtered_and_rewritten() {
         ],
     );
     assert_eq!(code, 0, "{err}");
-    assert!(err.contains("1 values changed"), "{err}");
+    assert!(err.contains("changed values: 1"), "{err}");
     // Editing in place through one hard link changes the file for both names.
     let (first, second) = (here.path().join("a.res"), here.path().join("b.res"));
     std::fs::copy(&file, &first).expect("a copy");

@@ -309,7 +309,7 @@ fn folders_and_patterns_name_files_and_other_programs_read_the_answer() {
     assert_eq!(place["region"]["startLine"], 2);
     let (code, said) = folder.said(&["check", "runs/*.dat"]);
     assert_eq!(code, 1);
-    assert!(said.contains("there is no file"), "{said}");
+    assert!(said.contains("no file matches the pattern"), "{said}");
 }
 
 /// Checks that real command files, which ran in ADAMS, raise no error or warning. The exception names two variables that only the deck of

@@ -440,7 +440,10 @@ fn a_fault_in_a_results_file_is_shown_where_it_is() {
     let (code, out, err) = folder.said(&["compare", "b.res", "b.res"]);
     assert_eq!(
         (code, out.as_str()),
-        (0, "1 step, 1 column compared: all within the tolerance\n"),
+        (
+            0,
+            "1 step, 1 column compared: all values within the tolerance\n"
+        ),
         "{err}"
     );
 }

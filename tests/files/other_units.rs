@@ -115,7 +115,7 @@ fn settings_are_converted_or_named() {
     folder.write("r.acf", "d\n\nSIMULATE/STATICS\n");
     let (code, _, said) = folder.run(&["convert-units", "r.acf", "--to", to]);
     assert!(
-        code == 2 && said.contains("a command file is not converted"),
+        code == 2 && said.contains("a command file cannot be converted"),
         "{said}"
     );
 }

@@ -217,7 +217,7 @@ fn other_conventions_give_the_same_curves() {
     ] {
         assert!(toe.contains(word), "{toe}");
     }
-    assert!(line("left out").contains("Temp"));
+    assert!(line("columns left out").contains("Temp"));
     assert!(line("rows").contains("bounce 21, roll 21"), "{told}");
 }
 

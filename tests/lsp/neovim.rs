@@ -67,7 +67,7 @@ fn neovim_shows_complaints_and_applies_edits() {
     assert!(
         seen["hover"]
             .as_str()
-            .is_some_and(|text| text.contains("In ground at 0, 0, 0")),
+            .is_some_and(|text| text.contains("Position in ground: 0, 0, 0")),
         "{seen:#}"
     );
     assert_eq!(seen["renamed"], DECK.replace("20", "25").trim_end());

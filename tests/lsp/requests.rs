@@ -90,7 +90,8 @@ fn hover_tells_the_grammar_and_the_model() {
     // The part is at 10, 0, 0, and the marker on it at 5, 0, 100.
     let marker = hover(&mut editor, "axle.adm", 9, 7);
     assert!(
-        marker.contains("In ground at 15, 0, 100 mm") && marker.contains("REULER = 90D, 0D, 0D"),
+        marker.contains("Position in ground: 15, 0, 100 mm")
+            && marker.contains("REULER = 90D, 0D, 0D"),
         "{marker}"
     );
     assert!(marker.contains("On part 2 arm"), "{marker}");
@@ -241,7 +242,7 @@ fn a_new_id_goes_through_functions_and_command_files() {
     // An id that is in use, and text that is no id.
     for (new, why) in [
         ("10", "MARKER/20 and MARKER/10 would both be MARKER/10"),
-        ("0", "above zero"),
+        ("0", "greater than zero"),
         ("99999999999", "whole number"),
     ] {
         marker["newName"] = json!(new);

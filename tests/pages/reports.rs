@@ -249,7 +249,7 @@ fn the_page_of_a_check_names_the_place() {
         page.contains("bad.adm:3") && page.contains("undefined-id"),
         "{page}"
     );
-    assert!(page.contains("The files have 1 error"), "{page}");
+    assert!(page.contains("Found: 1 error"), "{page}");
 }
 
 /// Checks two runs that differ in one load: the page draws the worst columns of both files, and the differences below.
@@ -279,7 +279,7 @@ fn the_page_of_a_comparison_shows_the_difference() {
     accessible(&path, &seen);
     let page = std::fs::read_to_string(&path).unwrap();
     assert!(
-        page.contains("most of all, relative to its size, ")
+        page.contains("The largest relative difference is in ")
             && page.contains(" in before.res, ")
             && page.contains("Difference: ")
     );

@@ -32,7 +32,7 @@ def test_a_study_with_a_target_alone_is_tuned() -> None:
             assert study.deck[address] == pytest.approx(before)
             assert found.deck[address] == pytest.approx(after)
     assert [change.address for change in study.deck.diff(found.deck)] != []
-    with pytest.raises(admire.DeckError, match="target alone"):
+    with pytest.raises(admire.DeckError, match="only a target"):
         admire.identify(study)
 
 

@@ -255,7 +255,7 @@ fn every_effect_of_the_guide_can_be_planted() {
         let effect = entry.cells[0].1.trim_matches('`');
         let said = admire(folder.path(), &["explain", &entry.term]);
         assert!(
-            said.out.contains("readings, `.` the model"),
+            said.out.contains("readings, `.` model"),
             "{}: {}",
             entry.term,
             said.out

@@ -267,7 +267,7 @@ fn curves_that_move_otherwise_than_the_model_are_seen() {
     change(&toml, &key, &format!("{key} sign = \"-\","));
     let said = told();
     assert!(
-        said.contains("look") && said.contains("camber moves against the model"),
+        said.contains("warn") && said.contains("camber moves against the model"),
         "{said}"
     );
     std::fs::write(&toml, &shipped).unwrap();

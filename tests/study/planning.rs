@@ -271,7 +271,7 @@ fn what_is_undecided_is_decided_by_what_the_plan_names() {
     assert_eq!(said.code, 0, "{}", said.err);
     let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        text.contains("no load in the range separates them"),
+        text.contains("no load in the range distinguishes the two"),
         "{text}"
     );
     assert!(

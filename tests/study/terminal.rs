@@ -70,7 +70,7 @@ fn the_doctor_finds_the_solver_and_a_program_that_answers() {
     let said = admire(folder.path(), &["doctor"]);
     assert_eq!(said.code, 0, "{}", said.out);
     assert!(
-        said.out.contains("its solver") && said.out.contains("can be written"),
+        said.out.contains("mdi of admire") && said.out.contains("writable"),
         "{}",
         said.out
     );
@@ -89,11 +89,11 @@ fn the_doctor_finds_the_solver_and_a_program_that_answers() {
     };
     let said = with(env!("CARGO_BIN_EXE_mdi"));
     assert_eq!(said.code, 0, "{}", said.out);
-    assert!(said.out.contains("says: admire"), "{}", said.out);
+    assert!(said.out.contains("prints: admire"), "{}", said.out);
     let said = with("no-such-solver");
     assert_eq!(said.code, 1, "{}", said.out);
     assert!(
-        said.out.contains("`no-such-solver` does not exist"),
+        said.out.contains("`no-such-solver` was not found"),
         "{}",
         said.out
     );

@@ -81,7 +81,7 @@ async function failed(error) {
   const why =
     error.code === "ENOENT"
       ? `The program \`${program()}\` is not found. Install admire, or set its path.`
-      : `${program()}: ${error.message}`;
+      : `The program \`${program()}\` does not run: ${error.message}`;
   if (await vscode.window.showErrorMessage(why, "Set the path")) {
     await vscode.commands.executeCommand("workbench.action.openSettings", "admire.path");
   }
@@ -92,7 +92,7 @@ async function withFile(uri, action) {
   const file = uri ?? vscode.window.activeTextEditor?.document.uri;
   const open = vscode.workspace.textDocuments.find((document) => document.uri.toString() === file?.toString());
   if (file?.scheme !== "file" || (open?.isDirty && !(await open.save()))) {
-    return vscode.window.showErrorMessage("admire needs a saved deck or command file.");
+    return vscode.window.showErrorMessage("Open a deck or command file, and save it.");
   }
   return action(file.fsPath);
 }

@@ -1,4 +1,4 @@
-"""ADAMS datasets in Python: read, change, check and solve them, identify bushing stiffnesses, and find what a model gets wrong.
+"""ADAMS datasets in Python: read, change, check and solve them, identify bushing stiffnesses, and diagnose the faults of a model.
 
 >>> import admire
 >>> deck = admire.read("corpus/pseudo-mcpherson/model.adm")
@@ -7,8 +7,8 @@
 >>> run["BUSHING/1.FX"].shape
 (2,)
 
-Everything happens in this process, without files: no ADAMS, no ``mdi``, no folder for runs. The answers are those of the command line,
-bit for bit. Long work releases the lock of the interpreter and ends within a second of Ctrl-C.
+All computations run in this process, without ADAMS, without ``mdi`` and without files. The results are identical to those of the command
+line. Long computations release the interpreter lock, and Ctrl-C stops them within a second.
 """
 
 from ._admire import __version__

@@ -1,4 +1,4 @@
-"""The module that the library is compiled into. What is here is for the layer in Python, which documents it."""
+"""Compiled module of the library. The Python modules of this package use and document it."""
 
 from collections.abc import Callable
 from os import PathLike
@@ -9,7 +9,7 @@ __version__: str
 _Report = Callable[[str, str, int, int | None], object]
 
 class Block:
-    """Numbers that ``numpy.asarray`` reads without a copy."""
+    """Numbers that ``numpy.asarray`` uses without copying them."""
 
     __array_interface__: dict[str, Any]
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def framed(page: str) -> str:
-    """Return a whole page inside of another, as Jupyter shows it."""
+    """Return the HTML that shows a complete page inside a Jupyter notebook."""
     import html
 
     return f'<iframe srcdoc="{html.escape(page)}" style="width:100%;height:80vh;border:0"></iframe>'
@@ -27,7 +27,7 @@ def framed(page: str) -> str:
 
 @dataclass(frozen=True)
 class AxleTests:
-    """Characteristics of an axle under the standard K&C tests. ``values`` is ``kc.json``; in Jupyter the report is shown."""
+    """Characteristics of an axle under the standard K&C tests. ``values`` is the content of ``kc.json``. Jupyter shows the report."""
 
     values: dict[str, Any]
     curves_csv: str
@@ -41,7 +41,7 @@ class AxleTests:
         Returns
         -------
         pandas.DataFrame
-            A row for each state of each test. Columns are called ``toe_angle.left [deg]``, and ``attrs["units"]`` holds their units.
+            One row for each state of each test. Column names look like ``toe_angle.left [deg]``; ``attrs["units"]`` contains their units.
         """
         found = _table(self.curves_csv)
         found.attrs["units"] = {head: head_and_unit(head)[1] for head in found.columns if " [" in head}
@@ -62,8 +62,8 @@ class AxleTests:
         Returns
         -------
         xarray.Dataset
-            Variables such as ``toe_angle.left`` over the dimension ``step``, each with its unit; the driven ``value`` and the
-            ``branch`` are coordinates.
+            Variables such as ``toe_angle.left`` over the dimension ``step``, each with its unit. The coordinates are ``value``, the
+            variable that the test drives, and ``branch``.
 
         Raises
         ------
@@ -94,30 +94,30 @@ class AxleTests:
         ax: Any = None,
         **options: Any,
     ) -> Any:
-        """Plot characteristics of both wheels over what a test drives.
+        """Plot characteristics of both wheels over the variable that a test drives.
 
         Parameters
         ----------
         characteristics : str or iterable of str
-            Names of the guide page ``kc``: ``toe_angle`` or ``toe_angle.left``. Each has a chart of its own.
+            Names from the guide page ``kc``, such as ``toe_angle`` or ``toe_angle.left``. Each name gets its own chart.
         test : str
             Name of the test.
         ax : matplotlib.axes.Axes or a sequence of them, optional
-            Where to plot: one axes for each characteristic.
+            Axes to plot into, one for each characteristic; new axes by default.
         **options
             Passed to ``Axes.plot``.
 
         Returns
         -------
         matplotlib.axes.Axes or numpy.ndarray of Axes
-            One axes if there is one characteristic.
+            A single axes if there is one characteristic.
 
         Raises
         ------
         ImportError
             If matplotlib is not installed.
         KeyError
-            If the test was not run, or has no such characteristic.
+            If the test was not run, or if it does not have the characteristic.
         """
         names = [characteristics] if isinstance(characteristics, str) else list(characteristics)
         heads, rows = self._rows(test)

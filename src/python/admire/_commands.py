@@ -1,4 +1,4 @@
-"""The commands ``admire`` and ``mdi``, which the wheel installs."""
+"""The commands ``admire`` and ``mdi``, which the package installs."""
 
 import shutil
 import signal

@@ -1,4 +1,4 @@
-"""Decks: values by address, equilibria, runs."""
+"""Decks: values by address, equilibria and runs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Value = Union[float, bool, str, Sequence[float], NDArray[np.float64]]
 
 
 class Values(dict[str, Any]):
-    """Values of several addresses. Arithmetic goes through all of them: ``deck["BUSHING/*.K.1"] *= 1.2``."""
+    """Values at several addresses. An arithmetic operation applies to each value: ``deck["BUSHING/*.K.1"] *= 1.2``."""
 
     def _each(self, change: Callable[[Any], Any]) -> "Values":
         return Values({address: change(value) for address, value in self.items()})
@@ -48,7 +48,7 @@ class Values(dict[str, Any]):
 
 @dataclass(frozen=True)
 class Change:
-    """A difference of two decks. ``kind`` is ``added``, ``removed``, ``number`` or ``text``; angles are in radians."""
+    """Difference between two decks. ``kind`` is ``added``, ``removed``, ``number`` or ``text``. Angles are in radians."""
 
     address: str
     kind: str
@@ -59,7 +59,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Exact derivatives of an equilibrium: ``values[i, j]`` is that of ``of[j]`` by the number ``by[i]``, in the deck's units."""
+    """Exact derivatives of an equilibrium in the deck's units: ``values[i, j]`` is the derivative of ``of[j]`` by ``by[i]``."""
 
     of: list[str]
     by: list[str]
@@ -70,12 +70,12 @@ class Sensitivity:
         return np.array(self.values, dtype=dtype) if copy or dtype is not None else self.values
 
     def __getitem__(self, key: tuple[str, str]) -> float:
-        """``table["BUSHING/1.K.1", "PART/4 x"]``."""
+        """Return one derivative, such as ``table["BUSHING/1.K.1", "PART/4 x"]``."""
         by, of = key
         return float(self.values[self.by.index(by), self.of.index(of)])
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a frame with the numbers of the deck as index."""
+        """Return a frame with one row for each parameter and one column for each result."""
         pd = needed("pandas", "to_pandas", "pandas")
 
         table: "pandas.DataFrame" = pd.DataFrame(self.values, index=self.by, columns=self.of)
@@ -83,10 +83,10 @@ class Sensitivity:
 
 
 class Deck:
-    """A dataset (.adm): its values by address, its equilibrium, its runs.
+    """ADAMS dataset (.adm): values by address, equilibrium, and simulation runs.
 
-    An address is ``BUSHING/12.K.2``, ``front_arm.K``, ``SFORCE/3``; in a pattern ``*`` stands for any id or name. Numbers are in the
-    deck's units, angles in radians. A change keeps every byte of the file but those of the value.
+    An address is ``BUSHING/12.K.2``, ``front_arm.K`` or ``SFORCE/3``. In a pattern, ``*`` matches any id or name. Numbers are in the
+    deck's units, angles in radians. A change keeps every byte of the file except the bytes of the changed value.
 
     >>> import admire
     >>> deck = admire.read("corpus/pseudo-mcpherson/model.adm")
@@ -102,14 +102,14 @@ class Deck:
 
     @classmethod
     def from_string(cls, text: str | bytes, name: str = "deck.adm") -> "Deck":
-        """Make a deck of its text.
+        """Create a deck from its text.
 
         Parameters
         ----------
         text : str or bytes
-            Whole text of a dataset, title line included.
+            Complete text of a dataset, including the title line.
         name : str
-            Name that complaints use, and path that :meth:`save` writes to. Files that the deck names are looked for beside it.
+            Name of the deck in messages. Files that the deck names are searched in the folder of this name.
 
         Returns
         -------
@@ -127,17 +127,17 @@ class Deck:
 
     @property
     def name(self) -> str:
-        """The path it was read from, or the name it was given."""
+        """Path of the file that the deck was read from, or the name given to :meth:`from_string`."""
         return self._inner.name()
 
     @property
     def title(self) -> str:
-        """The first line."""
+        """Title of the deck, which is its first line."""
         return self._inner.title()
 
     @property
     def text(self) -> str:
-        """The whole text. Bytes that are not UTF-8 are read as Latin-1; ``bytes(deck)`` has them as they are."""
+        """Complete text. A text that is not UTF-8 is decoded as Latin-1; ``bytes(deck)`` returns the original bytes."""
         raw = self._inner.bytes()
         try:
             return raw.decode()
@@ -148,7 +148,7 @@ class Deck:
         return self._inner.bytes()
 
     def copy(self) -> "Deck":
-        """A deck of its own with the same text and file."""
+        """Return an independent deck with the same text and file."""
         return Deck(self._inner.copy())
 
     __copy__ = copy
@@ -157,31 +157,31 @@ class Deck:
         return self.copy()
 
     def __getitem__(self, address: str) -> Any:
-        """The value at an address; of a pattern the value of each address.
+        """Return the value at an address, or for a pattern the value at each matching address.
 
-        A number is a float or int, several numbers an array, a flag a bool, a function or word a text, and an object without an
-        argument its statement. What is not written has its default.
+        A number is returned as float or int, several numbers as an array, a flag as bool, and a function or word as text. For the
+        address of an object alone, the statement is returned as text. An argument that is not written has its default value.
         """
         if any(mark in address for mark in "*?["):
             return Values({name: _array(value) for name, value in self._inner.values(address)})
         return _array(self._inner.get(address))
 
     def __setitem__(self, address: str, value: Value | Mapping[str, Value]) -> None:
-        """Gives an address, or each of a pattern, a new value; a mapping gives each address its own."""
+        """Set the value at an address, or at each address that matches a pattern. A mapping sets a separate value at each address."""
         if isinstance(value, Mapping):
             self.update(value)
         else:
             self.update({address: value})
 
     def update(self, values: Mapping[str, Value]) -> None:
-        """Sets several values, all or none of them."""
+        """Set several values. If one of them is refused, none is set."""
         self._inner.set(_given(values))
 
     def save(self, path: str | os.PathLike[str] | None = None, *, overwrite: bool = False, force: bool = False) -> None:
-        """Writes the deck into its own file, or into another one, which is its own from then on.
+        """Write the deck to its own file, or to another file, which then becomes its own file.
 
-        The file is written whole or not at all. A file that was changed since it was read is not replaced, another file only with
-        ``overwrite``, and a deck with a new error only with ``force``.
+        The file is replaced atomically. Another file that exists is replaced only with ``overwrite``. With ``force``, the deck is saved
+        even if its file was changed since it was read, or if the deck has a new error.
         """
         if path is None:
             self._inner.save(force)
@@ -189,18 +189,18 @@ class Deck:
             self._inner.save_as(os.fspath(path), overwrite, force)
 
     def check(self) -> list[Complaint]:
-        """Everything there is to say of the deck, in the order of the file: what ``admire check`` tells."""
+        """Return the messages of ``admire check`` about the deck, in the order of the file."""
         return complaints_of(self._inner.check())
 
     def diff(self, other: "Deck", *, rtol: float = 0.0, atol: float = 0.0) -> list[Change]:
-        """Return what changed from this deck to another, whatever their layout.
+        """Return the differences from this deck to another deck, regardless of their layout.
 
         Parameters
         ----------
         other : Deck
             The changed deck.
         rtol, atol : float
-            Numbers within this relative or absolute tolerance are the same.
+            Numbers within this relative or absolute tolerance count as equal.
 
         Returns
         -------
@@ -260,7 +260,7 @@ class Deck:
 
     @property
     def forces(self) -> Objects:
-        """Forces with a function: SFORCE, GFORCE, VFORCE and VTORQUE."""
+        """Forces defined by functions: SFORCE, GFORCE, VFORCE and VTORQUE."""
         kinds = ("SFORCE", "GFORCE", "VFORCE", "VTORQUE")
         return Objects(self, [address for kind in kinds for address in self.objects(kind)])
 
@@ -296,20 +296,20 @@ class Deck:
         check: bool = True,
         progress: Progress = False,
     ) -> Run:
-        """Find an equilibrium, or execute commands. The deck stays as it is, and nothing is written.
+        """Find the static equilibrium, or execute commands. The deck is not changed, and no file is written.
 
         Parameters
         ----------
         values : mapping, optional
-            Values for addresses, ``{"SFORCE/3": 4500.0}``, that count in this run alone.
+            Values at addresses for this run only, such as ``{"SFORCE/3": 4500.0}``.
         file : path, optional
-            Command file (.acf), executed on this deck whatever model it names.
+            Command file (.acf), executed on this deck regardless of the model that it names.
         commands : str, optional
-            The commands themselves, one a line. Without ``file`` and ``commands``, the static equilibrium is found.
+            Text of the commands, one per line. Without ``file`` and ``commands``, the static equilibrium is found.
         check : bool
-            Raise if the run did not succeed.
+            Raise an exception if the run did not succeed.
         progress : bool or callable
-            Show progress on standard error, or call a function with stage, remark, count and total.
+            Show progress on standard error, or call a function with the stage, a detail, the count and the total.
 
         Returns
         -------
@@ -320,9 +320,9 @@ class Deck:
         DeckError
             If the deck or the commands have errors.
         SolveError
-            If there is no answer. Its attribute ``run`` holds what there is.
+            If there is no equilibrium or no motion. The attribute ``run`` contains the results up to the failure.
         TypeError
-            If both ``file`` and ``commands`` are given, or a path or text without its keyword.
+            If both ``file`` and ``commands`` are given, or if ``values`` is not a mapping.
 
         Examples
         --------
@@ -334,9 +334,9 @@ class Deck:
         ['input', 'static']
         """
         if values is not None and not isinstance(values, Mapping):
-            raise TypeError("values must be a mapping; a path is file=..., a text of commands is commands=...")
+            raise TypeError("values must be a mapping; pass a command file as file=..., and the text of commands as commands=...")
         if file is not None and commands is not None:
-            raise TypeError("give file= or commands=, not both")
+            raise TypeError("pass file= or commands=, not both")
         given = _given(values) if values else []
         path = None if file is None else os.fspath(file)
         text = "SIMULATE/STATICS\n" if commands is None else commands.rstrip("\n") + "\n"
@@ -356,16 +356,16 @@ class Deck:
     def sensitivity(
         self, *, of: str | Iterable[str], by: str | Iterable[str] = (), time: float = 0.0
     ) -> Sensitivity:
-        """Return how the equilibrium changes with the numbers of the deck.
+        """Return the derivatives of the equilibrium with respect to parameters of the deck.
 
         Parameters
         ----------
         of : str or iterable of str
-            Parts (their motion along x, y, z and about them), forces and joints (their force and torque on I), ``REQUEST/1.F2``.
+            Results: parts (their motion along and about x, y, z), forces and joints (their force and torque on I), or ``REQUEST/1.F2``.
         by : str or iterable of str
-            Numbers such as ``BUSHING/1.K``; all that have an effect if there are none.
+            Parameters such as ``BUSHING/1.K``; by default, all parameters with an effect.
         time : float
-            Time at which functions are taken, in the deck's unit.
+            Time at which the equilibrium is solved, in the deck's time unit.
 
         Returns
         -------
@@ -385,19 +385,19 @@ class Deck:
         compare: "Deck | Iterable[Deck] | Mapping[str, Deck]" = (),
         measured: str | os.PathLike[str] | None = None,
     ) -> AxleTests:
-        """Drive the axle through the K&C tests that a configuration asks for.
+        """Run the K&C tests of a configuration on the axle.
 
         Parameters
         ----------
         config : path
-            The configuration, kc.toml.
+            Path of the configuration kc.toml.
         convention : str
-            Axes of the answer: ``adams-car``, ``iso`` or ``sae``.
+            Axes of the results: ``adams-car``, ``iso`` or ``sae``.
         compare : Deck, iterable or mapping of Deck
-            Other decks in the same units, shown beside in the report; a mapping gives them names of your own.
+            Other decks in the same units, shown in the report for comparison. The keys of a mapping are their names in the report.
         measured : path, optional
-            CSV of measured curves with the columns test, value and characteristics such as ``toe_angle.left [deg]``: what
-            ``admire import-kc`` writes.
+            CSV of measured curves, as written by ``admire import-kc``, with the columns test, value and characteristics such as
+            ``toe_angle.left [deg]``.
 
         Returns
         -------
@@ -421,7 +421,7 @@ class Deck:
         return AxleTests(json.loads(values), curves, gradients, html, complaints_of(told))
 
     def __contains__(self, address: object) -> bool:
-        """True if the deck has an object with this address and, where one is named, this argument."""
+        """Return true if the deck has the object and, if the address names an argument, the argument."""
         if not isinstance(address, str):
             return False
         try:
@@ -430,7 +430,7 @@ class Deck:
             return False
 
     def __iter__(self) -> Iterator[Any]:
-        raise TypeError('a deck is not iterable; deck["BUSHING/*"] has all objects of a kind')
+        raise TypeError('a deck is not iterable; deck["BUSHING/*"] returns all objects of a kind')
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_restored, (self.name, bytes(self)))
@@ -476,7 +476,7 @@ def _change(item: dict[str, Any]) -> Change:
 
 
 def read(path: str | os.PathLike[str]) -> Deck:
-    """Reads a dataset (.adm).
+    """Read a dataset (.adm).
 
     >>> import admire
     >>> admire.read("corpus/pseudo-mcpherson/model.adm")["SFORCE/3"]  # doctest: +ELLIPSIS

@@ -1,4 +1,4 @@
-"""Exceptions: the messages of the command line, with their places."""
+"""Exceptions with the messages of the command line and their places."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Place:
-    """A place in a file. Offsets are in bytes from 0; line and column from 1, ``None`` where the text is not at hand."""
+    """Place in a file. Byte offsets count from 0, line and column from 1. Line and column are ``None`` if the text is not available."""
 
     file: str
     start: int
@@ -21,7 +21,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Complaint:
-    """What there is to say of a place in a file. ``severity`` is ``"error"``, ``"warning"`` or ``"note"``."""
+    """Message about a place in a file. ``severity`` is ``"error"``, ``"warning"`` or ``"note"``."""
 
     code: str
     severity: str
@@ -35,7 +35,7 @@ class Complaint:
 
 
 def complaints_of(text: str) -> list[Complaint]:
-    """Complaints from the JSON of the library."""
+    """Return the complaints in the JSON of the library."""
     return [_complaint(item) for item in json.loads(text)]
 
 
@@ -47,7 +47,7 @@ def _complaint(item: dict[str, Any]) -> Complaint:
 class AdmireError(Exception):
     """Base of the exceptions of this package.
 
-    ``complaints`` are the messages, the reason first; each has its places, so that an editor can show them.
+    ``complaints`` contains the messages, the most severe first, each with its places in the files.
     """
 
     complaints: list[Complaint]
@@ -61,7 +61,7 @@ class AdmireError(Exception):
 
     @property
     def spans(self) -> list[tuple[str, int, int]]:
-        """File, first byte and end of each place that is an error."""
+        """File, start offset and end offset in bytes of each place with an error."""
         return [
             (place.file, place.start, place.end)
             for complaint in self.complaints
@@ -75,10 +75,10 @@ class DeckError(AdmireError):
 
 
 class AddressError(AdmireError, KeyError):
-    """An address, a column or a name that means nothing there."""
+    """An address, a column or an option is invalid for this deck, run or study."""
 
 
 class SolveError(AdmireError):
-    """There is no equilibrium, no motion or no fit. ``run`` holds what there is of a run that failed on the way."""
+    """There is no equilibrium, no motion or no fit. ``run`` contains the results of a failed run up to the failure."""
 
     run: Any = None

@@ -1,4 +1,4 @@
-"""Frames, datasets and plots of columns with units."""
+"""Data frames, datasets and plots of columns with units."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ def needed(module: str, of: str, extra: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         package = module.split(".")[0]
-        raise ImportError(f"{of} needs {package}: pip install admire[{extra}]") from error
+        raise ImportError(f"{of} needs {package}; install it by: pip install admire[{extra}]") from error
 
 
 def time_of(names: Iterable[str]) -> str | None:
-    """Return the name of the column of time, if there is one."""
+    """Return the name of the time column; ``None`` if there is none."""
     return next((name for name in names if name.lower() in ("time", "time.time")), None)
 
 
 def frame(columns: Mapping[str, Column], kinds: list[str], units: Mapping[str, str]) -> "pandas.DataFrame":
-    """Return a frame with a row for each step; ``attrs["units"]`` holds the units."""
+    """Return a frame with one row for each step; ``attrs["units"]`` contains the units."""
     pd = needed("pandas", "to_pandas", "pandas")
     made: "pandas.DataFrame" = pd.DataFrame(dict(columns))
     made.insert(0, "step", kinds)
@@ -74,14 +74,14 @@ def dataset(
 
 
 def axes_for(count: int, ax: Any, of: str) -> list[Any]:
-    """Return as many axes as there are charts: those that the caller gives, or new ones below each other."""
+    """Return one axes for each chart: the given ones, or new ones below each other."""
     pyplot = needed("matplotlib.pyplot", of, "plot")
     if ax is None:
         _, made = pyplot.subplots(count, 1, sharex=True, squeeze=False, figsize=(6.4, 1.6 + 2.4 * count))
         return list(made[:, 0])
     given = list(np.atleast_1d(np.asarray(ax, dtype=object)))
     if len(given) != count:
-        raise ValueError(f"{count} axes are needed, one for each unit or quantity, not {len(given)}")
+        raise ValueError(f"ax must hold {count} axes, one for each unit or quantity, not {len(given)}")
     return given
 
 
@@ -97,16 +97,16 @@ def plot_columns(
     ax: Any,
     options: Mapping[str, Any],
 ) -> Any:
-    """Plot columns over another one, a chart for each unit.
+    """Plot columns over another column, one chart for each unit.
 
     Returns
     -------
     matplotlib.axes.Axes or numpy.ndarray of Axes
-        One axes if all columns have the same unit.
+        A single axes if all columns have the same unit.
     """
     shown = [name for name in columns if name != x]
     if not shown:
-        raise KeyError("no column to plot")
+        raise KeyError("no column to plot besides the column of the horizontal axis")
     groups: dict[str, list[str]] = {}
     for name in shown:
         groups.setdefault(units.get(name, ""), []).append(name)

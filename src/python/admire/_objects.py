@@ -1,4 +1,4 @@
-"""Lists of the objects of a deck."""
+"""Lists of objects in a deck."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 
 
 class Objects(list[str]):
-    """Addresses of objects of one deck, in its order: a list of texts such as ``BUSHING/1``."""
+    """List of addresses of objects in a deck, such as ``BUSHING/1``, in the order of the deck."""
 
     def __init__(self, deck: "Deck", addresses: Iterable[str]) -> None:
         super().__init__(addresses)
         self._deck = deck
 
     def to_pandas(self, *arguments: str) -> "pandas.DataFrame":
-        """Return a frame with a row for each object.
+        """Return a frame with one row for each object.
 
         Parameters
         ----------
         *arguments : str
-            Arguments of the statement, a column each: ``"K"``, ``"KT.1"``; ``None`` where an object lacks it.
+            Arguments of the statement, such as ``"K"`` or ``"KT.1"``, one column each. The value is ``None`` if an object lacks it.
 
         Returns
         -------

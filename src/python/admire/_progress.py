@@ -1,4 +1,4 @@
-"""How far a long computation is: a line on standard error, or a function of the caller's."""
+"""Progress of a long computation: a line on standard error, or calls of a function."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Union
 
-#: Called with the stage, a remark, how much is done and of how much at most (``None`` where that is not known).
+#: Function that is called with the stage, a detail, the number of finished items and the upper bound of their number (``None`` if unknown).
 Report = Callable[[str, str, int, "int | None"], object]
-#: ``True`` shows a line on standard error; a function is called in its place.
+#: ``True`` shows a line on standard error. A function is called instead of showing the line.
 Progress = Union[bool, Report]
 
 
 @contextmanager
 def shown(progress: Progress) -> Iterator[Report | None]:
-    """The function that the library calls while it works."""
+    """Provide the function that the library calls during a computation."""
     if progress is False:
         yield None
         return

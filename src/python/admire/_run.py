@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 
 def _numbers(block: _admire.Block | _admire.Run) -> Column:
-    """The numbers of the library as an array, without a copy."""
+    """Return numbers of the library as an array, without copying them."""
     found: Column = np.asarray(block, dtype=np.float64)
     return found
 
 
 class Run:
-    """What came of executing commands on a deck, all in memory.
+    """Results of executing commands on a deck, all in memory.
 
-    ``run["KNUCKLE.X"]`` is a column, a value per step, read only and without a copy; the first step is the model as it was read.
-    Values are the full numbers of what a results file spells with so many decimals (RESULTS/DECIMALPLACES, default 17).
+    ``run["KNUCKLE.X"]`` is a read-only column with one value per step. The first step is the model as it was read. The values have full
+    precision, while a results file rounds them (RESULTS/DECIMALPLACES, default 17).
 
     >>> import admire
     >>> run = admire.read("corpus/pseudo-mcpherson/model.adm").solve()
@@ -41,7 +41,7 @@ class Run:
 
     @property
     def values(self) -> Column:
-        """All values, a row for each step, as the results file orders them."""
+        """All values, one row for each step, with the columns in the order of the results file."""
         if self._values is None:
             self._values = _numbers(self._inner)
         return self._values
@@ -53,7 +53,7 @@ class Run:
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of each column; empty where it has none."""
+        """Unit of each column; empty if a column has no unit."""
         return dict(self._inner.columns())
 
     @property
@@ -68,46 +68,47 @@ class Run:
 
     @property
     def messages(self) -> str:
-        """What the message file (.msg) would hold."""
+        """Contents of the message file (.msg)."""
         return self._inner.messages()
 
     @property
     def complaints(self) -> list[Complaint]:
-        """Warnings and errors in the order they came up."""
+        """Warnings and errors in the order in which they occurred."""
         return complaints_of(self._inner.complaints())
 
     @property
     def exit_code(self) -> int:
-        """What ``admire solve`` would have ended with: 0 fine, 1 errors of the input, 3 a simulation without an answer."""
+        """Exit code of ``admire solve`` for this run: 0 success, 1 errors in the input, 3 a simulation failed."""
         return self._inner.exit_code()
 
     @property
     def balance(self) -> dict[str, tuple[float, str]]:
-        """What was left of the forces on a part at worst when they were summed anew, in all static solutions.
+        """Largest imbalance of a part over all static solutions, from sums of its loads that are independent of the solver.
 
-        ``"force"`` and ``"torque"`` in units of the deck, each with the part; empty if there was no static solution.
+        The keys are ``"force"`` and ``"torque"``. Each value is the imbalance in units of the deck, and the part. Empty without a static
+        solution.
         """
         return self._inner.balance()
 
     @property
     def seconds(self) -> float:
-        """How long the run took inside of the library."""
+        """Elapsed time of the run in seconds."""
         return self._inner.elapsed()
 
     @property
     def files(self) -> list[str]:
-        """The other files of the run: ``msg``, and ``req``, ``gra``, ``out`` where the deck asks for them."""
+        """Other files of the run: ``msg``, and those of ``req``, ``gra`` and ``out`` that the deck requests."""
         return self._inner.files()
 
     def file(self, name: str) -> bytes:
-        """The bytes of one of ``files``."""
+        """Return the bytes of one of ``files``."""
         found = self._inner.file(name)
         if found is None:
             raise KeyError(name)
         return found
 
     def __getitem__(self, name: str) -> Column:
-        """A column: ``KNUCKLE.X``, ``knuckle_XFORM.X``, ``BUSHING/1.FX``, upper and lower case alike."""
+        """Return a column, such as ``KNUCKLE.X``, ``knuckle_XFORM.X`` or ``BUSHING/1.FX``. Case is ignored."""
         return self.values[:, self._inner.position(name)]
 
     def __contains__(self, name: object) -> bool:
@@ -120,7 +121,7 @@ class Run:
         return len(self.kinds)
 
     def select(self, *patterns: str) -> dict[str, Column]:
-        """The columns that any of the patterns names: ``*`` stands for any text, ``?`` for one character; an entity for all its components."""
+        """Return the columns that match any pattern: ``*`` matches any text, ``?`` one character, an entity all its components."""
         return {name: self.values[:, at] for name, at in self._inner.select(list(patterns))}
 
     def _chosen(self, patterns: tuple[str, ...]) -> dict[str, Column]:
@@ -129,17 +130,17 @@ class Run:
         return {name: self.values[:, at] for name, at in zip(self.columns, self._inner.positions())}
 
     def to_pandas(self, *patterns: str) -> "pandas.DataFrame":
-        """Return a frame with a row for each step.
+        """Return a frame with one row for each step.
 
         Parameters
         ----------
         *patterns : str
-            Names of columns, as in :meth:`select`; all columns without any.
+            Names of columns, as in :meth:`select`; by default, all columns.
 
         Returns
         -------
         pandas.DataFrame
-            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` holds the units.
+            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` contains the units.
         """
         return frame(self._chosen(patterns), self.kinds, self.units)
 
@@ -149,7 +150,7 @@ class Run:
         Parameters
         ----------
         *patterns : str
-            Names of columns, as in :meth:`select`; all columns without any.
+            Names of columns, as in :meth:`select`; by default, all columns.
 
         Returns
         -------
@@ -159,7 +160,7 @@ class Run:
         return dataset(self._chosen(patterns), self.kinds, self.units, repr(self))
 
     def plot(self, *patterns: str, x: str = "time.TIME", ax: Any = None, **options: Any) -> Any:
-        """Plot columns over time or over another column, a chart for each unit.
+        """Plot columns over time or over another column, one chart for each unit.
 
         Parameters
         ----------
@@ -168,14 +169,14 @@ class Run:
         x : str
             Column of the horizontal axis.
         ax : matplotlib.axes.Axes or a sequence of them, optional
-            Where to plot: one axes for each unit.
+            Axes to plot into, one for each unit; new axes by default.
         **options
             Passed to ``Axes.plot``.
 
         Returns
         -------
         matplotlib.axes.Axes or numpy.ndarray of Axes
-            One axes if all columns have the same unit.
+            A single axes if all columns have the same unit.
 
         Raises
         ------
@@ -189,7 +190,7 @@ class Run:
         return self.columns
 
     def write(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
-        """Writes ``.res``, or by the extension ``.msg``, ``.req``, ``.gra``, ``.out``: the bytes that ``admire solve`` writes."""
+        """Write the file of the run with this extension (.res, .msg, .req, .gra, .out), with the bytes that ``admire solve`` writes."""
         self._inner.write(os.fspath(path), overwrite)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -204,7 +205,7 @@ def _restored(text: str, values: bytes) -> Run:
 
 
 class Results:
-    """A results file (.res, .req, .gra): names at once, values when they are asked for, step by step, whatever its size."""
+    """Results file (.res, .req, .gra) of any size. Names are read at once; values are read step by step when they are requested."""
 
     def __init__(self, inner: _admire.Results) -> None:
         self._inner = inner
@@ -212,7 +213,7 @@ class Results:
 
     @property
     def path(self) -> str:
-        """The file."""
+        """Path of the file."""
         return os.fspath(self._inner.path())
 
     @property
@@ -222,7 +223,7 @@ class Results:
 
     @property
     def solver(self) -> str:
-        """What wrote it."""
+        """Solver that wrote the file."""
         return self._inner.solver()
 
     @property
@@ -232,7 +233,7 @@ class Results:
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of each column as the file spells it; empty where it has none."""
+        """Unit of each column as spelled in the file; empty if a column has no unit."""
         return dict(self._inner.columns())
 
     @property
@@ -241,7 +242,7 @@ class Results:
         return self["time.TIME"]
 
     def __getitem__(self, name: str) -> Column:
-        """A column, a value per step; read once and kept. Several columns at once are read faster by ``select``."""
+        """Return a column with one value per step. It is read once and kept. ``select`` reads several columns faster."""
         if name not in self._kept:
             self._kept[name] = _numbers(self._inner.column(name))[:, 0]
         return self._kept[name]
@@ -256,7 +257,7 @@ class Results:
         kind: str | Iterable[str] = (),
         times: tuple[float, float] = (-np.inf, np.inf),
     ) -> dict[str, Column]:
-        """The columns that the patterns name, in the steps asked for: ``steps="2-5,last"``, ``kind="dynamic"``, ``times=(0, 1.5)``."""
+        """Return the columns that match the patterns. Steps are selected by ``steps="2-5,last"``, ``kind="dynamic"``, ``times=(0, 1.5)``."""
         names, _, values = self._rows(patterns, steps, kind, times)
         return {name: values[:, at] for at, name in enumerate(names)}
 
@@ -267,12 +268,12 @@ class Results:
         kind: str | Iterable[str] = (),
         times: tuple[float, float] = (-np.inf, np.inf),
     ) -> "pandas.DataFrame":
-        """Return the same as a frame.
+        """Return the columns of :meth:`select` as a data frame.
 
         Returns
         -------
         pandas.DataFrame
-            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` holds the units.
+            The time is the index, the kind of each step the column ``step``, and ``attrs["units"]`` contains the units.
         """
         columns, kinds = self._chosen(patterns, steps, kind, times)
         return frame(columns, kinds, self.units)
@@ -284,12 +285,12 @@ class Results:
         kind: str | Iterable[str] = (),
         times: tuple[float, float] = (-np.inf, np.inf),
     ) -> "xarray.Dataset":
-        """Return the same as a dataset with the dimension ``step``; each variable has its unit in ``attrs["units"]``."""
+        """Return the columns of :meth:`select` as a dataset over ``step``; ``attrs["units"]`` of each variable is its unit."""
         columns, kinds = self._chosen(patterns, steps, kind, times)
         return dataset(columns, kinds, self.units, self.title)
 
     def plot(self, *patterns: str, x: str = "time.TIME", ax: Any = None, **options: Any) -> Any:
-        """Plot columns over time or over another column, a chart for each unit: as :meth:`Run.plot`."""
+        """Plot columns over time or over another column, one chart for each unit; see :meth:`Run.plot`."""
         over = next(iter(self.select(x)))
         columns = self.select(over, *patterns)
         return plot_columns(columns, self.units, over, ax, options)
@@ -327,7 +328,7 @@ class Results:
 
 
 def results(path: str | os.PathLike[str]) -> Results:
-    """Opens a results file of any kind that can be read.
+    """Open a results file (.res, .req, .gra or formatted results).
 
     >>> import admire
     >>> run = admire.read("corpus/pseudo-mcpherson/model.adm").solve()

@@ -1,4 +1,4 @@
-"""Studies: stiffnesses from measurements, what a model gets wrong, and design to a target."""
+"""Studies: stiffnesses from measurements, faults of a model, and design to a target."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ if TYPE_CHECKING:
 
 
 class Study:
-    """A study folder: a deck, load cases and what was measured."""
+    """Study folder: a deck, load cases and measurements."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self._inner = _admire.Study.open(os.fspath(folder))
 
     @property
     def folder(self) -> str:
-        """Where it is."""
+        """Path of the study folder."""
         return os.fspath(self._inner.folder())
 
     @property
     def complaints(self) -> list[Complaint]:
-        """Warnings and notes about its files."""
+        """Warnings and notes about the files of the study."""
         return complaints_of(self._inner.complaints())
 
     @property
     def deck(self) -> Deck:
-        """Its deck, read anew."""
+        """Deck of the study, read from its file."""
         return read(self._inner.deck())
 
     def tune(
@@ -52,7 +52,7 @@ class Study:
         pareto: tuple[str | int, str | int] | None = None,
         progress: Progress = False,
     ) -> "Tuning":
-        """Change numbers of the deck until its K&C characteristics are those of ``[target]``: :func:`tune` of this study."""
+        """Change numbers of the deck until its K&C characteristics meet ``[target]``; see :func:`tune`."""
         return tune(self, restarts=restarts, draws=draws, pareto=pareto, progress=progress)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -64,10 +64,10 @@ class Study:
 
 @dataclass(frozen=True)
 class Repeated:
-    """What a bootstrap or a posterior says of a number, in its unit. ``interval95`` holds 2.5 to 97.5 percent of all values.
+    """Distribution of a parameter by bootstrap or posterior, in its unit. ``interval95`` is from the 2.5 to the 97.5 percent quantile.
 
-    ``width_ratio`` is its width over that of the interval by profile likelihood, both of ln K. ``effective_draws`` and ``r_hat`` (one
-    where the chains agree) are those of a posterior.
+    ``width_ratio`` is the width of this interval relative to the profile-likelihood interval, both of ln K. ``effective_draws`` and
+    ``r_hat`` (1 if the chains agree) exist only for a posterior.
     """
 
     median: float
@@ -80,11 +80,11 @@ class Repeated:
 
 @dataclass(frozen=True)
 class Parameter:
-    """An identified number, in the deck's units (KT per radian). A side of ``interval95`` without a bound is ``None``.
+    """Identified parameter in the deck's units (KT per radian). An end of ``interval95`` without a bound is ``None``.
 
-    ``form`` is ``change`` or ``factor`` if that of numbers in the deck is identified, and ``None`` for a number itself. ``numbers`` then maps
-    each address to its values before and after. ``profile95`` is the interval by profile likelihood if the fit was repeated, ``bootstrap``
-    and ``posterior`` are the intervals of the repetitions.
+    ``form`` is ``change`` or ``factor`` if the unknown is a common change or factor of numbers in the deck, otherwise ``None``.
+    ``numbers`` then maps the address of each number to its values before and after. ``profile95`` is the profile-likelihood interval if
+    the fit was repeated. ``bootstrap`` and ``posterior`` are the results of the repetitions.
     """
 
     address: str
@@ -104,10 +104,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Identification:
-    """The stiffnesses of a study with their uncertainty. ``json`` is ``identification.json``; in Jupyter the report is shown.
+    """Identified stiffnesses of a study with their uncertainty. ``json`` is ``identification.json``. Jupyter shows the report.
 
-    ``bootstrap`` and ``posterior`` hold a row for each fit or draw, a column for each of ``parameters``, in their units. A fit without an
-    answer is a row of NaN; draws stand chain after chain, 8 of the same length.
+    ``bootstrap`` and ``posterior`` have one row for each fit or draw, and one column for each of ``parameters``, in their units. A failed
+    fit is a row of NaN. The draws are ordered by chain: 8 chains of the same length.
     """
 
     parameters: list[Parameter]
@@ -122,14 +122,14 @@ class Identification:
     posterior: NDArray[np.float64] | None = field(repr=False, default=None, compare=False)
 
     def __getitem__(self, address: str) -> Parameter:
-        """The number at an address."""
+        """Return the parameter at an address."""
         for parameter in self.parameters:
             if address == parameter.address or address in parameter.tied:
                 return parameter
         raise KeyError(address)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a frame with a row for each number; the column ``unit`` and ``attrs["units"]`` state the units."""
+        """Return a frame with one row for each parameter. The column ``unit`` and ``attrs["units"]`` contain the units."""
         pd = needed("pandas", "to_pandas", "pandas")
         rows = [vars(parameter) for parameter in self.parameters]
         found: "pandas.DataFrame" = pd.DataFrame(rows).set_index("address")
@@ -137,12 +137,12 @@ class Identification:
         return found
 
     def plot(self, *, ax: Any = None) -> Any:
-        """Plot the identified numbers with their 95 percent intervals, each over its start value.
+        """Plot the identified parameters with their 95 percent intervals, relative to their start values.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
@@ -175,7 +175,7 @@ class Identification:
 
 @dataclass(frozen=True)
 class Rival:
-    """Another explanation that does as well: its probability; ``bic_behind`` is twice the logarithm by which its model is less probable."""
+    """Alternative explanation that the readings do not exclude. ``bic_behind`` is twice the log posterior odds of the finding against it."""
 
     cause: str
     address: str
@@ -185,9 +185,9 @@ class Rival:
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that a model gets wrong: the cause, its place, its probability and size, and what mending it gains.
+    """Fault of a model: its cause, place, probability and size, and the gain of correcting it.
 
-    ``group_probability`` is the probability that this cause acts or one of ``indistinguishable_from`` does.
+    ``group_probability`` is the probability that this cause or one of ``indistinguishable_from`` acts.
     """
 
     cause: str
@@ -206,10 +206,10 @@ class Finding:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What a model still gets wrong after its best fit. ``verdict`` is ``consistent``, ``discrepancy`` or ``unexplained``.
+    """Faults of a model that remain after its best fit. ``verdict`` is ``consistent``, ``discrepancy`` or ``unexplained``.
 
-    ``deck`` is the deck with the causes modelled, ``commands`` the command file that runs it on any ADAMS, ``json`` is
-    ``diagnosis.json``. In Jupyter the report is shown.
+    ``deck`` is the deck extended by the causes. ``commands`` is the command file that runs the extended deck on any ADAMS. ``json`` is
+    ``diagnosis.json``. Jupyter shows the report.
     """
 
     verdict: str
@@ -223,7 +223,7 @@ class Diagnosis:
     remarks: list[str] = field(repr=False, default_factory=list)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a frame with a row for each finding."""
+        """Return a frame with one row for each finding."""
         pd = needed("pandas", "to_pandas", "pandas")
         rows = [
             {"cause": f.cause, "address": f.address, "probability": f.probability, "minor": f.minor, **f.parameters}
@@ -233,12 +233,12 @@ class Diagnosis:
         return table
 
     def plot(self, *, ax: Any = None) -> Any:
-        """Plot the probability of each finding, and that of none of the known causes.
+        """Plot the probability of each finding, and the probability that none of the known causes acts.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
@@ -256,11 +256,11 @@ class Diagnosis:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A measurement that could be added, and what it would do.
+    """Measurement that could be added, and its expected effect.
 
-    ``kind`` is ``load``, ``repeat``, ``loop``, ``mark``, ``curve`` or ``load-cell``; ``cases`` holds its load cases by the columns of the
-    study, none for an instrument. ``sd_log`` has the standard deviation of each of ``Plan.combinations`` with it, ``curves`` that of
-    the predicted wheel, ``causes`` what it would say of two explanations that are undecided.
+    ``kind`` is ``load``, ``repeat``, ``loop``, ``mark``, ``curve`` or ``load-cell``. ``cases`` contains its load cases by the columns of
+    the study, and is empty for an instrument. With this measurement, ``sd_log`` contains the standard deviation of each of
+    ``Plan.combinations``, ``curves`` that of the predicted wheel, and ``causes`` the effect on the choice between two undecided causes.
     """
 
     kind: str
@@ -275,10 +275,10 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Plan:
-    """What to measure next: ``candidates``, the best first. ``json`` is ``plan.json``.
+    """Recommended measurements: ``candidates``, the best first. ``json`` is ``plan.json``.
 
-    ``combinations`` are the worst-determined combinations of ln K, each a mapping of addresses to shares with its standard deviation
-    in ``sd_log``. ``suggested`` holds load cases among the first candidates as rows for the end of the study's own table.
+    ``combinations`` are the worst-determined combinations of ln K, each a mapping of addresses to shares. ``sd_log`` contains their
+    standard deviations. ``suggested`` contains the load cases of the first candidates as rows to append to the study's load case file.
     """
 
     aim: str
@@ -289,7 +289,7 @@ class Plan:
     json: dict[str, Any] = field(repr=False)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a frame with a row for each candidate; ``fall_K1`` is the part by which the first standard deviation falls."""
+        """Return a frame with one row for each candidate. ``fall_K1`` is the relative decrease of the first standard deviation."""
         pd = needed("pandas", "to_pandas", "pandas")
 
         def row(found: Candidate) -> dict[str, Any]:
@@ -307,7 +307,7 @@ class Plan:
         count : int
             Number of candidates.
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
@@ -319,10 +319,10 @@ class Plan:
 
 @dataclass(frozen=True)
 class TunedNumber:
-    """An unknown of a search for a target. ``form`` says whether its values are changes, factors or values, in ``unit``.
+    """Unknown of a search for a target. ``form`` states whether its values are changes, factors or values, in ``unit``.
 
-    ``at_bound`` is ``lower`` or ``upper`` if the bound stops the search there. ``numbers`` holds the address of each number of the deck
-    that it sets, with its value before and after.
+    ``at_bound`` is ``lower`` or ``upper`` if the result is at this bound. ``numbers`` maps the address of each changed number of the deck
+    to its values before and after.
     """
 
     name: str
@@ -337,11 +337,11 @@ class TunedNumber:
 
 @dataclass(frozen=True)
 class TunedGoal:
-    """A goal of a search: its misses before and after in ``unit``, and whether it is met.
+    """Goal of a search: its deviations before and after in ``unit``, and whether it is met.
 
-    ``at`` holds the values of the test's variable in ``at_unit``; ``before``, ``after``, ``least`` and ``most`` the characteristic of the
-    deck, of the tuned deck and its limits there. ``least`` and ``most`` are equal where one value is wanted, and infinite without a limit.
-    ``share`` is the share of axles that meet the goal if they differ by the tolerances of the study, of the linear model.
+    ``at`` contains the values of the test's variable in ``at_unit``. At these values, ``before`` and ``after`` are the characteristic of
+    the deck and of the tuned deck, and ``least`` and ``most`` its limits. The limits are equal for a wanted value, and infinite if there
+    is none. ``share`` is the share of axles within the tolerances of the study that meet the goal, by the linear model.
     """
 
     name: str
@@ -362,11 +362,11 @@ class TunedGoal:
 
 @dataclass(frozen=True)
 class Tuning:
-    """A deck with the wanted characteristics: what moved and what is met. ``json`` is ``tuning.json``; in Jupyter the report is shown.
+    """Result of a search for a target: changed numbers and goals. ``json`` is ``tuning.json``. Jupyter shows the report.
 
-    ``agreeing`` is the number of starts whose end is as good as the best. ``front`` holds a row for each point of the Pareto front that was
-    asked for: the misses of both goals. ``share`` and ``share_drawn`` are the shares of axles that meet all goals with the tolerances of
-    the study, by the linear model and by axles that were drawn and solved.
+    ``agreeing`` is the number of start points whose result is as good as the best. ``front`` has one row for each point of the requested
+    Pareto front: the deviations of both goals. ``share`` and ``share_drawn`` are the shares of axles within the tolerances of the study
+    that meet all goals, by the linear model and by solving drawn axles.
     """
 
     unknowns: list[TunedNumber]
@@ -383,7 +383,7 @@ class Tuning:
     share_drawn: float | None = None
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a frame with a row for each unknown; the column ``unit`` states its unit."""
+        """Return a frame with one row for each unknown; the column ``unit`` contains its unit."""
         pd = needed("pandas", "to_pandas", "pandas")
         keys = ("name", "form", "unit", "start", "value", "at_bound")
         rows = [{key: getattr(unknown, key) for key in keys} for unknown in self.unknowns]
@@ -391,14 +391,14 @@ class Tuning:
         return table
 
     def plot(self, goal: int | str = 0, *, ax: Any = None) -> Any:
-        """Plot the curve of a goal before and after, with what is wanted.
+        """Plot the curve of a goal before and after the search, with its limits.
 
         Parameters
         ----------
         goal : int or str
-            Place of the goal, from 0 on, or its name.
+            Index of the goal, from 0, or its name.
         ax : matplotlib.axes.Axes, optional
-            Where to plot.
+            Axes to plot into; a new one by default.
 
         Returns
         -------
@@ -439,7 +439,7 @@ def _opened(study: Study | str | os.PathLike[str]) -> Study:
     opened = study if isinstance(study, Study) else Study(study)
     command = opened._inner.starts_program()
     if command:
-        warnings.warn(f"every equilibrium is solved by a program that study.toml names: {command}", stacklevel=3)
+        warnings.warn(f"every equilibrium is solved by an external program, which study.toml names: {command}", stacklevel=3)
     return opened
 
 
@@ -455,35 +455,35 @@ def identify(
     force: bool = False,
     allow_command: bool = False,
 ) -> Identification:
-    """Identify the stiffnesses of a study: what ``admire identify`` does, without files.
+    """Identify the stiffnesses of a study, as ``admire identify`` does, without writing files.
 
     Parameters
     ----------
     study : Study or path
         The study, or its folder.
     method : str, optional
-        ``gauss-newton``, ``regression`` or ``direct``, in place of the study's own.
+        ``gauss-newton``, ``regression`` or ``direct``, instead of the study's own method.
     bootstrap : int, optional
-        Number of fits to readings drawn anew from the fit and its residuals: intervals that do not take the noise as stated.
+        Number of fits to readings drawn from the fit and its residuals. The intervals do not rely on the stated noise.
     posterior : int, optional
-        Number of draws from the posterior: intervals that do not take the model as linear. Both are for ``gauss-newton`` and the
-        built-in solver.
+        Number of draws from the posterior. The intervals do not assume a linear model. Bootstrap and posterior need ``gauss-newton``
+        and the built-in solver.
     seed : int
-        Another seed gives other random numbers.
+        Seed of the random numbers.
     jobs : int, optional
-        Number of fits at a time; as many as there are cores if absent.
+        Number of parallel threads; by default, one for each core.
     progress : bool or callable
-        Show a line on standard error, or call a function with stage, remark, count and total.
+        Show a line on standard error, or call a function with the stage, a detail, the count and the total.
     force : bool
-        Fit an implausible study, too.
+        Fit the study even if it is implausible.
     allow_command : bool
-        Start the program that a study of somebody else names. One of a study that ``admire new`` began here, or that was allowed
-        once, is started anyway.
+        Start the external program that the study names. This permission is not needed for a study that ``admire new`` created here,
+        or for a program that was allowed before.
 
     Returns
     -------
     Identification
-        The answers of ``admire identify --bootstrap N --posterior N``, bit for bit.
+        Results identical to those of ``admire identify --bootstrap N --posterior N``.
 
     Raises
     ------
@@ -545,16 +545,16 @@ def diagnose(
     force: bool = False,
     allow_command: bool = False,
 ) -> Diagnosis:
-    """Say what a model still gets wrong after its best fit: what ``admire diagnose`` does, without files.
+    """Diagnose the faults of a model that remain after its best fit, as ``admire diagnose`` does, without writing files.
 
     Parameters
     ----------
     study : Study or path
         The study, or its folder.
     check_gain : str
-        How much is done to learn what the causes gain in cases that were not used: ``quick``, ``held-out`` or ``folds``.
+        Method for measuring the gain of the causes in held-out load cases: ``quick``, ``held-out`` or ``folds``.
     progress, force, allow_command
-        As of :func:`identify`.
+        See :func:`identify`.
 
     Returns
     -------
@@ -603,18 +603,18 @@ def plan(
     progress: Progress = False,
     force: bool = False,
 ) -> Plan:
-    """Rank measurements that could be added to a study by what each would gain: what ``admire plan`` does, without files.
+    """Rank measurements that could be added to a study by their expected gain, as ``admire plan`` does, without writing files.
 
     Parameters
     ----------
     study : Study or path
-        The study, or its folder. The built-in solver plans, whatever the study names.
+        The study, or its folder. The plan is computed by the built-in solver, even if the study names another solver.
     aim : str
         ``stiffnesses``, ``curves``, ``causes`` or ``all``; the last two take as long as a diagnosis.
     count : int
-        Number of candidates among which load cases are ``suggested``.
+        Number of candidates whose load cases are listed in ``suggested``.
     progress, force
-        As of :func:`identify`.
+        See :func:`identify`.
 
     Returns
     -------
@@ -663,20 +663,20 @@ def tune(
     pareto: tuple[str | int, str | int] | None = None,
     progress: Progress = False,
 ) -> Tuning:
-    """Change numbers of a deck until its K&C characteristics are those of ``[target]``: what ``admire tune`` does, without files.
+    """Change numbers of a deck until its K&C characteristics meet ``[target]``, as ``admire tune`` does, without writing files.
 
     Parameters
     ----------
     study : Study or path
         The study, or its folder.
     restarts : int, optional
-        Number of further starts within the bounds, in place of the study's own.
+        Number of further start points within the bounds, instead of the study's own number.
     draws : int, optional
-        Number of axles to draw with the tolerances of the study, in place of the study's own; 0 draws none.
+        Number of axles to solve with drawn tolerances, instead of the study's own number; 0 solves none.
     pareto : pair of str or int, optional
-        Two goals whose Pareto front is sought, by their names or by their numbers as ``admire tune`` counts them, from 1 on.
+        Two goals whose Pareto front is computed, by name or by number (from 1, as in ``admire tune``).
     progress : bool or callable
-        As of :func:`identify`.
+        See :func:`identify`.
 
     Returns
     -------
@@ -687,7 +687,7 @@ def tune(
     DeckError
         If the study has errors or no target.
     SolveError
-        If the axle has no equilibrium at any start.
+        If the axle has no equilibrium at any start point.
     AdmireError
         If ``pareto`` names no goal.
 
@@ -768,6 +768,6 @@ def kc(
     compare: Deck | Iterable[Deck] | Mapping[str, Deck] = (),
     measured: str | os.PathLike[str] | None = None,
 ) -> AxleTests:
-    """Drives an axle through the standard K&C tests: :meth:`Deck.kc` of a deck or its path."""
+    """Run the standard K&C tests on the axle of a deck, given as a deck or its path; see :meth:`Deck.kc`."""
     opened = deck if isinstance(deck, Deck) else read(deck)
     return opened.kc(config, convention=convention, compare=compare, measured=measured)

@@ -1,4 +1,4 @@
-"""Sweeps: variants of a deck by the thousand."""
+"""Sweeps: thousands of variants of a deck."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sweep:
-    """The answer of a sweep. ``summary`` is ``summary.json``; in Jupyter the report is shown."""
+    """Result of a sweep. ``summary`` is ``summary.json``. Jupyter shows the report."""
 
     folder: str
     summary: dict[str, Any] = field(repr=False)
 
     @property
     def results(self) -> str:
-        """The path of the table, one row a case."""
+        """Path of the results table, which has one row for each case."""
         return os.path.join(self.folder, "results.parquet")
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The table as a frame; pandas needs pyarrow or fastparquet for it."""
+        """Return the results table as a frame. pandas needs pyarrow or fastparquet to read it."""
         import pandas
 
         return pandas.read_parquet(self.results)
@@ -48,23 +48,23 @@ def sweep(
     progress: Progress = False,
     allow_command: bool = False,
 ) -> Sweep | None:
-    """Runs the cases of a SWEEP.toml into the folder ``out``: what ``admire sweep`` does, in this process.
+    """Run the cases of a SWEEP.toml, as ``admire sweep`` does, and write the results to the folder ``out``.
 
-    A folder that the same sweep began goes on where it stopped. ``jobs`` cases run at a time, as many as there are cores if ``None``.
-    ``shard=(3, 8)`` runs the third of eight parts and gives ``None``; :func:`merge` joins them.
-    ``allow_command`` starts the program that a plan of somebody else names, as in :func:`identify`.
+    If the folder contains an unfinished run of the same sweep, the run continues. ``jobs`` is the number of parallel cases; ``None``
+    means one for each core. ``shard=(3, 8)`` runs the third of eight shards and returns ``None``; :func:`merge` joins the shards.
+    ``allow_command`` allows the external program that the plan names, as in :func:`identify`.
     """
     command = _admire.program_of_sweep(os.fspath(plan))
     if command:
-        warnings.warn(f"every case is solved by a program that is named by the plan or its study: {command}", stacklevel=2)
+        warnings.warn(f"every case is solved by an external program, which the plan or its study names: {command}", stacklevel=2)
     with shown(progress) as told:
         text = _admire.sweep(os.fspath(plan), os.fspath(out), jobs, shard, told, allow_command)
     return None if text is None else Sweep(os.fspath(out), json.loads(text))
 
 
 def merge(folder: str | os.PathLike[str]) -> Sweep:
-    """Joins the shards of a sweep into one table: what ``admire merge`` does.
+    """Join the shards of a sweep into one table, as ``admire merge`` does.
 
-    Raises :class:`DeckError` while a shard is missing or unfinished, and where parts are of different versions or inputs.
+    Raises :class:`DeckError` if a shard is missing or unfinished, or if the shards are of different versions or inputs.
     """
     return Sweep(os.fspath(folder), json.loads(_admire.merge_shards(os.fspath(folder))))

@@ -1,4 +1,4 @@
-"""Pages of mechanisms, comparisons of results, virtual rigs and new studies."""
+"""3-D views of mechanisms, comparisons of results, the virtual rig, and new studies."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _as_file(run: Stepped) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class View:
-    """A page that shows a mechanism in three dimensions; in Jupyter it is shown. ``html`` is the whole page."""
+    """Page with a mechanism in three dimensions, which Jupyter shows. ``html`` is the complete page."""
 
     html: str = field(repr=False)
 
@@ -50,7 +50,7 @@ class View:
         Parameters
         ----------
         path : path
-            The file, which opens in any browser without a network.
+            Path of the page, which any browser opens without a network.
         overwrite : bool
             Replace the file if it exists.
 
@@ -67,14 +67,14 @@ class View:
 
 
 def view(deck: Deck | str | os.PathLike[str], run: Stepped | None = None, *, highlight: Iterable[str] = ()) -> View:
-    """Show a mechanism in three dimensions: what ``admire view`` does, without files.
+    """Show a mechanism in three dimensions, as ``admire view`` does, without writing files.
 
     Parameters
     ----------
     deck : Deck or path
         The deck.
     run : Run, Results or path, optional
-        Results through whose steps the mechanism moves.
+        Results whose steps move the mechanism.
     highlight : iterable of str
         Addresses of parts, joints and forces to highlight.
 
@@ -87,7 +87,7 @@ def view(deck: Deck | str | os.PathLike[str], run: Stepped | None = None, *, hig
     DeckError
         If the deck has errors, or the results move none of its parts.
     AddressError
-        If an address names nothing that is drawn.
+        If an address is not that of a part, joint or force in the view.
 
     Examples
     --------
@@ -105,13 +105,13 @@ def view(deck: Deck | str | os.PathLike[str], run: Stepped | None = None, *, hig
 
 @dataclass(frozen=True)
 class Comparison:
-    """Differences of two results. ``json`` is what ``admire compare --format json`` prints."""
+    """Differences between two results. ``json`` is the output of ``admire compare --format json``."""
 
     agrees: bool
     json: dict[str, Any] = field(repr=False)
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """Return a frame with a row for each column that both have: largest difference, unit, steps beyond the tolerance."""
+        """Return a frame with one row for each common column: largest difference, unit, steps beyond the tolerance."""
         pd = needed("pandas", "to_pandas", "pandas")
         table: "pandas.DataFrame" = pd.DataFrame(self.json["columns"])
         return table
@@ -121,7 +121,7 @@ class Comparison:
 
 
 def compare(a: Stepped, b: Stepped, *, rtol: float = 0.0, atol: float = 0.0, floor: float = 1e-12) -> Comparison:
-    """Compare two results, column by column and step by step: what ``admire compare`` does.
+    """Compare two results, column by column and step by step, as ``admire compare`` does.
 
     Parameters
     ----------
@@ -130,12 +130,12 @@ def compare(a: Stepped, b: Stepped, *, rtol: float = 0.0, atol: float = 0.0, flo
     rtol, atol : float
         Values are equal if they differ by at most ``atol + rtol * max(abs(a), abs(b))``, in the unit of the column.
     floor : float
-        Part of the largest value of a unit up to which a difference is round-off; 0 compares exactly.
+        Fraction of the largest value in a unit up to which a difference counts as round-off; 0 compares exactly.
 
     Returns
     -------
     Comparison
-        True if nothing differs.
+        Its truth value is true if the results agree.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def compare(a: Stepped, b: Stepped, *, rtol: float = 0.0, atol: float = 0.0, flo
 
 @dataclass(frozen=True)
 class RigRun:
-    """What a virtual rig delivered: ``study``, a folder of its own, and ``truth``, the planted effects as text."""
+    """Output of the virtual rig: the new ``study``, and ``truth``, the planted effects as text."""
 
     study: Study
     truth: str
@@ -169,7 +169,7 @@ def rig(
     tolerances: str = "",
     overwrite: bool = False,
 ) -> RigRun:
-    """Measure the deck of a study on the virtual rig, and write what a rig would deliver: what ``admire rig`` does.
+    """Measure the deck of a study on the virtual rig, and write the resulting study folder, as ``admire rig`` does.
 
     Parameters
     ----------
@@ -178,13 +178,13 @@ def rig(
     out : path
         Folder to write.
     seed : int
-        Seed of the noise.
+        Seed of the measurement noise.
     sigma : float, optional
-        Standard deviation of one coordinate of a mark, in the deck's unit of length, in place of the study's.
+        Standard deviation of one mark coordinate in the deck's length unit, instead of the study's value.
     effects : str or iterable of str
-        Effects to plant, as ``cause@address:name=value,...``: page ``rig`` of the guide.
+        Effects to plant, such as ``cause@address:name=value,...``; the page ``rig`` of the guide lists them.
     tolerances : str
-        Small errors besides, as standard deviations: ``hardpoints=0.3,load_gain=0.005``.
+        Additional small errors in many places, as standard deviations: ``hardpoints=0.3,load_gain=0.005``.
     overwrite : bool
         Replace files that exist in the folder.
 
@@ -197,7 +197,7 @@ def rig(
     DeckError
         If the study has errors, or a load case has no equilibrium.
     FileExistsError
-        If a file exists and ``overwrite`` is false; nothing is written then.
+        If a file exists and ``overwrite`` is false. No file is written in this case.
     ValueError
         If an effect or a tolerance cannot be read.
     """
@@ -216,32 +216,32 @@ def new(
     bushings: Iterable[str] = (),
     overwrite: bool = False,
 ) -> list[str]:
-    """Begin a study of a deck: what ``admire new`` does.
+    """Create a study of a deck, as ``admire new`` does.
 
     Parameters
     ----------
     folder : path
-        Folder of the study; it is made if it is missing.
+        Folder of the study; it is created if missing.
     deck : Deck or path
         The deck, which is copied into the study.
     measured : str or iterable of str
         What was measured: ``marks``, ``wheel``, ``curves`` or ``readings``.
     bushings : iterable of str
-        Addresses of the bushings to identify; all if there are none.
+        Addresses of the bushings to identify; by default, all bushings.
     overwrite : bool
         Replace files that exist in the folder.
 
     Returns
     -------
     list of str
-        Paths of the written files. ``study.toml`` says what is to be filled in.
+        Paths of the written files. The comments in ``study.toml`` describe the missing entries.
 
     Raises
     ------
     DeckError
         If the deck has errors.
     FileExistsError
-        If a file exists and ``overwrite`` is false; nothing is written then.
+        If a file exists and ``overwrite`` is false. No file is written in this case.
     ValueError
         If ``measured`` holds another word.
     """
@@ -262,7 +262,7 @@ def _write(folder: Path, files: list[tuple[str, bytes]], overwrite: bool) -> lis
     paths = [folder / name for name, _ in files]
     taken = [str(path) for path in paths if path.exists()]
     if taken and not overwrite:
-        raise FileExistsError(f"nothing is written: {', '.join(taken)} exists already")
+        raise FileExistsError(f"nothing is written, because overwrite is false and these files exist: {', '.join(taken)}")
     for path, (_, raw) in zip(paths, files):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(raw)
