@@ -299,7 +299,7 @@ fn out_of_bounds(
         } else if (least, most) == share {
             "a share from 0 to 1".to_string()
         } else {
-            format!("{least} to {most} in the deck's length unit")
+            format!("from {least} to {most} in the deck's length unit")
         };
         let message = format!("`{name}` must be {must}, not {value}");
         wrong.push((place_of(source, name), message));
@@ -439,7 +439,7 @@ impl Config {
             if kind == TestKind::Bounce && settings.hold == Hold::Load {
                 wrong(
                     0..0,
-                    "test `bounce` drives the heights, so hold = \"load\" is not possible"
+                    "test `bounce` drives the wheel heights, so hold = \"load\" is not possible"
                         .to_string(),
                 );
             }

@@ -404,9 +404,9 @@ fn study_lines(
         .map(|head| format!("\"{head}\" = \"?\""))
         .collect();
     let remark = if loads.is_empty() {
-        "# no column of the table is a load: `load` in the mapping names one"
+        "# the mapping names no load: add load = \"NAME\" to the column of each load"
     } else {
-        "# FILL IN what each load drives in the deck"
+        "# FILL IN the force or motion of the deck that each load drives"
     };
     let mut text = format!(
         "[loads]\nfile = \"FILE\"\n{remark}\ncolumns = {{ {} }}\n[kc]\nfile = \"FILE\"\n[kc.curves]\n",

@@ -401,8 +401,8 @@ pub fn complaints(
             found.push(complaint.help(help));
         }
     }
-    let mut tests = Diagnostic::error(Code::UnclearColumn, "which tests these are is not clear");
-    let mut sides = Diagnostic::error(Code::UnclearColumn, "which sides these are is not clear");
+    let mut tests = Diagnostic::error(Code::UnclearColumn, "the tests of these rows are not clear");
+    let mut sides = Diagnostic::error(Code::UnclearColumn, "the sides of these rows are not clear");
     let (mut test_lines, mut side_lines) = (Vec::new(), Vec::new());
     for point in open {
         match point {

@@ -155,7 +155,7 @@ impl RequestFile {
         if !first.starts_with(b"A.R3") {
             return Err(RequestFault {
                 code: Code::UnsupportedResults,
-                message: "not a request file of format A.R3".to_string(),
+                message: "this is not a request file of format A.R3".to_string(),
                 span,
             });
         }
@@ -216,11 +216,11 @@ impl RequestFile {
                 return Ok(Some(lines.cut_off(self.times.len())));
             }
             lengths.push(line.len());
-            let found =
-                numbers(line).ok_or_else(|| malformed("a line that is not numbers", span))?;
+            let found = numbers(line)
+                .ok_or_else(|| malformed("this line must contain only numbers", span))?;
             values.extend(found);
             if values.len() > wanted {
-                let message = "more values in an output time than the requests have";
+                let message = "an output time has more values than the requests";
                 return Err(malformed(message, span));
             }
             if values.len() == wanted {
@@ -297,7 +297,9 @@ impl<'a> Lines<'a> {
     fn cut_off(&self, times: usize) -> RequestFault {
         RequestFault {
             code: Code::TruncatedResults,
-            message: format!("the file ends too early; {times} whole output times were read"),
+            message: format!(
+                "the file ends too early; the number of complete output times is {times}"
+            ),
             span: Span::at(self.bytes.len()),
         }
     }

@@ -49,12 +49,12 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
     if let Some(results) = dataset.statement("RESULTS", None) {
         for option in DIGITS {
             if results.has(option) {
-                let said = format!("RESULTS/{option} is ignored: all digits are written");
+                let said = format!("RESULTS/{option} is ignored: numbers are not shortened");
                 warn(
                     results,
                     Some(option),
                     &said,
-                    Some("DECIMALPLACES says how many digits are written"),
+                    Some("DECIMALPLACES sets the number of digits"),
                 );
             }
         }

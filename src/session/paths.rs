@@ -66,7 +66,10 @@ pub fn find_file(
 pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
     Diagnostic::warning(
         Code::FileNameCase,
-        format!("`{written}` is found as `{}`", found.display()),
+        format!(
+            "`{written}` is read from `{}`, whose name differs in case",
+            found.display()
+        ),
     )
     .help("some systems distinguish upper and lower case in file names")
 }

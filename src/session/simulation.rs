@@ -263,7 +263,7 @@ impl Session<'_> {
         }
         if was_free.unwrap_or_default() != free && !free.is_empty() {
             let text = format!(
-                "Nothing, or next to nothing, resists these motions; they stay where they are:\n  {}",
+                "Little or no stiffness resists these motions; they keep their present position:\n  {}",
                 free.join("\n  ")
             );
             self.messages.frame("WARNING", &text);

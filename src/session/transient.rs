@@ -122,7 +122,7 @@ impl Session<'_> {
             largest.filter(|hmax| (times.end - times.start) / hmax > MOST_INNER_STEPS)
         {
             let message = format!(
-                "HMAX = {hmax:e} takes more than {MOST_INNER_STEPS:e} steps to time {}",
+                "HMAX = {hmax:e} needs more than {MOST_INNER_STEPS:e} steps to reach time {}",
                 times.end
             );
             let refused =

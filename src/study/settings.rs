@@ -404,7 +404,7 @@ impl WheelSettings {
         );
         sigma.finish(out);
         let Some(marker) = marker else {
-            section.wrong("marker", section.span(), "given: the wheel's marker", out);
+            section.missing_marker(out);
             return None;
         };
         Some(Self {

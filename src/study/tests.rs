@@ -275,7 +275,7 @@ fn missing_marks_nan_and_unknown_names() {
     assert!(
         only(&diagnostics, Code::UnknownCase)
             .1
-            .contains("no case `5`")
+            .contains("no load case `5`")
     );
 }
 

@@ -179,7 +179,7 @@ impl SweepFolder {
                 path.display()
             );
             return Err(Diagnostic::error(Code::CannotRead, message)
-                .help("`admire sweep SWEEP.toml --out DIR` makes one"));
+                .help("`admire sweep SWEEP.toml --out DIR` creates one"));
         };
         let folder = Self {
             path: path.to_path_buf(),
@@ -207,14 +207,14 @@ impl SweepFolder {
                 if changed.is_empty() {
                     "other files".to_string()
                 } else {
-                    format!("{} changed since", changed.join(", "))
+                    format!("{} changed since then", changed.join(", "))
                 }
             );
             return refuse(what, "name another folder for the changed sweep");
         }
         if there.version != own.version {
             let what = format!(
-                "holds cases of admire {}, this is {}",
+                "holds cases of admire {}, but this is admire {}",
                 there.version, own.version
             );
             return refuse(
@@ -274,7 +274,11 @@ impl SweepFolder {
             return Ok(());
         }
         strangers.sort();
-        let message = format!("not written by a sweep: {}", strangers.join(", "));
+        let message = format!(
+            "`{}` holds files that no sweep has written: {}",
+            self.path.display(),
+            strangers.join(", ")
+        );
         Err(Diagnostic::error(Code::CannotWrite, message)
             .help("give the sweep a folder of its own"))
     }

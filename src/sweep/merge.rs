@@ -41,7 +41,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         return verify(&whole).map_err(|damage| {
             let message = format!("`{}`: {damage}", whole.display());
             let refused = Diagnostic::error(Code::CannotRead, message);
-            vec![refused.help("if the file is deleted, the parts are joined again")]
+            vec![refused.help("delete the file to join the parts again")]
         });
     }
     let inputs = folder.manifest.vary.len();
@@ -67,7 +67,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         if let Err(damage) = verify(&path) {
             refuse(
                 Code::CannotRead,
-                format!("{damage}; if the file is deleted, `--shard {shard}` runs its cases again"),
+                format!("{damage}; delete the file, and `--shard {shard}` runs its cases again"),
             );
             continue;
         }
@@ -103,7 +103,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
             refuse(
                 Code::WrongCount,
                 format!(
-                    "{} rows for {} cases",
+                    "the table should have one row per case (rows: {}, cases: {})",
                     table.rows(),
                     cases.end - cases.start
                 ),
@@ -114,7 +114,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         if *first.get_or_insert_with(|| columns.clone()) != columns {
             refuse(
                 Code::WrongCount,
-                "its columns differ from those of the first part".to_string(),
+                "the columns differ from those of the first part".to_string(),
             );
         }
     }
@@ -128,7 +128,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         wrong.push(
             Diagnostic::error(
                 Code::CannotRead,
-                format!("not finished: shards {}{more}", missing[..shown].join(", ")),
+                format!("unfinished shards: {}{more}", missing[..shown].join(", ")),
             )
             .help("the same command with --shard continues where it stopped"),
         );

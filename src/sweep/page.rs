@@ -59,11 +59,14 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     for output in summary.outputs.iter().take(MOST_SHOWN) {
         page.figures(&main_effects(output)?);
     }
-    let numbers = summary.inputs.len();
+    let numbers = match summary.inputs.len() {
+        1 => "one number is varied".to_string(),
+        count => format!("{count} numbers are varied"),
+    };
     page.found(&[(
         "Tried",
         vec![format!(
-            "{} variants of {numbers} numbers; {ok} have a result",
+            "{ok} of {} variants have a result; {numbers}",
             summary.cases
         )],
     )]);
@@ -71,7 +74,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     page.note("Nine of ten variants lie between the 5 % and the 95 % quantile.");
     page.detail("Cases without a result");
     if ok < summary.cases {
-        let mut table = Table::new(&[("why", Align::Wrap), ("cases", Align::Right)]);
+        let mut table = Table::new(&[("reason", Align::Wrap), ("cases", Align::Right)]);
         for (reason, count) in &summary.reasons {
             table.row([reason.clone(), count.to_string()]);
         }
@@ -96,7 +99,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     page.detail("All quantiles");
     let outputs = summary.outputs.iter().map(|output| &output.spread);
     page.table(&spreads(outputs.chain(&summary.inputs)));
-    page.note("Outputs first, then the numbers that vary.");
+    page.note("The outputs come first, then the varied numbers.");
     Ok(page.finish(&format!("admire {}", folder.manifest.version)))
 }
 
@@ -106,7 +109,10 @@ fn answer(summary: &Summary, ok: u64) -> String {
         let spread = &output.spread;
         let [low, high] = [0.05, 0.95].map(|share| short(spread.quantile(share), spread.sd));
         let unit = spread.unit.as_deref().unwrap_or_default();
-        let mut text = format!("{} lies between {low} and {high} {unit}", spread.name);
+        let mut text = format!(
+            "In 90 % of the variants, {} lies between {low} and {high} {unit}",
+            spread.name
+        );
         text.truncate(text.trim_end().len());
         if let Some(swing) = output.swings.first() {
             text += &format!(", most affected by {}", swing.name);
@@ -141,7 +147,7 @@ fn main_effects(output: &OutputSummary) -> Result<Vec<Figure>, DrawingError> {
             level: output.nominal,
             ..Chart::default()
         };
-        let caption = "Each point is a variant. The dotted line is the deck as it is.";
+        let caption = "Each point is a variant. The dotted line is the original deck.";
         figures.push(Figure::chart(&chart, caption)?);
     }
     Ok(figures)
@@ -152,7 +158,7 @@ fn ranges(summary: &Summary) -> Table {
     let mut table = Table::new(&[
         ("output", Align::Left),
         ("unit", Align::Left),
-        ("deck as it is", Align::Right),
+        ("original deck", Align::Right),
         ("5 %", Align::Right),
         ("median", Align::Right),
         ("95 %", Align::Right),
@@ -242,7 +248,7 @@ fn tornado(output: &OutputSummary) -> Option<Figure> {
         level: 0.0,
     };
     let caption = format!(
-        "Each number at its 5 % quantile (orange) and at its 95 % quantile (blue), the others held. Straight lines explain {:.1} % of the variance.",
+        "Change of the output with each number at its 5 % quantile (orange) and its 95 % quantile (blue), the other numbers held. A linear model explains {:.1} % of the variance.",
         100.0 * explained
     );
     Some(Figure::bars(&bars, &caption))
@@ -280,15 +286,15 @@ fn effects(page: &mut Page, output: &OutputSummary) {
     page.subheading("Elementary effects (Morris)");
     let mut table = Table::new(&[
         ("number", Align::Left),
-        ("mean size", Align::Right),
+        ("mean |effect|", Align::Right),
         ("std error", Align::Right),
-        ("mean", Align::Right),
-        ("spread", Align::Right),
+        ("mean effect", Align::Right),
+        ("std deviation", Align::Right),
     ]);
     for effect in &output.effects {
         let values = [effect.size[0], effect.size[1], effect.mean, effect.spread];
         table.row(std::iter::once(effect.name.clone()).chain(values.map(six_digits)));
     }
     page.table(&table);
-    page.note("Changes over the whole range of probability. A spread as large as the mean size indicates that the number acts nonlinearly or together with others.");
+    page.note("An effect is the change of the output, in its unit, scaled to the whole range of probability of the number. A standard deviation as large as the mean |effect| indicates that the number acts nonlinearly or interacts with others.");
 }

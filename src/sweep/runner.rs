@@ -148,7 +148,7 @@ impl<'p> Runner<'p> {
                         refuse(
                             *span,
                             format!("no column of the results matches `{pattern}`"),
-                            "`admire results run.res --list` shows those of a run",
+                            "`admire results run.res --list` shows the columns of a run",
                         );
                     }
                     let many = found.columns.len() > 1;
@@ -177,7 +177,10 @@ impl<'p> Runner<'p> {
                     if modes.len() < *number {
                         refuse(
                             *span,
-                            format!("the run finds {} modes", modes.len()),
+                            format!(
+                                "there is no mode {number}; the number of modes found is {}",
+                                modes.len()
+                            ),
                             "LINEAR/EIGENSOL in the command file computes eigenvalues",
                         );
                     }
@@ -233,7 +236,9 @@ impl<'p> Runner<'p> {
                         format!("there is no characteristic `{path}` {place}"),
                     )
                     .label(self.plan.source.name(), *span, "")
-                    .help("`curves.csv` and `gradients.csv` of `admire kc` name them"),
+                    .help(
+                        "`curves.csv` and `gradients.csv` of `admire kc` list the characteristics",
+                    ),
                 );
                 continue;
             };
