@@ -367,7 +367,7 @@ impl Config {
             let message = if count == 0 {
                 "`wheels.left` or `wheels.right` is missing"
             } else {
-                "`wheels.mirror` is for decks with one wheel"
+                "`wheels.mirror` applies only to a deck with one wheel"
             };
             wrong(0..0, message.to_string());
         }
@@ -410,7 +410,7 @@ impl Config {
                 {
                     wrong(
                         range.span(),
-                        "a range must be [low, high] with low below high, and must contain 0"
+                        "`range` must be [low, high] with low below high, and must contain 0"
                             .to_string(),
                     );
                 }
@@ -418,10 +418,7 @@ impl Config {
             if let Some(points) = table.points {
                 settings.points = *points.get_ref();
                 if !(3..=2001).contains(&settings.points) {
-                    wrong(
-                        points.span(),
-                        "a test must have 3 to 2001 points".to_string(),
-                    );
+                    wrong(points.span(), "`points` must be from 3 to 2001".to_string());
                 }
             }
             if let Some(window) = table.window {
@@ -429,7 +426,7 @@ impl Config {
                 if !(settings.window > 0.0 && settings.window.is_finite()) {
                     wrong(
                         window.span(),
-                        "a window must be a number above 0".to_string(),
+                        "`window` must be a number above 0".to_string(),
                     );
                 }
             }

@@ -97,7 +97,7 @@ impl CurveTable {
         }
         let series = joined(found.series);
         if series.iter().all(|series| series.rows.is_empty()) {
-            let message = "the file has no rows of a test";
+            let message = "the file contains no rows of a K&C test";
             let place = sheets.first().map(|sheet| sheet.source.name());
             let wrong = Diagnostic::error(Code::MissingColumn, message);
             out.push(match place {

@@ -98,7 +98,7 @@ fn connections(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut S
     let _ = writeln!(
         text,
         "\n## Connections\n\nPoints are given at the design position, in ground axes ({}).\n\n\
-         | element | in the deck | kind | I part | J part | point | the point is |\n|---|---|---|---|---|---|---|",
+         | element | address in the deck | kind | I part | J part | point | the point is |\n|---|---|---|---|---|---|---|",
         record.units.length.word
     );
     for (k, member) in mechanism.members.iter().enumerate() {

@@ -188,7 +188,7 @@ impl FormattedResults {
         let (_, time) = record(1)?;
         let number = |span: Span, word: Option<&str>| {
             word.and_then(|word| word.parse::<f64>().ok())
-                .ok_or_else(|| (Code::BadNumber, "not a number".to_string(), span))
+                .ok_or_else(|| (Code::BadNumber, "this is not a number".to_string(), span))
         };
         let mut step = FormattedStep {
             kind: ascii(head)

@@ -85,7 +85,11 @@ impl<W: Write> RequestWriter<W> {
     /// Returns `InvalidInput` if `values` does not have one entry for each request. Returns another error if the output cannot be written.
     pub fn step(&mut self, time: f64, values: &[[f64; 6]]) -> io::Result<()> {
         if values.len() != self.requests {
-            let message = format!("{} values for {} requests", values.len(), self.requests);
+            let message = format!(
+                "the output time has values for {} requests, but the file has {}",
+                values.len(),
+                self.requests
+            );
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         let mut text = line_of(&[time]).into_bytes();

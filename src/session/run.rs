@@ -458,7 +458,10 @@ impl<'a> Session<'a> {
         if errors > 0 {
             self.messages.frame(
                 "ERROR",
-                &format!("The model has {errors} errors and cannot be simulated."),
+                &match errors {
+                    1 => "The model has an error and cannot be simulated.".to_string(),
+                    _ => format!("The model has {errors} errors and cannot be simulated."),
+                },
             );
             return Err(Stop::Model);
         }

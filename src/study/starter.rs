@@ -383,21 +383,21 @@ fn loads(model: &Model) -> Vec<Driven> {
                 }
             },
         );
-        let unit = if rotational {
-            "torque"
+        let what = if rotational {
+            "torque".to_string()
         } else {
-            model.units.force.word
+            format!("force in {}", model.units.force.word)
         };
         let on = &model.parts[model.markers[force.i.0].part.0].header.name;
         let along = along.map_or_else(String::new, |d| {
-            format!(" along ({:.2}, {:.2}, {:.2}) of ground", d.x, d.y, d.z)
+            format!(" along ({:.2}, {:.2}, {:.2}) in ground axes", d.x, d.y, d.z)
         });
         add(
             "",
             usual,
             format!("SFORCE/{}", force.header.id),
             format!(
-                "{unit} of SFORCE/{} on {on}{along} at design; {} in the deck",
+                "{what} of SFORCE/{} on {on}{along} at design; {} in the deck",
                 force.header.id,
                 number(&force.function).unwrap_or_default()
             ),
@@ -434,7 +434,7 @@ fn loads(model: &Model) -> Vec<Driven> {
                 usual,
                 format!("{kind}/{}.{word}", force.header.id),
                 format!(
-                    "{word} of {kind}/{} on {on} along ({:.2}, {:.2}, {:.2}) of ground at design; {own} in the deck",
+                    "{word} of {kind}/{} on {on} along ({:.2}, {:.2}, {:.2}) in ground axes at design; {own} in the deck",
                     force.header.id, along.x, along.y, along.z
                 ),
             );
