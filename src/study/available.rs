@@ -185,7 +185,7 @@ fn unknown(what: &str, name: &str, known: &[String]) -> Diagnostic {
 }
 
 fn no_entry(text: &str) -> Diagnostic {
-    let message = format!("`{text}` is not an entry for `plan.available`");
+    let message = format!("`{text}` is not an entry of `plan.available`");
     Diagnostic::error(Code::BadSetting, message).help(
         "the possible entries are `loads`, `load COLUMN from LOW to HIGH`, `repeats`, `marks`, `marks on PART`, `wheel`, `load cells`, `load cell in BUSHING/1`",
     )

@@ -532,7 +532,7 @@ pub fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
 /// Describes the range of a number in words. A tiny positive lower bound reads "more than 0".
 fn range_in_words(least: f64, most: f64) -> String {
     match (least > 0.0 && least < 1e-6, most.is_finite()) {
-        (true, true) => format!("a number more than 0, at most {most}"),
+        (true, true) => format!("a number above 0 and at most {most}"),
         (true, false) => "a number more than 0".to_string(),
         (false, true) => format!("a number from {least} to {most}"),
         (false, false) => format!("a number, {least} or more"),

@@ -141,7 +141,10 @@ impl SweepFolder {
     /// A diagnostic for a folder of another sweep, a folder with foreign files, or a folder that cannot be written.
     pub fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let io = |error: std::io::Error| {
-            Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
+            Diagnostic::error(
+                Code::CannotWrite,
+                format!("`{}` cannot be written: {error}", path.display()),
+            )
         };
         let folder = Self::look(path, manifest)?;
         std::fs::create_dir_all(path.join(SHARDS)).map_err(io)?;
@@ -240,7 +243,7 @@ impl SweepFolder {
     fn refuse_strangers(&self) -> Result<(), Diagnostic> {
         let mut strangers = Vec::new();
         let io = |error: std::io::Error| {
-            let message = format!("`{}`: {error}", self.path.display());
+            let message = format!("`{}` cannot be read: {error}", self.path.display());
             Diagnostic::error(Code::CannotRead, message)
         };
         let mut look = |folder: &Path, known: &dyn Fn(&str) -> bool| -> Result<(), Diagnostic> {

@@ -87,14 +87,14 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
             (
                 "admire.inputs_sha256",
                 &folder.manifest.inputs_sha256,
-                "inputs",
+                "checksum of the inputs",
             ),
         ] {
             let there = table.fact(key).unwrap_or("none");
             if there != own {
                 refuse(
                     Code::ConflictingArguments,
-                    format!("different {what}: {there}, but the sweep has {own}"),
+                    format!("the {what} is {there}, but that of the sweep is {own}"),
                 );
             }
         }
@@ -142,7 +142,10 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
     join(folder, &columns).map_err(|error| {
         vec![Diagnostic::error(
             Code::CannotWrite,
-            format!("`{}`: {error}", folder.results().display()),
+            format!(
+                "`{}` cannot be written: {error}",
+                folder.results().display()
+            ),
         )]
     })
 }

@@ -547,7 +547,7 @@ fn cases_of(
         rows.push(row);
     }
     if rows.is_empty() {
-        return refuse(1, "there are no cases");
+        return refuse(1, "the table has no cases");
     }
     for (k, variation) in variations.iter().enumerate() {
         if let Err(why) = varied(deck, std::slice::from_ref(variation), &[rows[0][k]]) {

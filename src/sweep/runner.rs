@@ -102,7 +102,10 @@ impl<'p> Runner<'p> {
             .iter()
             .find(|v| OTHER_COLUMNS.contains(&v.name.as_str()))
         {
-            let message = format!("`{}` is a column of every results table", taken.name);
+            let message = format!(
+                "a variation cannot be called `{}`, which is a column of every results table",
+                taken.name
+            );
             wrong.push(Diagnostic::error(Code::DuplicateId, message).label(
                 plan.source.name(),
                 span,

@@ -391,10 +391,10 @@ fn nothing_is_proposed_that_the_laboratory_lacks() {
         ),
         (
             "'load lateral from 3 to 2'",
-            "is not an entry for `plan.available`",
+            "is not an entry of `plan.available`",
         ),
         ("'load side'", "the unknown load column `side`"),
-        ("'scales'", "is not an entry for `plan.available`"),
+        ("'scales'", "is not an entry of `plan.available`"),
     ] {
         let said = planned_with(entry);
         assert_eq!(said.code, 1, "{entry}: {}", said.err);

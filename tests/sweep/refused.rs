@@ -84,7 +84,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "name = \"strut_mount\"",
             "name = \"status\"",
-            "`status` is a column of every results table",
+            "cannot be called `status`, which is a column of every results table",
             "sweep.toml",
         ),
     ];
