@@ -91,7 +91,7 @@ fn one_line_changes_the_solver_and_a_recording_needs_none() {
         let said = errors(&run);
         assert_eq!(run.status.code(), Some(3), "{said}");
         assert!(
-            said.contains("runs-program") && said.contains("not found on this computer"),
+            said.contains("runs-program") && said.contains("computer)"),
             "{format}: {said}"
         );
         assert!(said.contains("cannot be started"), "{said}");

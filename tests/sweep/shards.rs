@@ -133,7 +133,7 @@ fn merging_refuses_what_is_missing_and_what_is_of_another_sweep() {
     let refused = admire(&["merge", shown(&folder)]);
     assert_eq!(refused.status.code(), Some(1));
     assert!(
-        said(&refused).contains("0001-of-0003.parquet`: the checksum of the inputs is"),
+        said(&refused).contains("0001-of-0003.parquet`: the checksum"),
         "{}",
         said(&refused)
     );
@@ -150,7 +150,7 @@ fn merging_refuses_what_is_missing_and_what_is_of_another_sweep() {
     .expect("written");
     let refused = admire(&["merge", shown(&folder)]);
     assert!(
-        said(&refused).contains("the version of admire is"),
+        said(&refused).contains("the version of admire"),
         "{}",
         said(&refused)
     );
