@@ -132,8 +132,11 @@ fn logarithm(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'sta
     let is_value = own.form == UnknownForm::Value;
     if is_value && own.numbers.iter().any(|number| number.factor != 1.0) {
         return Err((
-            format!("the numbers of {} have factors", own.name),
-            "numbers with one common value cannot have factors; form = \"factor\" keeps the ratios of the deck",
+            format!(
+                "{} has factors, which form = \"value\" does not allow",
+                own.name
+            ),
+            "form = \"value\" gives all numbers one value; form = \"factor\" keeps the ratios of the deck",
         ));
     }
     let is_equal = own

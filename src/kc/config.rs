@@ -349,7 +349,7 @@ impl Config {
             },
         };
         if let (None, Some(axes)) = (&frame, &file.deck.axes) {
-            let message = "`deck.axes` must be right-handed axes of a vehicle, such as [\"rearward\", \"right\", \"up\"]";
+            let message = "`deck.axes` must be a right-handed set of vehicle axes, such as [\"rearward\", \"right\", \"up\"]";
             wrong(axes.span(), message.to_string());
         }
         for (place, message) in out_of_bounds(&file, source, length) {

@@ -200,7 +200,7 @@ fn laws(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String) 
 fn unknown(record: &Record, mechanism: &Mechanism, text: &mut String) {
     *text += "\n## What the results do not determine\n\n\
         - Moments of inertia: all parts have the same default value.\n\
-        - Damping: none.\n\
+        - Damping: the deck has none.\n\
         - Force laws beyond the range of deflections (last two columns of the table of force laws): curves continue linearly.\n";
     if mechanism.down == Vec3::zeros() {
         *text += "- Gravity: the results show no weight of any part, so the deck has no gravity.\n";

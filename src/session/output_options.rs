@@ -73,8 +73,8 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
         warn(
             results,
             option,
-            &format!("without XRF the results file of ADAMS is {kind}; here it is XML anyway"),
-            Some("with RESULTS/XRF, ADAMS and admire write the same columns in XML"),
+            &format!("without XRF, ADAMS writes a {kind} results file; admire writes XML"),
+            Some("with RESULTS/XRF, ADAMS writes the same columns in XML"),
         );
     }
     found

@@ -104,10 +104,7 @@ fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
                     names.join(", ")
                 ),
             );
-            (
-                None,
-                refusal.help("write the path of the one that is meant"),
-            )
+            (None, refusal.help("write the path of the intended file"))
         }
     };
     Checked {

@@ -134,7 +134,7 @@ fn channel(
         out,
     )?;
     let Some(gauge) = Gauge::new(model, marker, settings.axis, settings.forward) else {
-        let message = "the deck does not determine the position of this marker".to_string();
+        let message = "the deck does not fix the position of this marker, so the wheel cannot be measured there".to_string();
         let span = settings.marker.span;
         out.push(Diagnostic::error(Code::UnknownTarget, message).label(
             study.source.name(),

@@ -47,7 +47,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
         ("Date", format!("{} UTC", Timestamp::now().date_time())),
         ("Made by", format!("admire {}", folder.manifest.version)),
         (
-            "Time of all cases together",
+            "Total time of all cases",
             format!("{:.1} s", summary.seconds),
         ),
         (

@@ -343,8 +343,7 @@ fn correlations(
             plan,
             PlanWord::Random | PlanWord::LatinHypercube | PlanWord::Sobol
         ) {
-            let message =
-                "this plan does not support correlations: use random, latin-hypercube or sobol";
+            let message = "this plan does not support correlations: use plan = \"random\", \"latin-hypercube\" or \"sobol\"";
             out.wrong(Code::ConflictingArguments, span, message);
             continue;
         }

@@ -94,7 +94,7 @@ fn one(
                 (None, None, None) => Reduction::Last,
                 (Some(word), None, None) => {
                     let Some(at) = Reduction::of_word(word.get_ref()) else {
-                        let message = "`at` is last, first, max, min, mean, range or rms; or write `step = 2` or `time = 0.5`";
+                        let message = "`at` must be last, first, max, min, mean, range or rms; a single step is given by `step = 2` or `time = 0.5`";
                         out.wrong(Code::BadSetting, word.span(), message);
                         return None;
                     };

@@ -345,7 +345,7 @@ impl<'p> Runner<'p> {
                 return Err((Status::NoAnswer, why("a simulation has no result")));
             }
             _ if ending.exit_code(true) != 0 => {
-                return Err((Status::Refused, why("a command is not executed")));
+                return Err((Status::Refused, why("a command was not executed")));
             }
             _ => {}
         }

@@ -66,7 +66,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "\"range\"",
             "\"sum\"",
-            "`at` is last, first",
+            "`at` must be last, first",
             "sweep.toml:56",
         ),
         (
