@@ -7,9 +7,9 @@ admire_study::constants! {
     MAX_FIT_ITERATIONS: usize = 16, "";
     /// Deficit of the predicted log evidence against the leading set, above which a fit stops.
     LEAD_FAR_NATS: f64 = 50.0, "nats";
-    /// Deficit against the leading set above which a fit stops once little is left to gain.
+    /// Deficit against the leading set above which a fit stops, even if it gained `LEAD_CLOSE_RISE` times the predicted log evidence.
     LEAD_CLOSE_NATS: f64 = 7.0, "nats";
-    /// Ratio of the largest possible to the predicted gain, once little is left to gain.
+    /// Factor on the predicted gain of a fit, which gives the largest gain in log evidence that is considered possible.
     LEAD_CLOSE_RISE: f64 = 3.0, "";
     /// Deficit of the predicted log evidence against the leading set, above which a fit stops in its first steps.
     LEAD_LOST_NATS: f64 = 200.0, "nats";
