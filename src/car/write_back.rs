@@ -144,7 +144,7 @@ impl WriteBack {
                     self.not_written.push(NotWritten {
                         what: one.because.clone(),
                         why: format!(
-                            "the block of bushing `{usage}` describes the left bushing, whose preload and offset do not follow from those of the right one"
+                            "the block of bushing `{usage}` is for both sides, and the preload and offset of the left bushing do not follow from those of the right one"
                         ),
                     });
                 }

@@ -212,7 +212,7 @@ pub fn identify_as(
     if problem.changes_numbers() {
         return Err(IdentifyError::NotPossible {
             method: Method::Regression.as_str(),
-            needs: "unknowns that are single numbers of the deck, not changes or common factors",
+            needs: "unknowns of form = \"value\", not changes or factors",
         });
     }
     let settings = problem.regression;

@@ -5,7 +5,7 @@ use admire_syntax::{Dataset, Statement};
 
 /// Options of OUTPUT that have no effect here, with descriptions of the output that ADAMS writes for them.
 const OUTPUT: [(&str, &str); 11] = [
-    ("GR521SAV", "a graphics file of an old kind"),
+    ("GR521SAV", "a graphics file in an old format"),
     ("ICSAVE", "a file of the states at every output step"),
     ("MATSAVE", "a file for MATLAB"),
     ("DACSAVE", "a DAC file"),
@@ -54,7 +54,7 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
                     results,
                     Some(option),
                     &said,
-                    Some("DECIMALPLACES sets the number of digits"),
+                    Some("DECIMALPLACES sets the number of digits after the decimal point"),
                 );
             }
         }

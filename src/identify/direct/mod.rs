@@ -97,7 +97,7 @@ pub fn solve(
     }
     if problem.changes_numbers() {
         return Err(not_possible(
-            "unknowns that are single numbers of the deck, not changes or common factors",
+            "unknowns of form = \"value\", not changes or factors",
         ));
     }
     let system = compile(problem.model)?;
