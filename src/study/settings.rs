@@ -447,7 +447,8 @@ impl ChannelSettings {
                     Code::MissingSetting,
                     format!("channel `{}` needs `function`", name.text),
                 )
-                .label(section.file(), name.span, ""),
+                .label(section.file(), name.span, "")
+                .help("give the reading as an ADAMS function, for example function = \"DZ(11)\""),
             );
             return None;
         };

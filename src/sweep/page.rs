@@ -57,14 +57,14 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     ]);
     page.meaning();
     for output in summary.outputs.iter().take(MOST_SHOWN) {
-        page.figures(&main_effects(output)?);
+        page.figures(&main_effects(output, &summary.inputs)?);
     }
     let numbers = match summary.inputs.len() {
         1 => "one number is varied".to_string(),
         count => format!("{count} numbers are varied"),
     };
     page.found(&[(
-        "Tried",
+        "Variants",
         vec![format!(
             "{ok} of {} variants have a result; {numbers}",
             summary.cases
@@ -90,7 +90,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
         page.detail(&output.spread.name);
         let mut figures = vec![histogram(&output.spread)?];
         if k >= MOST_SHOWN {
-            figures.extend(main_effects(output)?);
+            figures.extend(main_effects(output, &summary.inputs)?);
         }
         page.figures(&figures);
         indices(&mut page, output);
@@ -132,12 +132,15 @@ fn short(value: f64, sd: f64) -> String {
 }
 
 /// Draws the main effects on an output, and its values over the parameter with the largest effect.
-fn main_effects(output: &OutputSummary) -> Result<Vec<Figure>, DrawingError> {
+fn main_effects(output: &OutputSummary, inputs: &[Spread]) -> Result<Vec<Figure>, DrawingError> {
     let mut figures: Vec<Figure> = tornado(output).into_iter().collect();
     if let Some(swing) = output.swings.first() {
         let chart = Chart {
             title: format!("{} over {}", output.spread.name, swing.name),
-            x: swing.name.clone(),
+            x: inputs
+                .iter()
+                .find(|own| own.name == swing.name)
+                .map_or_else(|| swing.name.clone(), labelled),
             y: labelled(&output.spread),
             series: vec![Series::new(
                 "variants",
@@ -159,9 +162,9 @@ fn ranges(summary: &Summary) -> Table {
         ("output", Align::Left),
         ("unit", Align::Left),
         ("original deck", Align::Right),
-        ("5 %", Align::Right),
+        ("5 % quantile", Align::Right),
         ("median", Align::Right),
-        ("95 %", Align::Right),
+        ("95 % quantile", Align::Right),
         ("most affected by", Align::Left),
     ]);
     for output in &summary.outputs {
@@ -185,7 +188,8 @@ fn ranges(summary: &Summary) -> Table {
 /// Tabulates all statistics, one row for each column of the results.
 fn spreads<'s>(all: impl Iterator<Item = &'s Spread>) -> Table {
     let heads = [
-        "", "unit", "mean", "sd", "least", "1 %", "5 %", "median", "95 %", "99 %", "most",
+        "quantity", "unit", "mean", "sd", "minimum", "1 %", "5 %", "median", "95 %", "99 %",
+        "maximum",
     ];
     let columns: Vec<(&str, Align)> = heads
         .iter()
@@ -234,7 +238,7 @@ fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
         series: vec![Series::new(&spread.name, SeriesStyle::Line, points)],
         ..Chart::default()
     };
-    Figure::chart(&chart, &format!("{} cases.", spread.count))
+    Figure::chart(&chart, &format!("Number of cases: {}.", spread.count))
 }
 
 /// Draws the linear effect of each parameter on an output, the largest effect first.
@@ -243,7 +247,10 @@ fn tornado(output: &OutputSummary) -> Option<Figure> {
     let bars = output.swings.iter().take(MOST_BARS);
     let bars = Bars {
         title: format!("What affects {}", output.spread.name),
-        x: axis_label("change", output.spread.unit.as_deref().unwrap_or_default()),
+        x: axis_label(
+            "change of the output",
+            output.spread.unit.as_deref().unwrap_or_default(),
+        ),
         rows: bars.map(|s| (s.name.clone(), [s.low, s.high])).collect(),
         level: 0.0,
     };
@@ -261,9 +268,9 @@ fn indices(page: &mut Page, output: &OutputSummary) {
     page.subheading("Sobol indices");
     let mut table = Table::new(&[
         ("number", Align::Left),
-        ("first order", Align::Right),
+        ("first-order index", Align::Right),
         ("std error", Align::Right),
-        ("total", Align::Right),
+        ("total index", Align::Right),
         ("std error", Align::Right),
     ]);
     for index in &output.indices {
