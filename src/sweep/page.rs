@@ -303,5 +303,5 @@ fn effects(page: &mut Page, output: &OutputSummary) {
         table.row(std::iter::once(effect.name.clone()).chain(values.map(six_digits)));
     }
     page.table(&table);
-    page.note("An effect is the change of the output, in its unit, scaled to the whole range of probability of the number. A standard deviation as large as the mean |effect| indicates that the number acts nonlinearly or interacts with others.");
+    page.note("An effect is the change of the output, in its unit, per unit of cumulative probability of the number. A standard deviation as large as the mean |effect| indicates that the number acts nonlinearly or interacts with others.");
 }

@@ -159,8 +159,8 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
         && bias.abs() > 0.02
     {
         remarks.push(format!(
-            "Noise in the measured poses would bias plain weighted least squares. The correction changes {} most, from {:.2} times the \
-             value given here. The remaining bias is of second order in the noise.",
+            "Noise in the measured poses would bias plain weighted least squares. The correction changes {} most: without it, the value is {:.2} \
+             times the value given here. The remaining bias is of second order in the noise.",
             problem.unknowns[k].address,
             libm::exp(bias)
         ));
