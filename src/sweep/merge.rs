@@ -189,7 +189,7 @@ fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
             |row, numbers| -> Result<(), SweepError> {
                 if row.case != next {
                     let message = format!(
-                        "the shard has case {} in place of case {next}; run this shard again",
+                        "shard {shard} has case {} in place of case {next}; run this shard again",
                         row.case
                     );
                     return Err(parquet::errors::ParquetError::General(message).into());
