@@ -27,7 +27,7 @@ pub fn set(file: &PropertyFile, entry: &Entry, text: &str) -> Result<Vec<Edit>, 
         Cell::Number(_) if is_number => Ok(vec![Edit::new(span, text.trim().as_bytes())]),
         Cell::Number(_) => refused(
             Code::BadNumber,
-            format!("{} is a number, it cannot be `{text}`", entry.address),
+            format!("{} is a number and cannot be `{text}`", entry.address),
         ),
         Cell::Text(_) => {
             let typed = text.trim();
@@ -68,7 +68,7 @@ pub fn set(file: &PropertyFile, entry: &Entry, text: &str) -> Result<Vec<Edit>, 
                 refused(
                     Code::WrongType,
                     format!(
-                        "{} is a word without quotes, it cannot be `{new}`",
+                        "{} is a word without quotes and cannot be `{new}`",
                         entry.address
                     ),
                 )
@@ -109,7 +109,7 @@ pub fn set_number(file: &PropertyFile, entry: &Entry, value: f64) -> Result<Vec<
         ),
         Cell::Number(_) if !value.is_finite() => refused(
             Code::BadNumber,
-            format!("{} cannot be {value}", entry.address),
+            format!("{} must be a finite number, not {value}", entry.address),
         ),
         Cell::Number(number) => Ok(vec![Edit::new(
             number.span,

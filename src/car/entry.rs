@@ -205,7 +205,7 @@ pub fn select(file: &PropertyFile, text: &str) -> Result<Vec<Entry>, Diagnostic>
             blocks.dedup();
             blocks.truncate(12);
             format!(
-                "write BLOCK.KEY or BLOCK/ROW.COLUMN; the file has {}",
+                "write BLOCK.KEY or BLOCK/ROW.COLUMN; the blocks of the file are {}",
                 blocks.join(", ")
             )
         },

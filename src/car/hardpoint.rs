@@ -59,7 +59,7 @@ pub(crate) fn read(file: &PropertyFile, out: &mut Vec<Diagnostic>) -> Vec<Hardpo
                 out.push(
                     Diagnostic::warning(
                         Code::MissingArgument,
-                        "the table of hardpoints lacks some of the columns hardpoint_name, symmetry, x_value, y_value, z_value",
+                        "a table of hardpoints needs the columns hardpoint_name, symmetry, x_value, y_value and z_value",
                     )
                     .label(source.name(), block.heading, "its rows are not read"),
                 );
@@ -144,7 +144,7 @@ fn repeated(file: &PropertyFile, all: &[Hardpoint], out: &mut Vec<Diagnostic>) {
         for side in point.symmetry.sides() {
             let key = (point.name.to_ascii_lowercase(), *side);
             if let Some(first) = seen.insert(key, point.row) {
-                let message = format!("{} appears twice", point.full_name(*side));
+                let message = format!("hardpoint {} is defined twice", point.full_name(*side));
                 out.push(
                     Diagnostic::error(Code::DuplicateId, message)
                         .label(file.source().name(), point.row, "")

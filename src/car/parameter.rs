@@ -32,7 +32,7 @@ pub(crate) fn read(file: &PropertyFile, out: &mut Vec<Diagnostic>) -> Vec<Parame
                 out.push(
                     Diagnostic::warning(
                         Code::MissingArgument,
-                        "the table of parameters lacks some of the columns parameter_name, symmetry, type, value",
+                        "a table of parameters needs the columns parameter_name, symmetry, type and value",
                     )
                     .label(source.name(), block.heading, "its rows are not read"),
                 );

@@ -90,9 +90,9 @@ fn bushings(file: &PropertyFile, out: &mut Vec<Diagnostic>) -> Vec<BushingAssemb
             out.push(
                 Diagnostic::warning(
                     Code::MissingArgument,
-                    "the bushing has no USAGE or no SYMMETRY",
+                    "a [BUSHING_ASSEMBLY] needs USAGE and SYMMETRY",
                 )
-                .label(source.name(), block.heading, "it is not read"),
+                .label(source.name(), block.heading, "this bushing is not read"),
             );
             continue;
         };

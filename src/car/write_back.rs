@@ -82,7 +82,9 @@ impl WriteBack {
             if !subsystem.bushings.iter().any(|one| is_there(&one)) {
                 out.not_written.push(NotWritten {
                     what: change.because.clone(),
-                    why: format!("the subsystem has no [BUSHING_ASSEMBLY] `{usage}` on this side"),
+                    why: format!(
+                        "the subsystem has no [BUSHING_ASSEMBLY] `{usage}` for the side of this bushing"
+                    ),
                 });
             }
         }
@@ -142,7 +144,7 @@ impl WriteBack {
                     self.not_written.push(NotWritten {
                         what: one.because.clone(),
                         why: format!(
-                            "the entry of bushing `{usage}` is for both sides, and preload and offset of the left one do not follow from those of the right one"
+                            "the block of bushing `{usage}` is for both sides, and the preload and offset of the left bushing do not follow from those of the right one"
                         ),
                     });
                 }

@@ -311,7 +311,7 @@ impl ProposedMeasurements {
                 return;
             };
             let id = subject.problem.model.markers[marker.0].header.id;
-            let words = ["turn about z", "turn about x", "x", "y", "z"];
+            let words = ["rotation about z", "rotation about x", "x", "y", "z"];
             for ((.., what, _), word) in curves.iter_mut().zip(words) {
                 *what = format!("{word} of MARKER/{id}");
             }

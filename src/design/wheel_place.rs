@@ -56,7 +56,7 @@ impl WheelPlace {
         let part = &model.parts[marker.part.0];
         Some(Self {
             told: format!(
-                "MARKER/{}, where the loads act, its spin axis along y",
+                "MARKER/{}, where the loads act, with the spin axis along y",
                 marker.header.id
             ),
             part: marker.part,

@@ -153,14 +153,14 @@ pub fn diagnose_watched<'a>(
         unexplained.structured = true;
         let acts = 100.0 * (1.0 - selected.none_of_these());
         unexplained.places.push(format!(
-            "a cause acts with a probability of {acts:.0} %, but no single cause is more probable than not"
+            "an effect that is present with a probability of {acts:.0} %, although no single cause is more probable than not"
         ));
     }
     let stand_in = leading.effects.iter().position(|h| !h.is_in_catalogue());
     if let Some(at) = stand_in {
         unexplained.structured = true;
         unexplained.places.push(format!(
-            "{}, where one force of an unknown law explains more than several causes together",
+            "{}, where one force of unknown law explains more than several causes together",
             leading.effects[at].address
         ));
     }
@@ -181,7 +181,7 @@ pub fn diagnose_watched<'a>(
         if confirmed == Some(false) {
             unexplained.structured = true;
             unexplained.places.push(format!(
-                "{} at {}, which is probable but not found without the cases held out",
+                "{} at {}, which is probable, but is not found if the held-out cases are left out of the search",
                 finding.cause, finding.address
             ));
         }
@@ -369,7 +369,7 @@ pub(super) fn tolerances(
             let found = ToleranceFound {
                 sd: libm::exp(ln),
                 usual: size.median,
-                unit: "times as stated",
+                unit: "times the stated noise",
                 strained: true,
             };
             out.insert(name, found);
@@ -420,7 +420,7 @@ fn two_laws_at_one_element(findings: &[Finding], unexplained: &mut Unexplained) 
         if finding.cause.has_rough_law() || other.cause.has_rough_law() {
             unexplained.structured = true;
             unexplained.places.push(format!(
-                "{}, where it takes {} and {} together to follow the readings: its law is a different one",
+                "{}, where only {} and {} together reproduce the readings: the true force law is a different one",
                 finding.address, other.cause, finding.cause
             ));
         }

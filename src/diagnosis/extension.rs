@@ -61,7 +61,7 @@ impl Outcome<'_> {
         }
         if fitted.effects.iter().any(|h| h.memory.is_some()) {
             text.push_str(
-                "! Friction and flow have memory: the unstretched positions of their springs apply only to this sequence of loads.\n",
+                "! Friction and creep depend on the load history: the rest positions of their springs apply only to this sequence of loads.\n",
             );
         }
         for (case, load) in programme.cases.iter().enumerate() {

@@ -131,7 +131,7 @@ impl JointFit {
                 .is_some_and(|test| test.verdict != FitVerdict::Noise)
         {
             fit.remarks.push(format!(
-                "The study states a noise of {declared:.3}; the marks of rigid parts show {estimated:.3}, which is used."
+                "The study states a noise of {declared:.3} per mark coordinate; the marks of rigid parts show {estimated:.3} (in the deck's length unit), which is used."
             ));
         }
         let readings = fit

@@ -33,12 +33,12 @@ impl Outcome<'_> {
     pub fn by_the_study(&mut self, other: &mut dyn Backend) -> Option<String> {
         if let Err(error) = self.compare(other) {
             return Some(format!(
-                "the solver of the study is not compared with the built-in one, which made this diagnosis: {error}"
+                "the solver of the study could not be compared with the built-in solver, which made this diagnosis: {error}"
             ));
         }
         let why = match self.refit(other) {
             Ok(true) => return None,
-            Ok(false) => "the deck with the numbers fitted to it has no equilibrium".to_string(),
+            Ok(false) => "the deck with the refitted numbers has no equilibrium".to_string(),
             Err(error) => error.to_string(),
         };
         Some(format!(

@@ -7,17 +7,17 @@ admire_study::constants! {
     MAX_FIT_ITERATIONS: usize = 16, "";
     /// Deficit of the predicted log evidence against the leading set, above which a fit stops.
     LEAD_FAR_NATS: f64 = 50.0, "nats";
-    /// Deficit against the leading set above which a fit stops once little is left to gain.
+    /// Deficit against the leading set above which a fit stops, even if it gained `LEAD_CLOSE_RISE` times the predicted log evidence.
     LEAD_CLOSE_NATS: f64 = 7.0, "nats";
-    /// Ratio of the largest possible to the predicted gain, once little is left to gain.
+    /// Factor on the predicted gain of a fit, which gives the largest gain in log evidence that is considered possible.
     LEAD_CLOSE_RISE: f64 = 3.0, "";
     /// Deficit of the predicted log evidence against the leading set, above which a fit stops in its first steps.
     LEAD_LOST_NATS: f64 = 200.0, "nats";
-    /// Number of last steps from which the pace of a fit is estimated.
+    /// Number of most recent steps from which the rate of progress of a fit is estimated.
     PACE_STEPS: usize = 3, "";
-    /// Number of steps in which the evidence of a fit must rise.
+    /// Number of steps in which the log evidence of a fit must rise by `STILL_NATS`.
     STILL_STEPS: usize = 4, "";
-    /// Smallest rise of the evidence in these steps.
+    /// Smallest rise of the log evidence in `STILL_STEPS` steps, below which a fit stops.
     STILL_NATS: f64 = 0.2, "nats";
     /// Predicted decrease of the negative log posterior below which a fit takes no further step.
     NEGLIGIBLE_GAIN_NATS: f64 = 0.01, "nats";
@@ -27,7 +27,7 @@ admire_study::constants! {
     /// tried, because growing variance components would hide the wrong minimum.
     WRONG_MINIMUM_RMS_SIGMA: f64 = 1.3, "sigma";
     /// Prior standard deviation of an unknown that is fixed at its bound. It is so small that the readings do not move the unknown.
-    HELD_UNKNOWN_SD: f64 = 1e-6, "1";
+    HELD_UNKNOWN_SD: f64 = 1e-6, "";
     /// Largest change of the logarithm of a stiffness: in a first guess, and in one round of the fit to another solver.
     MAX_LN_STIFFNESS_STEP: f64 = 0.8, "ln";
     /// Maximum number of sweeps in one search. One sweep solves all load cases once. The limit is checked between rounds of the search only,
@@ -37,7 +37,7 @@ admire_study::constants! {
     OTHER_SOLVER_MAX_ROUNDS: usize = 5, "";
     /// Largest change of a stiffness or cause parameter in one round, in standard deviations, at which the fit to another solver ends.
     OTHER_SOLVER_TOLERANCE_SD: f64 = 0.02, "sd";
-    /// Rms difference between two solvers up to which it is negligible, relative to the noise of the marks.
+    /// Rms difference between two solvers up to which the difference is negligible, relative to the noise of the marks.
     NEGLIGIBLE_DIFFERENCE_SIGMA: f64 = 0.1, "sigma";
 
     // ## Candidate effects and first guesses of their parameters: candidate_effect.rs, unknowns.rs, frame.rs, causes
@@ -69,7 +69,7 @@ admire_study::constants! {
 
     /// Largest number of errors of single cases, of loads or of the measuring frame. In a study with more, these errors are left out.
     MAX_CASE_ERRORS: usize = 400, "";
-    /// Largest number of loads under which a mount may yield.
+    /// Largest number of loads for which a compliance of the mount is considered.
     MAX_MOUNT_LOADS: usize = 12, "";
 
     // ## Readings far from the fit: diagnosis_problem.rs, base_fit.rs
@@ -89,7 +89,7 @@ admire_study::constants! {
     /// Rms change of the wheel angles by the effect of a finding, below which the finding is minor.
     MINOR_WHEEL_DEG: f64 = 0.01, "deg";
     /// Largest deficit of a rival explanation against the leading model, in twice the log posterior odds.
-    RIVAL_WINDOW_TWO_NATS: f64 = 6.0, "2 nats";
+    RIVAL_WINDOW_TWO_NATS: f64 = 6.0, "";
     /// Relative half width of an interval above which only its upper bound is stated.
     ONE_SIDED_HALF_WIDTH: f64 = 0.8, "";
     /// Probability up to which a model's variances without tolerances are not computed. The average over the models then uses its variances
@@ -143,7 +143,7 @@ admire_study::constants! {
     RESOLVED_PROBABILITY: f64 = 0.01, "";
     /// Squared distance between the predictions of two sets of effects, up to which the two predictions count as the same.
     EQUIVALENT_DISTANCE: f64 = 1.0, "sigma^2";
-    /// Difference of squared distances below which it is round-off.
+    /// Difference of squared distances below which the difference is round-off.
     ROUND_OFF_DISTANCE: f64 = 1e-6, "sigma^2";
     /// Maximum number of effects in a set.
     MAX_EFFECTS: usize = 12, "";
@@ -161,7 +161,7 @@ admire_study::constants! {
     LAW_GRID_DECADES: f64 = 3.0, "";
     /// Largest limit of a friction law that is scanned, in prior standard deviations.
     LAW_MAX_LIMIT_SD: f64 = 10.0, "sd";
-    /// Number of times that the steps of this grid are halved around its best value.
+    /// Number of times that the steps of the grid of friction laws are halved around the best value.
     LAW_REFINEMENTS: usize = 6, "";
     /// Slip length of a friction law with which a fit starts, as a fraction of the range of the displacement.
     START_SLIP_LENGTH: f64 = 0.1, "of range";

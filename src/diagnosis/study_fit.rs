@@ -63,7 +63,7 @@ pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
         (
             message.to_string(),
             ["solver", "backend"],
-            "leave out the option, or `backend = \"native\"`",
+            "leave out the option, or set backend = \"native\"",
         )
     } else {
         return None;
@@ -76,7 +76,7 @@ pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
 /// Returns the diagnostic for a study without parameters to identify. It is located at the setting `bushings`.
 pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
     let study = &loaded.study;
-    let message = "the study names nothing to identify";
+    let message = "the study names no parameters to identify";
     let help = if loaded.model.bushings.is_empty() {
         "the deck has no BUSHING; name numbers: stiffnesses = [\"SPRINGDAMPER/1.K\"]".to_string()
     } else {
@@ -104,7 +104,7 @@ pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
 pub fn no_wheel() -> Diagnostic {
     let message = "the study names no wheel, and its loads act at no marker";
     Diagnostic::error(Code::MissingSetting, message)
-        .help("name the wheel: a section [wheel] or [kc]")
+        .help("name the marker at the wheel centre in a section [wheel] or [kc]")
 }
 
 /// Estimates the sensor noise that the study does not state, with the backend that solves the study.
@@ -210,7 +210,7 @@ fn fitted_with(
             let most = Tolerances::default().max_iterations;
             let each = |iteration: usize, sweeps: usize, objective: f64| {
                 watch.detail(if sweeps == 0 {
-                    "a start from the direct solution".to_string()
+                    "starting from the direct solution".to_string()
                 } else {
                     let solved = sweeps * cases;
                     format!("half chi-square {objective:.4e}, {solved} equilibria")

@@ -220,9 +220,13 @@ impl Deck<'_> {
             Some(factors) if settings.together && factors.len() == found.len() => factors.clone(),
             Some(factors) => {
                 let message = if settings.together {
-                    format!("{} factors for {} numbers", factors.len(), found.len())
+                    format!(
+                        "`factors` must have one entry per number (factors: {}, numbers: {})",
+                        factors.len(),
+                        found.len()
+                    )
                 } else {
-                    "`factors` applies only to an unknown that sets several numbers: add together = true"
+                    "`factors` applies only to an unknown that changes several numbers together: add together = true"
                         .to_string()
                 };
                 return Err(self.complain(settings.span, Code::BadSetting, message));
@@ -255,7 +259,7 @@ impl Deck<'_> {
             ("mean", settings.mean.is_some()),
         ];
         if let Some((key, _)) = others.iter().find(|(_, is_set)| *is_set) {
-            return Err(refuse(format!("`smooth` excludes `{key}`")));
+            return Err(refuse(format!("`smooth` cannot be combined with `{key}`")));
         }
         if settings.sd.is_none() {
             let message = "`smooth` needs `sd`, the standard deviation of each point".to_string();
@@ -341,7 +345,7 @@ impl Deck<'_> {
                 && address.index.is_some();
             let message = match &partner {
                 None => Some(format!(
-                    "no element is the mirror image of that of {address}"
+                    "the element of {address} has no mirror image in the deck"
                 )),
                 Some(_) if signed => Some(format!(
                     "the sign of {address} on the other side depends on the axes of the markers"
@@ -382,7 +386,7 @@ impl Deck<'_> {
         let marker = marker.filter(|_| axis < 3).ok_or_else(missing)?;
         if settings.form != UnknownForm::Change {
             let message = format!(
-                "{address} is a hardpoint, which can only be displaced: form = \"change\", or alone = true"
+                "{address} is a hardpoint, which can only be displaced: use form = \"change\", or alone = true for this marker alone"
             );
             return Err(self.complain(span, Code::BadSetting, message));
         }
@@ -421,7 +425,7 @@ impl Deck<'_> {
                 }
                 other.clear();
             } else if other.is_empty() {
-                let message = format!("no hardpoint is the mirror image of that of {address}");
+                let message = format!("the hardpoint of {address} has no mirror image in the deck");
                 return Err(self.complain(span, Code::BadSetting, message));
             }
             numbers.extend(self.moved(&other, &turned, &address.to_string(), span)?);
@@ -542,7 +546,7 @@ impl Deck<'_> {
         if let Some([least, most]) = &settings.bounds {
             unknown.bounds = [coordinate(least)?, coordinate(most)?];
             if unknown.bounds[0] >= unknown.bounds[1] {
-                let message = "the lower bound is not below the upper one".to_string();
+                let message = "the lower bound must be below the upper bound".to_string();
                 return Err(self.complain(least.spelled.span, Code::BadSetting, message));
             }
             if !(unknown.bounds[0]..=unknown.bounds[1]).contains(&unknown.start) {

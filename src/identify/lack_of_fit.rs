@@ -340,7 +340,7 @@ impl Tests<'_> {
         {
             let ratio = (whole.0 / whole.1) / (scatter.0 / scatter.1);
             self.out.push(LackOfFitTest::of_pattern(
-                "errors of whole parts against the scatter of their marks".to_string(),
+                "pose errors of the parts against the scatter of their marks".to_string(),
                 distribution.sf(ratio),
             ));
         }

@@ -119,7 +119,7 @@ pub enum IdentifyError {
     #[error("no load case has both an equilibrium and readings{}", .0.as_ref().map_or_else(String::new, |why| format!(": {why}")))]
     NoCases(Option<admire_session::backend::CaseFailure>),
     /// The study selects no parameters to identify.
-    #[error("the study names nothing to identify")]
+    #[error("the study names no parameters to identify")]
     NoUnknowns,
     /// The study lacks an input that the method needs.
     #[error("method `{method}` needs {needs}")]

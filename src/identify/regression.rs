@@ -212,7 +212,7 @@ pub fn identify_as(
     if problem.changes_numbers() {
         return Err(IdentifyError::NotPossible {
             method: Method::Regression.as_str(),
-            needs: "unknowns that are numbers of the deck themselves",
+            needs: "unknowns of form = \"value\", not changes or factors",
         });
     }
     let settings = problem.regression;
@@ -247,7 +247,7 @@ pub fn identify_as(
         let stopped = progress(history.len() - 1, &values, change) == ControlFlow::Break(());
         interrupted = stopped && !converged;
         if interrupted {
-            remarks.push("stopped before the step test was met".to_string());
+            remarks.push("The run was stopped before the step test was met.".to_string());
         }
         if converged || stopped {
             break;
@@ -255,11 +255,14 @@ pub fn identify_as(
         match problem.sweep(backend, &values) {
             Ok(next) if usable(&next) => sweep = next,
             Ok(_) => {
-                remarks.push("no load case has an equilibrium any more".to_string());
+                remarks.push(
+                    "The run ended because no load case has an equilibrium with the next values."
+                        .to_string(),
+                );
                 break;
             }
             Err(error) => {
-                remarks.push(format!("the solver failed: {error}"));
+                remarks.push(format!("The run ended because the solver failed: {error}."));
                 break;
             }
         }
@@ -387,8 +390,8 @@ fn stagnation(
         if remaining.abs() > 3.0 * settings.epsilon {
             let rate = prediction.rate[k].unwrap_or(0.0);
             remarks.push(format!(
-                "the step test of equation 17 was met while {} still changes: its steps shrink only by a factor of {rate:.3}, so a \
-                 further change by a factor of about {:.2} is to be expected",
+                "The step test of equation 17 was met while {} still changes. The steps shrink only by a factor of {rate:.3}, so a \
+                 further change by a factor of about {:.2} is to be expected.",
                 unknown.address,
                 libm::exp(remaining)
             ));
@@ -402,7 +405,7 @@ fn unreachable(problem: &Problem<'_>, sweep: &Sweep) -> Vec<String> {
     let mut remarks = Vec::new();
     for (case, outcome) in problem.programme.cases.iter().zip(&sweep.cases) {
         if let Err(failure) = outcome {
-            remarks.push(format!("load case {} is left out: {failure}", case.label));
+            remarks.push(format!("Load case {} is left out: {failure}.", case.label));
         }
     }
     remarks

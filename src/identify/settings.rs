@@ -80,13 +80,13 @@ admire_study::constants! {
     OUTLIER_FALSE_ALARM: f64 = 1e-3, "";
     /// Distance from a stated bound at which an identified parameter counts as being at the bound. It is a fraction of the distance between
     /// the bounds, or of one unit of the coordinate if that is smaller.
-    AT_BOUND_SHARE: f64 = 1e-6, "1";
+    AT_BOUND_SHARE: f64 = 1e-6, "";
     /// Relative difference up to which an unknown and an error of the axle change the deck in the same direction. It allows for round-off
     /// in the axes of markers.
-    SAME_CHANGE_ROUND_OFF: f64 = 1e-9, "1";
+    SAME_CHANGE_ROUND_OFF: f64 = 1e-9, "";
     /// Smallest standard deviation for which a point of a SPLINE gets a separate unknown, as a fraction of the stated standard deviation.
     /// It is the part that the smooth change at the other points leaves open. No reading resolves a thousandth.
-    SMALLEST_SMOOTH_SHARE: f64 = 1e-3, "1";
+    SMALLEST_SMOOTH_SHARE: f64 = 1e-3, "";
     /// Distance of ln K from its prior mean at which an identified parameter K counts as being at a bound.
     BOUND_LN_DISTANCE: f64 = 14.0, "ln";
     /// Difference between the direct solution and the fit above which a remark is made, in standard deviations of the direct solution.

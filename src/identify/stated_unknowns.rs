@@ -67,14 +67,18 @@ fn of_table(
     }?;
     let what = match &unknown.assignment {
         _ if unknown.bounds.is_some() => "has bounds",
-        Assignment::Change { .. } => "is sought as a change",
+        Assignment::Change { .. } => "is identified as a change",
         Assignment::Factor(_) => "is a factor of several numbers",
         Assignment::Equal(_) => return Ok(unknown),
     };
     if study.identify.method != Method::GaussNewton {
+        let method = study.identify.method.as_str();
         return Err((
-            format!("{} {what}", own.name),
-            "only method = \"gauss-newton\" supports this",
+            format!(
+                "{} {what}, which method = \"{method}\" does not support",
+                own.name
+            ),
+            "use method = \"gauss-newton\"",
         ));
     }
     Ok(unknown)
@@ -94,7 +98,7 @@ fn change(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'static
     }
     if sd <= 0.0 {
         return Err((
-            format!("{} may not change: its `sd` is 0", own.name),
+            format!("{} cannot change, because its `sd` is 0", own.name),
             "sd = \"3 mm\" says by how much the number may differ from the deck",
         ));
     }
@@ -128,8 +132,11 @@ fn logarithm(own: &DeckUnknown, model: &Model) -> Result<Unknown, (String, &'sta
     let is_value = own.form == UnknownForm::Value;
     if is_value && own.numbers.iter().any(|number| number.factor != 1.0) {
         return Err((
-            format!("the numbers of {} have factors", own.name),
-            "numbers with one common value cannot have factors; form = \"factor\" keeps the ratios of the deck",
+            format!(
+                "{} has factors, which form = \"value\" does not allow",
+                own.name
+            ),
+            "form = \"value\" gives all numbers one value; form = \"factor\" keeps the ratios of the deck",
         ));
     }
     let is_equal = own

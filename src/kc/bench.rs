@@ -19,6 +19,7 @@ use admire_solver::statics::{Balance, Probe};
 use admire_solver::system::{State, StickSlipState};
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::files::Files;
+use admire_syntax::units::Units;
 use admire_syntax::{Address, Dataset};
 
 /// Solved state of the axle.
@@ -157,6 +158,11 @@ impl<'a> Bench<'a> {
             }
         }
         worst
+    }
+
+    /// Returns the units of the deck.
+    pub(crate) fn units(&self) -> &'a Units {
+        &self.model.units
     }
 
     /// Returns the configuration.

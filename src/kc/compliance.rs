@@ -101,7 +101,7 @@ impl Compliance {
             "moves freely along"
         };
         Some(format!(
-            "the {} wheel {verb} ({:.3}, {:.3}, {:.3}) in X rearward, Y right, Z up",
+            "the {} wheel {verb} ({:.3}, {:.3}, {:.3}) (axes: X rearward, Y right, Z up)",
             side.word(),
             axis.x,
             axis.y,

@@ -299,7 +299,7 @@ fn out_of_bounds(
         } else if (least, most) == share {
             "a share from 0 to 1".to_string()
         } else {
-            format!("{least} to {most} in the deck's length unit")
+            format!("from {least} to {most} in the deck's length unit")
         };
         let message = format!("`{name}` must be {must}, not {value}");
         wrong.push((place_of(source, name), message));
@@ -349,7 +349,7 @@ impl Config {
             },
         };
         if let (None, Some(axes)) = (&frame, &file.deck.axes) {
-            let message = "`deck.axes` must be right-handed axes of a vehicle, such as [\"rearward\", \"right\", \"up\"]";
+            let message = "`deck.axes` must be a right-handed set of vehicle axes, such as [\"rearward\", \"right\", \"up\"]";
             wrong(axes.span(), message.to_string());
         }
         for (place, message) in out_of_bounds(&file, source, length) {
@@ -367,7 +367,7 @@ impl Config {
             let message = if count == 0 {
                 "`wheels.left` or `wheels.right` is missing"
             } else {
-                "`wheels.mirror` is for decks with one wheel"
+                "`wheels.mirror` applies only to a deck with one wheel"
             };
             wrong(0..0, message.to_string());
         }
@@ -410,7 +410,7 @@ impl Config {
                 {
                     wrong(
                         range.span(),
-                        "a range must be [low, high] with low below high, and must contain 0"
+                        "`range` must be [low, high] with low below high, and must contain 0"
                             .to_string(),
                     );
                 }
@@ -418,10 +418,7 @@ impl Config {
             if let Some(points) = table.points {
                 settings.points = *points.get_ref();
                 if !(3..=2001).contains(&settings.points) {
-                    wrong(
-                        points.span(),
-                        "a test must have 3 to 2001 points".to_string(),
-                    );
+                    wrong(points.span(), "`points` must be from 3 to 2001".to_string());
                 }
             }
             if let Some(window) = table.window {
@@ -429,7 +426,7 @@ impl Config {
                 if !(settings.window > 0.0 && settings.window.is_finite()) {
                     wrong(
                         window.span(),
-                        "a window must be a number above 0".to_string(),
+                        "`window` must be a number above 0".to_string(),
                     );
                 }
             }
@@ -439,7 +436,7 @@ impl Config {
             if kind == TestKind::Bounce && settings.hold == Hold::Load {
                 wrong(
                     0..0,
-                    "test `bounce` drives the heights, so hold = \"load\" is not possible"
+                    "test `bounce` drives the wheel heights, so hold = \"load\" is not possible"
                         .to_string(),
                 );
             }

@@ -40,7 +40,7 @@ impl Bench<'_> {
         let warning = |(name, value, (least, most)): (&str, Option<f64>, (f64, f64))| {
             let value = value.filter(|value| !(least..=most).contains(&(value / track)))?;
             let message = format!(
-                "`{name}` = {value} is {:.3} times the deck's track of {track:.0}; usual ratios are {least} to {most}",
+                "`{name}` = {value} is {:.3} times the track of {track:.0} (both in the deck's length unit); usual ratios are {least} to {most}",
                 value / track
             );
             let span = Span::from(place_of(&config.source, name));

@@ -114,7 +114,7 @@ fn marker_of(
         config.complain(
             at,
             Code::WrongType,
-            format!("`{}` is not a marker", at.text),
+            format!("the deck has no marker `{}`", at.text),
         )
     })
 }
@@ -175,14 +175,16 @@ fn find(
         let other = marker_of(config, &wheel.spin, deck)?;
         if model.markers[other.0].part != part {
             let message = format!(
-                "`{}` is not on the part of the wheel centre",
+                "`{}` is not on the same part as the wheel centre",
                 wheel.spin.text
             );
             return Err(config.complain(&wheel.spin, Code::WrongType, message));
         }
         let between = at_design(model, other).p - pose.p;
         between.try_normalize(1e-9).ok_or_else(|| {
-            let message = "a spin axis needs two different points".to_string();
+            let message =
+                "the spin axis needs two different points, but `spin` lies at the wheel centre"
+                    .to_string();
             config.complain(&wheel.spin, Code::WrongType, message)
         })?
     };
@@ -331,7 +333,7 @@ pub(crate) fn rigged(
         let address = Address::parse(&at.text, &dataset).map_err(complain)?;
         if matches!(address.kind.as_str(), "PART" | "MARKER" | "POINT_MASS") {
             let message =
-                format!("{address} is not a load, motion or joint, so it cannot be left out");
+                format!("{address} cannot be left out: only loads, motions and joints can");
             return Err(config.complain(at, Code::WrongType, message));
         }
         let edits = dataset.remove(&address).map_err(complain)?;

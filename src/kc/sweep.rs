@@ -289,9 +289,13 @@ const HEAVE: Drive = Drive {
 
 impl Course<'_> {
     /// Describes the test and the value of its variable in words, for error messages.
-    fn at(&self, value: f64) -> String {
+    fn at(&self, value: f64, units: &Units) -> String {
+        let unit = match self.kind.driven() {
+            Driven::Steering => String::new(),
+            _ => format!(" {}", self.kind.unit(units)),
+        };
         format!(
-            "test {}, {} {value}",
+            "test {}, {} {value}{unit}",
             self.kind.name(),
             self.kind.variable()
         )
@@ -347,7 +351,7 @@ impl Course<'_> {
             return Ok(self.inputs(value));
         }
         let least = NONE * self.config.tyre.map_or(100.0, |tyre| tyre.radius);
-        let at = self.at(value);
+        let at = self.at(value, bench.units());
         for _ in 0..ROUNDS {
             let mut trial = chain.clone();
             let inputs = self.inputs(value);
@@ -431,7 +435,7 @@ impl Course<'_> {
         chain: &mut WarmStart,
         (value, tangents): (f64, bool),
     ) -> Result<(Inputs, Observed), BenchError> {
-        let at = self.at(value);
+        let at = self.at(value, bench.units());
         let inputs = self.placed(bench, chain, value)?;
         let drive = if tangents {
             Some(self.direction(bench, chain, &inputs, &at)?)
@@ -462,7 +466,12 @@ fn settle_loop(
     for _ in 0..LOOPS {
         for &value in &way[..way.len() - 1] {
             let inputs = course.placed(bench, chain, value)?;
-            bench.settle(course.variant, chain, &inputs, &course.at(value))?;
+            bench.settle(
+                course.variant,
+                chain,
+                &inputs,
+                &course.at(value, bench.units()),
+            )?;
         }
         let (_, Observed { seen, .. }) = course.observe(bench, chain, (grid[0], false))?;
         let closes = before.is_some_and(|before| {
@@ -512,7 +521,12 @@ fn test(
     let grid = grid(&settings);
     for value in way_down(&settings, &grid) {
         let inputs = course.placed(bench, &chain, value)?;
-        bench.settle(course.variant, &mut chain, &inputs, &course.at(value))?;
+        bench.settle(
+            course.variant,
+            &mut chain,
+            &inputs,
+            &course.at(value, bench.units()),
+        )?;
         each();
     }
     let rubs = centre.friction.is_some();

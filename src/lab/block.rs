@@ -108,7 +108,7 @@ pub fn blocks(
         let extra = line.iter().skip(block.headings.len());
         if extra.clone().any(|cell| !cell.text.is_empty()) {
             let message = format!(
-                "the row has {} cells, the headings name {} columns",
+                "the row has {} cells, but there are only {} headings",
                 line.iter().filter(|cell| !cell.text.is_empty()).count(),
                 block.headings.len()
             );

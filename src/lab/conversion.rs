@@ -108,7 +108,8 @@ fn contradiction(
     };
     let (stated_size, own_size) = (Quantity::of_unit(stated), Quantity::of_unit(own));
     if own_size.is_some() && stated_size.is_some() && own_size != stated_size {
-        let message = format!("the heading states `{own}`, the mapping `{stated}`");
+        let message =
+            format!("the heading states the unit `{own}`, but the mapping states `{stated}`");
         let wrong = sheets[block.sheet].error(Code::WrongUnits, message, heading.span);
         out.push(wrong.help("remove `unit` from the mapping if the heading is right"));
     }
@@ -149,26 +150,22 @@ impl RowReader<'_> {
         }
         for (_, count, cell) in bad {
             let unclear = self.sheet.is_unclear(&cell);
-            let more = if count > 1 {
-                format!(", nor do {} further cells of this column", count - 1)
-            } else {
-                String::new()
+            let more = match count {
+                0 | 1 => String::new(),
+                2 => ", nor is one more cell of this column".to_string(),
+                _ => format!(", nor are {} more cells of this column", count - 1),
             };
             let (message, help) = if unclear {
                 (
                     format!(
-                        "`{}` may be thousands or a decimal point: other numbers of this file have decimal commas",
+                        "`{}` is ambiguous: its point may separate thousands or decimals, because other numbers of this file have decimal commas",
                         cell.text
                     ),
                     "state the decimal mark in the mapping, below `[file]`: decimal = \",\" or decimal = \".\"",
                 )
             } else {
                 (
-                    format!(
-                        "`{}` is not a number{}",
-                        cell.text,
-                        more.replace("nor do", "nor are")
-                    ),
+                    format!("`{}` is not a number{more}", cell.text),
                     "leave a cell empty where nothing was measured",
                 )
             };

@@ -97,7 +97,7 @@ impl CurveTable {
         }
         let series = joined(found.series);
         if series.iter().all(|series| series.rows.is_empty()) {
-            let message = "the file has no rows of a test";
+            let message = "the file contains no rows of a K&C test";
             let place = sheets.first().map(|sheet| sheet.source.name());
             let wrong = Diagnostic::error(Code::MissingColumn, message);
             out.push(match place {
@@ -404,9 +404,9 @@ fn study_lines(
         .map(|head| format!("\"{head}\" = \"?\""))
         .collect();
     let remark = if loads.is_empty() {
-        "# no column of the table is a load: `load` in the mapping names one"
+        "# the mapping names no load: add load = \"NAME\" to the column of each load"
     } else {
-        "# FILL IN what each load drives in the deck"
+        "# FILL IN the force or motion of the deck that each load drives"
     };
     let mut text = format!(
         "[loads]\nfile = \"FILE\"\n{remark}\ncolumns = {{ {} }}\n[kc]\nfile = \"FILE\"\n[kc.curves]\n",

@@ -243,7 +243,7 @@ fn column(
     let is = out.choice(own.is.as_ref(), "is", &Target::words(), Target::named);
     if own.is.is_none() && own.load.is_none() {
         let message = format!("the column `{}` needs `is` or `load`", name.get_ref());
-        let help = format!("is = one of {}", Target::words().join(", "));
+        let help = format!("the values of `is` are {}", Target::words().join(", "));
         out.wrong(table.span(), message, help);
     }
     let load_sign = out.choice(
@@ -281,7 +281,11 @@ fn column(
         if good && quantity == Some(Quantity::Angle) {
             return Some(*over.get_ref());
         }
-        let message = "`over_mm` must be a length above 0, and applies only to angles".to_string();
+        let message = if quantity == Some(Quantity::Angle) {
+            "`over_mm` must be a length above 0, in mm".to_string()
+        } else {
+            "`over_mm` applies only to angles".to_string()
+        };
         let help = "the length over which the laboratory measured, such as the diameter of the rim";
         out.wrong(over.span(), message, help.to_string());
         None
@@ -294,7 +298,11 @@ fn column(
     if let (Some(unit), Some(quantity)) = (&own.unit, measured)
         && quantity.factor(unit.get_ref()).is_none()
     {
-        let message = format!("`{}` is not a unit of `{}`", unit.get_ref(), name.get_ref());
+        let message = format!(
+            "`{}` is not a unit of the column `{}`",
+            unit.get_ref(),
+            name.get_ref()
+        );
         out.wrong(unit.span(), message, quantity.described().to_string());
     }
     Column {

@@ -45,7 +45,7 @@ impl Missing {
                 }
                 _ => String::new(),
             },
-            Self::LoadSign => "load_sign: + if the deck and the laboratory use the same sign for this load, else -".to_string(),
+            Self::LoadSign => "load_sign: + if the deck and the laboratory use the same sign for this load, otherwise -".to_string(),
         }
     }
 

@@ -259,7 +259,11 @@ impl OpenPoint {
             Self::Twice { block, at, entries } => {
                 let of = |k: usize| &blocks[*block].headings[at[k]].written;
                 let is = mapping.columns[entries[0]].is.map_or("", Target::word);
-                format!("both `{}` and `{}` could be {is}: 1 or 2?", of(0), of(1))
+                format!(
+                    "`{}` (1) and `{}` (2) could both be {is}: which one is it, 1 or 2?",
+                    of(0),
+                    of(1)
+                )
             }
             Self::Test { word, .. } => {
                 let names = TestKind::ALL.map(TestKind::name).join(", ");
@@ -401,8 +405,8 @@ pub fn complaints(
             found.push(complaint.help(help));
         }
     }
-    let mut tests = Diagnostic::error(Code::UnclearColumn, "which tests these are is not clear");
-    let mut sides = Diagnostic::error(Code::UnclearColumn, "which sides these are is not clear");
+    let mut tests = Diagnostic::error(Code::UnclearColumn, "the tests of these rows are not clear");
+    let mut sides = Diagnostic::error(Code::UnclearColumn, "the sides of these rows are not clear");
     let (mut test_lines, mut side_lines) = (Vec::new(), Vec::new());
     for point in open {
         match point {
@@ -413,7 +417,10 @@ pub fn complaints(
                 let wrong = Diagnostic::error(Code::UnclearColumn, message);
                 let wrong = wrong.label(name(*block), of(0), "this one");
                 let wrong = wrong.label(name(*block), of(1), "and this one");
-                found.push(wrong.help("keep one of their lines in the mapping, below `[columns]`"));
+                found
+                    .push(wrong.help(
+                        "keep only one of the two columns in the mapping, below `[columns]`",
+                    ));
             }
             OpenPoint::Test { block, cell, .. } => {
                 let heading = blocks[*block].headings.first().map(|heading| heading.span);

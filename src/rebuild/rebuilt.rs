@@ -77,7 +77,7 @@ pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     }
     if !found.bare.is_empty() {
         let bare = names(&found.bare, &|k| record.bodies[k].name.clone());
-        let message = format!("no force of the file acts on {bare}");
+        let message = format!("no force in the file acts on {bare}");
         let help = "write results without NOREACTIONFORCES and NOAPPLIEDFORCES in RESULTS";
         diagnostics.push(located(
             Diagnostic::warning(Code::MissingColumn, message).help(help),
@@ -85,7 +85,7 @@ pub fn rebuild(paths: &[&Path], tests: &[&Path]) -> Checked<Option<Rebuilt>> {
     }
     if !found.is_balanced() {
         let message = format!(
-            "the moments of the parts balance only to a lever of {:.1e} {}: a force is missing or acts elsewhere",
+            "the moments on the parts balance only to a lever arm of {:.1e} {}: a force is missing or acts at another point",
             found.lever_left, record.units.length.word
         );
         diagnostics.push(located(Diagnostic::warning(Code::MissingColumn, message)));

@@ -336,7 +336,10 @@ impl Table {
         }
         diagnostics.extend(reader.diagnostics().iter().cloned());
         if other > 0 {
-            let message = format!("{other} steps that are not equilibria are left out");
+            let message = match other {
+                1 => "one step that is not an equilibrium is left out".to_string(),
+                _ => format!("{other} steps that are not equilibria are left out"),
+            };
             diagnostics.push(*located(Diagnostic::note(Code::MissingColumn, message)));
         }
         table.complete().map_err(located)?;

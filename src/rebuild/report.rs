@@ -18,10 +18,10 @@ pub(crate) fn report(
 ) -> String {
     let units = &record.units;
     let length = units.length.word;
-    let mut text = "# Rebuilt deck\n\n## How well it reproduces the results\n\n".to_string();
+    let mut text = "# Rebuilt deck\n\n## Agreement with the results\n\n".to_string();
     let _ = writeln!(
         text,
-        "| results | states | largest distance of a part ({length}) | largest rotation (rad) |\n|---|---|---|---|"
+        "| results | states | largest position error of a part ({length}) | largest rotation error of a part (rad) |\n|---|---|---|---|"
     );
     for run in &record.runs {
         let turned = repeat.turns_rad[run.states.clone()]
@@ -42,11 +42,11 @@ pub(crate) fn report(
     }
     let _ = writeln!(
         text,
-        "\nLargest part: {}. The moments of all parts are balanced to a lever of {:.1e} {length}.",
+        "\nPart with the largest error: {}. The moments on all parts are balanced to a lever arm of {:.1e} {length}.",
         record.bodies[repeat.worst].name, mechanism.lever_left
     );
     if let Some(error) = &repeat.error {
-        let _ = writeln!(text, "The solver says: {error}");
+        let _ = writeln!(text, "Message of the solver: {error}");
     }
     parts(record, mechanism, deck, &mut text);
     connections(record, mechanism, deck, &mut text);
@@ -71,7 +71,7 @@ fn parts(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String)
     let units = &record.units;
     let _ = writeln!(
         text,
-        "\n## Parts\n\n| part | id | mass ({}) | centre of mass on the part ({}) | centre |\n|---|---|---|---|---|",
+        "\n## Parts\n\n| part | id | mass ({}) | centre of mass on the part ({}) | the centre of mass is |\n|---|---|---|---|---|",
         units.mass.word, units.length.word
     );
     for (k, body) in record.bodies.iter().enumerate().skip(1) {
@@ -97,8 +97,8 @@ fn parts(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String)
 fn connections(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String) {
     let _ = writeln!(
         text,
-        "\n## Connections\n\nPoints are hardpoints: places at the design position, in ground axes ({}).\n\n\
-         | element | in the deck | kind | I part | J part | point | place |\n|---|---|---|---|---|---|---|",
+        "\n## Connections\n\nPoints are given at the design position, in ground axes ({}).\n\n\
+         | element | address in the deck | kind | I part | J part | point | the point is |\n|---|---|---|---|---|---|---|",
         record.units.length.word
     );
     for (k, member) in mechanism.members.iter().enumerate() {
@@ -131,7 +131,7 @@ fn laws(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String) 
     let per = |dimension: Dimension| short_unit(&units.name(dimension));
     let _ = writeln!(
         text,
-        "\n## Laws\n\nStiffness in {} and {}; deflections in {} and rad, in J axes.\n\n\
+        "\n## Force laws\n\nStiffness in {} and {}; deflections in {} and rad, in J axes.\n\n\
          | element | axis | law | preload | stiffness | deflection from | to |\n|---|---|---|---|---|---|---|",
         per(Dimension::new(1, 0, -1, 0, 0)),
         per(Dimension::TORQUE),
@@ -200,12 +200,12 @@ fn laws(record: &Record, mechanism: &Mechanism, deck: &Deck, text: &mut String) 
 fn unknown(record: &Record, mechanism: &Mechanism, text: &mut String) {
     *text += "\n## What the results do not determine\n\n\
         - Moments of inertia: all parts have the same default value.\n\
-        - Damping: none.\n\
-        - Laws beyond the range of deflections (last two columns of the laws): curves continue linearly.\n";
+        - Damping: the deck has none.\n\
+        - Force laws beyond the range of deflections (last two columns of the table of force laws): curves continue linearly.\n";
     if mechanism.down == Vec3::zeros() {
         *text += "- Gravity: the results show no weight of any part, so the deck has no gravity.\n";
     } else {
-        *text += "- Gravity: masses are weights over standard gravity, 9.80665 m/s^2.\n";
+        *text += "- Gravity: masses are weights divided by standard gravity, 9.80665 m/s^2.\n";
     }
     if !record.has_design {
         *text += "- The design position: the file does not contain it, and the first state is used instead.\n";

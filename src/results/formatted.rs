@@ -89,7 +89,7 @@ impl FormattedResults {
             "FILE TYPE AND SOURCE" => {
                 let first = line(0).map_or("", |(_, line)| ascii(line));
                 if !first.starts_with("ADAMS RESULTS FILE") {
-                    let message = "not an ADAMS results file".to_string();
+                    let message = "this is not an ADAMS results file".to_string();
                     return Err((Code::MalformedResults, message, block.span));
                 }
                 self.unit_code = first.get(25..37).unwrap_or_default().trim().to_string();
@@ -111,7 +111,7 @@ impl FormattedResults {
                 });
                 if count != Some(0) {
                     let message = format!(
-                        "`{}` of the formatted results file is not known and was left out",
+                        "the block `{}` of the formatted results file is unknown and was left out",
                         label.escape_debug()
                     );
                     return Err((Code::UnsupportedResults, message, block.span));
@@ -137,21 +137,21 @@ impl FormattedResults {
             let (Some(numbers), true) = (numbers, displacements.len() < block.lines.len()) else {
                 return Err((
                     Code::BadNumber,
-                    "not the numbers of a part".to_string(),
+                    "this line does not contain the numbers of a part".to_string(),
                     span,
                 ));
             };
             let (Some(&id), Some(&record)) = (numbers.first(), numbers.get(1)) else {
                 return Err((
                     Code::WrongCount,
-                    "a part needs its id and record".to_string(),
+                    "this line lacks the id or the record number of the part".to_string(),
                     span,
                 ));
             };
             let Some(at) = usize::try_from(record).ok().filter(|&record| record >= 5) else {
                 return Err((
                     Code::OutOfRange,
-                    "records of parts begin at 5".to_string(),
+                    "the record number of a part must be at least 5".to_string(),
                     span,
                 ));
             };
@@ -188,7 +188,7 @@ impl FormattedResults {
         let (_, time) = record(1)?;
         let number = |span: Span, word: Option<&str>| {
             word.and_then(|word| word.parse::<f64>().ok())
-                .ok_or_else(|| (Code::BadNumber, "not a number".to_string(), span))
+                .ok_or_else(|| (Code::BadNumber, "this is not a number".to_string(), span))
         };
         let mut step = FormattedStep {
             kind: ascii(head)
@@ -207,7 +207,7 @@ impl FormattedResults {
                 *value = number(span, fields.next())?;
             }
             let Some([psi, theta, phi]) = psi_theta_phi([q[3], q[4], q[5], q[6]]) else {
-                let message = "Euler parameters without length".to_string();
+                let message = "the Euler parameters of the part are all zero".to_string();
                 return Err((Code::OutOfRange, message, span));
             };
             step.displacements.push([q[0], q[1], q[2], psi, theta, phi]);
@@ -265,7 +265,7 @@ fn next_block<'a>(
         .get(40..)
         .and_then(|count| count.trim().parse::<usize>().ok());
     let Some(count) = count else {
-        let message = "not the label of a block with its number of lines".to_string();
+        let message = "this line is not a block label with a number of lines".to_string();
         return Err((Code::MalformedResults, message, span));
     };
     let mut block = Block {
@@ -275,12 +275,12 @@ fn next_block<'a>(
     };
     for at in 1..=count {
         let Some((line_span, line)) = rest.next() else {
-            let message = "the file ends inside a block; the whole steps before were read";
+            let message = "the file ends inside a block; the complete steps before it were read";
             return Err((Code::TruncatedResults, message.to_string(), span));
         };
         if (line == b"!") != (at == count) {
             let message = format!(
-                "`{}` does not have the number of lines that it states",
+                "the block `{}` does not have the number of lines that its label states",
                 block.label.escape_debug()
             );
             return Err((Code::MalformedResults, message, line_span));

@@ -143,7 +143,7 @@ impl<W: Write> GraphicsWriter<W> {
     ) -> io::Result<()> {
         if (poses.len(), forces.len()) != (self.parts, self.forces) {
             let message = format!(
-                "{} poses for {} parts, {} loads for {} forces",
+                "the frame has {} poses for {} parts and {} loads for {} forces",
                 poses.len(),
                 self.parts,
                 forces.len(),

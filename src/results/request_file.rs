@@ -85,7 +85,11 @@ impl<W: Write> RequestWriter<W> {
     /// Returns `InvalidInput` if `values` does not have one entry for each request. Returns another error if the output cannot be written.
     pub fn step(&mut self, time: f64, values: &[[f64; 6]]) -> io::Result<()> {
         if values.len() != self.requests {
-            let message = format!("{} values for {} requests", values.len(), self.requests);
+            let message = format!(
+                "the output time has values for {} requests, but the file has {}",
+                values.len(),
+                self.requests
+            );
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         let mut text = line_of(&[time]).into_bytes();
@@ -155,7 +159,7 @@ impl RequestFile {
         if !first.starts_with(b"A.R3") {
             return Err(RequestFault {
                 code: Code::UnsupportedResults,
-                message: "not a request file of format A.R3".to_string(),
+                message: "this is not a request file of format A.R3".to_string(),
                 span,
             });
         }
@@ -216,11 +220,11 @@ impl RequestFile {
                 return Ok(Some(lines.cut_off(self.times.len())));
             }
             lengths.push(line.len());
-            let found =
-                numbers(line).ok_or_else(|| malformed("a line that is not numbers", span))?;
+            let found = numbers(line)
+                .ok_or_else(|| malformed("this line must contain only numbers", span))?;
             values.extend(found);
             if values.len() > wanted {
-                let message = "more values in an output time than the requests have";
+                let message = "an output time has more values than the requests";
                 return Err(malformed(message, span));
             }
             if values.len() == wanted {
@@ -297,7 +301,9 @@ impl<'a> Lines<'a> {
     fn cut_off(&self, times: usize) -> RequestFault {
         RequestFault {
             code: Code::TruncatedResults,
-            message: format!("the file ends too early; {times} whole output times were read"),
+            message: format!(
+                "the file ends too early; the number of complete output times is {times}"
+            ),
             span: Span::at(self.bytes.len()),
         }
     }

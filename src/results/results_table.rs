@@ -41,7 +41,10 @@ impl ResultsTable {
     pub(crate) fn push(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
         let columns = self.catalogue.len();
         if values.len() != columns {
-            let message = format!("{} values for {columns} columns", values.len());
+            let message = format!(
+                "the step has {} values, but the file has {columns} columns",
+                values.len()
+            );
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         if let Some(at) = values.iter().position(|value| !value.is_finite()) {

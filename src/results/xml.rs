@@ -13,15 +13,15 @@ const CHUNK: usize = 1 << 16;
 /// Reason why XML input is rejected.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub(super) enum Refusal {
-    #[error("a document type or entity declaration; no results file has one")]
+    #[error("a results file cannot have a document type or entity declaration")]
     Declaration,
-    #[error("a CDATA section; no results file has one")]
+    #[error("a results file cannot have a CDATA section")]
     CharacterData,
-    #[error("a reference to an entity that XML does not predefine")]
+    #[error("this entity reference is not predefined in XML")]
     Entity,
-    #[error("text longer than any results file has in one piece")]
+    #[error("this text is longer than any text of a results file")]
     TooLong,
-    #[error("a tag that cannot be read")]
+    #[error("this tag cannot be read")]
     Tag,
 }
 

@@ -157,7 +157,7 @@ impl<R: Read> XrfReader<R> {
                     "StepMap" | "Entity" | "Component" => {
                         return Err(self.refuse(
                             Code::UnsupportedResults,
-                            "a second map of columns; only files with one are known",
+                            "this is a second StepMap; only results files with one StepMap are supported",
                         ));
                     }
                     _ => {}
@@ -171,7 +171,7 @@ impl<R: Read> XrfReader<R> {
         self.done = true;
         let at = self.scanner.offset() as usize;
         let message = format!(
-            "the file ends too early; {} whole steps were read",
+            "the file ends too early; the number of complete steps is {}",
             self.steps
         );
         self.diagnostics.push(
@@ -192,7 +192,7 @@ impl<R: Read> XrfReader<R> {
         {
             let at = Span::at(self.scanner.offset() as usize);
             let message = format!(
-                "steps of type `{}` are read, their meaning is not known",
+                "steps of the unknown type `{}` are read",
                 text.escape_debug()
             );
             self.diagnostics.push(
@@ -217,7 +217,7 @@ impl<R: Read> XrfReader<R> {
             Found::Refused(_) => {
                 return Err(self.refuse(
                     Code::WrongCount,
-                    "a step longer than the columns of the file can make it",
+                    "this step is too long for the number of columns of the file",
                 ));
             }
         };
@@ -227,7 +227,7 @@ impl<R: Read> XrfReader<R> {
             Found::Yes(text) => {
                 if count != self.columns {
                     let message = format!(
-                        "step {} has {count} values, the file has {} columns",
+                        "step {} has {count} values, but the file has {} columns",
                         self.steps + 1,
                         self.columns
                     );
@@ -243,7 +243,7 @@ impl<R: Read> XrfReader<R> {
             Found::EndOfFile => Ok(None),
             Found::Refused(_) => Err(self.refuse(
                 Code::MalformedResults,
-                "a step holds something that is not a number",
+                "this step contains a value that is not a number",
             )),
         }
     }
@@ -278,9 +278,9 @@ impl<R: Read> XrfReader<R> {
             return Ok(());
         }
         let message = if formatted {
-            "a formatted (ASCII) results file, not XRF"
+            "this is a formatted (ASCII) results file, not an XRF file"
         } else {
-            "not an XRF results file: it does not begin with XML"
+            "this is not an XRF results file: it does not begin with XML"
         };
         Err(self.refuse(Code::UnsupportedResults, message))
     }
@@ -299,7 +299,7 @@ impl<R: Read> XrfReader<R> {
             Tag::Close { name } => {
                 let name = String::from_utf8_lossy(self.scanner.bytes(name)).into_owned();
                 if self.depth == 0 {
-                    let message = format!("`</{}>` closes nothing", name.escape_debug());
+                    let message = format!("`</{}>` has no opening tag", name.escape_debug());
                     return Err(self.refuse(Code::MalformedResults, message));
                 }
                 self.depth -= 1;
@@ -315,7 +315,7 @@ impl<R: Read> XrfReader<R> {
                     .map_err(|refusal| self.refuse_xml(refusal))?;
                 self.depth += usize::from(!empty);
                 if self.depth > DEEPEST {
-                    let message = format!("elements nested deeper than {DEEPEST}");
+                    let message = format!("elements are nested more than {DEEPEST} levels deep");
                     return Err(self.refuse(Code::MalformedResults, message));
                 }
                 Ok(Event::Open {
@@ -354,7 +354,10 @@ impl<R: Read> XrfReader<R> {
                 } => (name, attributes, empty),
             };
             if !root && name != "Results" {
-                let message = format!("the root is `{}`, not `Results`", name.escape_debug());
+                let message = format!(
+                    "the root element is `{}`, not `Results`",
+                    name.escape_debug()
+                );
                 return Err(self.refuse(Code::UnsupportedResults, message));
             }
             root = true;
@@ -465,7 +468,7 @@ impl<R: Read> XrfReader<R> {
         let Some(id) = id else {
             return Err(self.refuse(
                 Code::MalformedResults,
-                "a component without an id that could be the position of a value",
+                "this component has no id that can be the position of a value",
             ));
         };
         let component = Component {
@@ -477,7 +480,10 @@ impl<R: Read> XrfReader<R> {
         match self.catalogue.entities.last_mut() {
             Some(entity) => entity.components.push(component),
             None => {
-                return Err(self.refuse(Code::MalformedResults, "a component outside of entities"));
+                return Err(self.refuse(
+                    Code::MalformedResults,
+                    "this component does not belong to an entity",
+                ));
             }
         }
         Ok(())
@@ -497,7 +503,10 @@ impl<R: Read> XrfReader<R> {
         let nameless = named.iter().filter(|&&named| !named).count();
         if nameless > 0 {
             let at = Span::at(self.scanner.offset() as usize);
-            let message = format!("{nameless} of {} columns have no name", self.columns);
+            let message = format!(
+                "the number of columns without a name is {nameless} of {}",
+                self.columns
+            );
             self.diagnostics
                 .push(Diagnostic::warning(Code::MalformedResults, message).label(
                     self.file.clone(),

@@ -78,7 +78,11 @@ impl<W: Write> XrfWriter<W> {
     /// in this case. Returns another error if the output cannot be written.
     pub fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
         if values.len() != self.groups.len() {
-            let message = format!("{} values for {} columns", values.len(), self.groups.len());
+            let message = format!(
+                "the step has {} values, but the file has {} columns",
+                values.len(),
+                self.groups.len()
+            );
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         if let Some(at) = values.iter().position(|value| !value.is_finite()) {

@@ -76,7 +76,7 @@ impl Scatter {
                 return Err(Diagnostic::error(
                     Code::BadEffect,
                     format!(
-                        "there are fewer readings than the {} outliers",
+                        "the number of readings is smaller than the number of outliers, {}",
                         self.outliers
                     ),
                 ));
@@ -101,7 +101,7 @@ impl Scatter {
 fn refuse(item: &str) -> Diagnostic {
     Diagnostic::error(
         Code::BadEffect,
-        format!("`{item}` is not a setting of the scatter of the marks"),
+        format!("`{item}` is not a setting of the mark scatter"),
     )
     .help("for example tails=3,outliers=6,outlier_size=2,declared=0.5")
 }

@@ -215,7 +215,7 @@ fn refuse(item: &str) -> Diagnostic {
         .map(|(name, _)| *name)
         .collect();
     Diagnostic::error(Code::BadEffect, format!("`{item}` is not a tolerance")).help(format!(
-        "for example hardpoints=0.3,load_gain=0.005; there are {}",
+        "for example hardpoints=0.3,load_gain=0.005; the tolerances are {}",
         names.join(", ")
     ))
 }

@@ -209,7 +209,7 @@ fn at_rest(
         let solved = sweeper.solve(&system, &parameters, number, None);
         let state = solved.map_err(|error| {
             let message = format!(
-                "the rig finds no equilibrium in load case {}: {error}",
+                "the virtual rig finds no equilibrium in load case {}: {error}",
                 case.label
             );
             vec![Diagnostic::error(Code::UnreachableCase, message)]

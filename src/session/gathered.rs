@@ -68,12 +68,12 @@ fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
         .collect();
     let left = others.len() - named.len();
     let and = if left > 0 {
-        format!(" and {left} others")
+        format!(" and {left} more")
     } else {
         String::new()
     };
     let text = format!(
-        "; the same holds for {} more: {}{and}",
+        "; the same applies to {} more: {}{and}",
         others.len(),
         named.join(", ")
     );

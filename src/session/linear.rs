@@ -48,7 +48,7 @@ impl Session<'_> {
         }
         let system = &self.model().compiled().value.system;
         if let Some(owner) = system.driven_by_states().cloned() {
-            let message = format!("{owner} reads dynamic states, and is not linearised");
+            let message = format!("{owner} reads dynamic states and cannot be linearised");
             let refusal = Diagnostic::error(Code::NotSolvedNatively, message);
             return self.refused(refusal.about(owner.object()), Some(place));
         }
@@ -109,7 +109,7 @@ impl Session<'_> {
     ) -> Flow {
         let diagnostic = Diagnostic::error(
             Code::NoMotion,
-            format!("the equations are not linearised at time {time}: {reason}"),
+            format!("the equations cannot be linearised at time {time}: {reason}"),
         );
         self.complain(&Some(place).label(diagnostic));
         self.simulation_failed()
@@ -173,7 +173,7 @@ impl Session<'_> {
         if let Some(&input) = inputs.iter().find(|&&input| system.constrains(input)) {
             let owner = system.variables[input].name.clone();
             let message =
-                format!("{owner} is an input that a constraint reads, which is not linearised");
+                format!("a constraint reads the input {owner}, so the model cannot be linearised");
             let refusal = Diagnostic::error(Code::NotSolvedNatively, message);
             return self.refused(refusal.about(owner.object()), Some(place));
         }

@@ -160,7 +160,7 @@ impl Loaded {
             *end = Some(marker);
         }
         let [Some(i), j, rm] = ends else {
-            return wrong(Code::MissingArgument, "INFO needs its I marker", help);
+            return wrong(Code::MissingArgument, "INFO needs an I marker", help);
         };
         let kinds: [(
             &str,
@@ -181,7 +181,7 @@ impl Loaded {
         ];
         let asked: Vec<_> = kinds.iter().filter(|(word, _)| command.has(word)).collect();
         if asked.is_empty() {
-            let message = "INFO does not state a quantity";
+            let message = "INFO names no quantity";
             let help = "give DISPLACEMENT, VELOCITY, ACCELERATION or FORCE";
             return wrong(Code::MissingArgument, message, help);
         }

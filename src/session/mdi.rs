@@ -11,7 +11,7 @@ use super::launcher::{Launch, LaunchInput};
 use super::run_state::Session;
 
 const HELP: &str = "\
-mdi: solves ADAMS datasets for static equilibrium, with ADAMS' own command line
+mdi: solves ADAMS datasets (statics and motion), with the command line of ADAMS
 
   mdi -c ru-standard i run.acf exit     executes the command file run.acf
   mdi ru-s b run.acf                    the same

@@ -363,7 +363,7 @@ impl<'a> Messages<'a> {
         if !given.is_empty() {
             let given = given.join(", ");
             self.say(&format!(
-                "   ADMIRE: without effect in {statement}: {given}\n"
+                "   ADMIRE: options without effect in {statement}: {given}\n"
             ));
         }
     }

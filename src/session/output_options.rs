@@ -5,7 +5,7 @@ use admire_syntax::{Dataset, Statement};
 
 /// Options of OUTPUT that have no effect here, with descriptions of the output that ADAMS writes for them.
 const OUTPUT: [(&str, &str); 11] = [
-    ("GR521SAV", "a graphics file of an old kind"),
+    ("GR521SAV", "a graphics file in an old format"),
     ("ICSAVE", "a file of the states at every output step"),
     ("MATSAVE", "a file for MATLAB"),
     ("DACSAVE", "a DAC file"),
@@ -49,12 +49,12 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
     if let Some(results) = dataset.statement("RESULTS", None) {
         for option in DIGITS {
             if results.has(option) {
-                let said = format!("RESULTS/{option} is ignored: all digits are written");
+                let said = format!("RESULTS/{option} is ignored: numbers are not shortened");
                 warn(
                     results,
                     Some(option),
                     &said,
-                    Some("DECIMALPLACES says how many digits are written"),
+                    Some("DECIMALPLACES sets the number of digits after the decimal point"),
                 );
             }
         }
@@ -73,8 +73,8 @@ pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
         warn(
             results,
             option,
-            &format!("without XRF the results file of ADAMS is {kind}; here it is XML anyway"),
-            Some("with RESULTS/XRF, ADAMS and admire write the same columns in XML"),
+            &format!("without XRF, ADAMS writes a {kind} results file; admire writes XML"),
+            Some("with RESULTS/XRF, ADAMS writes the same columns in XML"),
         );
     }
     found

@@ -66,7 +66,10 @@ pub fn find_file(
 pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
     Diagnostic::warning(
         Code::FileNameCase,
-        format!("`{written}` is found as `{}`", found.display()),
+        format!(
+            "`{written}` is read from `{}`, whose name differs in case",
+            found.display()
+        ),
     )
     .help("some systems distinguish upper and lower case in file names")
 }
@@ -101,10 +104,7 @@ fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
                     names.join(", ")
                 ),
             );
-            (
-                None,
-                refusal.help("write the path of the one that is meant"),
-            )
+            (None, refusal.help("write the path of the intended file"))
         }
     };
     Checked {

@@ -346,7 +346,7 @@ impl<'a> Session<'a> {
                     return self.misunderstood(
                         Diagnostic::error(
                             Code::MissingArgument,
-                            "FILE names no MODEL and no COMMAND",
+                            "FILE has neither MODEL nor COMMAND",
                         ),
                         place,
                     );
@@ -371,7 +371,7 @@ impl<'a> Session<'a> {
             "CONTROL" => self.refused(
                 Diagnostic::error(
                     Code::CommandNotSupported,
-                    "only ADAMS itself executes this command; it is left out",
+                    "this command is not supported and is skipped; only ADAMS itself executes it",
                 ),
                 place,
             ),
@@ -458,7 +458,10 @@ impl<'a> Session<'a> {
         if errors > 0 {
             self.messages.frame(
                 "ERROR",
-                &format!("The model has {errors} errors and cannot be simulated."),
+                &match errors {
+                    1 => "The model has an error and cannot be simulated.".to_string(),
+                    _ => format!("The model has {errors} errors and cannot be simulated."),
+                },
             );
             return Err(Stop::Model);
         }

@@ -282,7 +282,7 @@ impl Placed {
         if self.poses.len() != state.poses.len() {
             return Err(Diagnostic::error(
                 Code::CannotRead,
-                "the saved state is that of another model",
+                "the saved state belongs to another model",
             ));
         }
         state.time = self.time;

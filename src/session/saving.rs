@@ -26,7 +26,7 @@ impl Session<'_> {
         }
         let Some(name) = command.text("FILE", source) else {
             let nameless =
-                Diagnostic::error(Code::MissingArgument, "SAVE names no FILE and no BUFFER");
+                Diagnostic::error(Code::MissingArgument, "SAVE has neither FILE nor BUFFER");
             return self.misunderstood(nameless, place);
         };
         if let Some(diagnostic) = with_a_comma("SAVE", &name) {
@@ -110,7 +110,7 @@ impl Session<'_> {
         let Some(name) = command.text("FILE", source) else {
             return Err(Diagnostic::error(
                 Code::MissingArgument,
-                "RELOAD names no FILE and no BUFFER",
+                "RELOAD has neither FILE nor BUFFER",
             ));
         };
         if let Some(diagnostic) = with_a_comma("RELOAD", &name) {
@@ -175,7 +175,7 @@ impl Session<'_> {
 fn with_a_comma(command: &str, name: &str) -> Option<Diagnostic> {
     let (_, rest) = name.split_once(',')?;
     let message = format!(
-        "a file name must not contain a comma, and `{}` is not an argument of {command}",
+        "`{}` is not an argument of {command}, and a file name cannot contain a comma",
         rest.trim()
     );
     Some(Diagnostic::error(Code::UnknownArgument, message))

@@ -137,10 +137,7 @@ impl Analysis {
         Err(at(
             source,
             command.span,
-            Diagnostic::error(
-                Code::MissingArgument,
-                "SIMULATE does not say which analysis",
-            ),
+            Diagnostic::error(Code::MissingArgument, "SIMULATE names no analysis"),
         )
         .help("for example SIMULATE/STATICS"))
     }
@@ -150,7 +147,7 @@ impl Analysis {
 pub(super) fn too_many(dt: f64) -> Diagnostic {
     Diagnostic::error(
         Code::LimitExceeded,
-        format!("DT of a sensor asks for an output every {dt}, which gives too many output steps"),
+        format!("DT = {dt} of a sensor gives too many output steps"),
     )
 }
 
@@ -197,16 +194,13 @@ fn output_times(command: &Statement, source: &Source, now: f64) -> Result<Output
     let (count, interval, span) = match (given("STEPS"), given("DTOUT")) {
         (Some((steps, span)), None) => {
             if steps < 1.0 {
-                return wrong(span, format!("{steps} is not a number of steps"));
+                return wrong(span, format!("STEPS must be at least 1, not {steps}"));
             }
             (steps.floor(), None, span)
         }
         (None, Some((interval, span))) => {
             if !(interval > 0.0 && interval.is_finite()) {
-                return wrong(
-                    span,
-                    format!("an output interval of {interval} gives no output"),
-                );
+                return wrong(span, format!("DTOUT must be above zero, not {interval}"));
             }
             // The tolerance absorbs round-off if the interval divides the span exactly.
             let count = ((end - now) / interval - 1e-9).ceil().max(1.0);

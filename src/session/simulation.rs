@@ -263,7 +263,7 @@ impl Session<'_> {
         }
         if was_free.unwrap_or_default() != free && !free.is_empty() {
             let text = format!(
-                "Nothing, or next to nothing, resists these motions; they stay where they are:\n  {}",
+                "Little or no stiffness resists these motions; they keep their present position:\n  {}",
                 free.join("\n  ")
             );
             self.messages.frame("WARNING", &text);
@@ -287,7 +287,7 @@ impl Session<'_> {
             .extend(far.iter().map(|far| far.part.clone()));
         if !lines.is_empty() {
             let text = format!(
-                "In the static solution at time {time}\n  {}\nThis may not be the intended equilibrium.",
+                "In the static solution at time {time}\n  {}\nCheck whether this is the intended equilibrium.",
                 lines.join("\n  ")
             );
             self.messages.frame("WARNING", &text);
@@ -298,7 +298,7 @@ impl Session<'_> {
     /// model stays unstable.
     fn warn_if_unstable(&mut self) {
         let loaded = self.model();
-        let time = loaded.time();
+        let (time, units) = (loaded.time(), loaded.model.units);
         let CompiledModel {
             system,
             parameters,
@@ -321,8 +321,9 @@ impl Session<'_> {
         }
         let stiffness = exponent(softest.stiffness, 4);
         loaded.said_unstable.push(part);
+        let unit = units.name(Dimension::new(1, 0, -1, 0, 0));
         let text = format!(
-            "The equilibrium at time {time} is UNSTABLE.\nAfter the slightest disturbance {motion}.\nThe smallest stiffness is {stiffness} force per length."
+            "The equilibrium at time {time} is UNSTABLE.\nAfter the slightest disturbance {motion}.\nThe smallest stiffness is {stiffness} {unit}."
         );
         self.messages.frame("WARNING", &text);
     }

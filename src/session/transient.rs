@@ -122,7 +122,7 @@ impl Session<'_> {
             largest.filter(|hmax| (times.end - times.start) / hmax > MOST_INNER_STEPS)
         {
             let message = format!(
-                "HMAX = {hmax:e} takes more than {MOST_INNER_STEPS:e} steps to time {}",
+                "HMAX = {hmax:e} needs more than {MOST_INNER_STEPS:e} steps to reach time {}",
                 times.end
             );
             let refused =
@@ -433,7 +433,7 @@ impl Session<'_> {
     fn tell_slow(&mut self, integrator: &Integrator<'_>, since: f64) {
         let (step, why) = (integrator.step(), integrator.governed_by());
         self.messages.say(&format!(
-            "\n   ADMIRE: {MANY_STEPS} steps since time {since} without an output, the next of {step:.1e}: {why}.\n   If that is a stiff and light part, more damping or a larger ERROR allows longer steps.\n\n"
+            "\n   ADMIRE: {MANY_STEPS} steps since time {since} without an output; the next step is {step:.1e} long: {why}.\n   If a stiff and light part is the cause, more damping or a larger ERROR allows longer steps.\n\n"
         ));
         self.messages.flush();
     }

@@ -134,7 +134,7 @@ impl Available {
                         .map(|(name, _)| name.text.clone())
                         .collect();
                     if !all.iter().any(|name| name == column) {
-                        return Err(unknown("column of loads", column, &all));
+                        return Err(unknown("load column", column, &all));
                     }
                     self.loads.insert(column.to_string(), range);
                 } else {
@@ -175,7 +175,7 @@ fn elements(model: &Model) -> Vec<String> {
 }
 
 fn unknown(what: &str, name: &str, known: &[String]) -> Diagnostic {
-    let message = format!("there is no {what} `{name}` for `plan.available`");
+    let message = format!("`plan.available` names the unknown {what} `{name}`");
     let wrong = Diagnostic::error(Code::UnknownTarget, message);
     if known.is_empty() {
         wrong
@@ -185,8 +185,8 @@ fn unknown(what: &str, name: &str, known: &[String]) -> Diagnostic {
 }
 
 fn no_entry(text: &str) -> Diagnostic {
-    let message = format!("`{text}` is not an entry for `plan.available`");
+    let message = format!("`{text}` is not an entry of `plan.available`");
     Diagnostic::error(Code::BadSetting, message).help(
-        "it lists `loads`, `load COLUMN from LOW to HIGH`, `repeats`, `marks`, `marks on PART`, `wheel`, `load cells`, `load cell in BUSHING/1`",
+        "the possible entries are `loads`, `load COLUMN from LOW to HIGH`, `repeats`, `marks`, `marks on PART`, `wheel`, `load cells`, `load cell in BUSHING/1`",
     )
 }

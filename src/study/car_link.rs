@@ -158,7 +158,7 @@ impl CarLink {
                 (_, None) => wrong(
                     name,
                     format!(
-                        "the subsystem has no hardpoint `{}`; their names begin with hpl_, hpr_ or hps_",
+                        "the subsystem has no hardpoint `{}`; names of hardpoints begin with hpl_, hpr_ or hps_",
                         name.text
                     ),
                 ),
@@ -187,7 +187,7 @@ impl CarLink {
                 (_, None) => wrong(
                     name,
                     format!(
-                        "the subsystem has no bushing `{}`; their names begin with bkl_, bkr_ or bks_",
+                        "the subsystem has no bushing `{}`; names of bushings begin with bkl_, bkr_ or bks_",
                         name.text
                     ),
                 ),

@@ -53,7 +53,7 @@ impl Measurement {
 pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mut Vec<Diagnostic>) {
     if let Some(marks) = &study.marks {
         units(to, marks, model, out);
-        layouts(to, marks, out);
+        layouts(to, marks, model.units.length.word, out);
         noise(to, marks, out);
         swapped(to, marks, model, out);
         missing(to, marks, model, out);
@@ -66,9 +66,9 @@ pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mu
         out.push(
             Diagnostic::error(
                 Code::MissingMarks,
-                "the study holds no reading that can be used",
+                "the study contains no reading that can be used",
             )
-            .help("give [marks], [kc], a measured [wheel] or [readings]"),
+            .help("add a section [marks], [kc] or [readings], or `measured` in [wheel]"),
         );
     }
 }
@@ -231,7 +231,8 @@ fn distance(to: &Measurement, part: usize, pose: &Pose, factor: f64) -> f64 {
     median(&mut distances).unwrap_or(f64::INFINITY)
 }
 
-fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
+/// Warns of parts whose marks lie on one line. `unit` is the length unit of the deck.
+fn layouts(to: &Measurement, marks: &MarkFiles, unit: &str, out: &mut Vec<Diagnostic>) {
     for marked in &to.parts {
         let points: Vec<Vec3> = marked.marks.iter().map(|mark| mark.p).collect();
         if points.len() < 3 {
@@ -240,14 +241,14 @@ fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
         let [length, lateral, _] = extents(&points);
         let message = if lateral <= LEAST_SPREAD * length {
             format!(
-                "the marks of {} lie on one line ({lateral:.3} wide over {length:.1} long, rms): rotation about this line is not \
-                 determined, and no pose is computed from them",
+                "the marks of {} lie on one line (rms width {lateral:.3} {unit}, rms length {length:.1} {unit}): the rotation about this line is \
+                 not determined, and no pose is computed from these marks",
                 marked.name
             )
         } else if lateral <= POOR_SPREAD * length {
             format!(
-                "the marks of {} lie almost on one line ({lateral:.2} wide over {length:.1} long, rms): rotation about this line is \
-                 poorly known",
+                "the marks of {} lie almost on one line (rms width {lateral:.2} {unit}, rms length {length:.1} {unit}): the rotation about this \
+                 line is poorly determined",
                 marked.name
             )
         } else {
@@ -300,14 +301,14 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
         out.push(
             Diagnostic::warning(
                 Code::MissingSetting,
-                "the noise of the marks cannot be estimated from them; 0.05 in the deck's length unit is assumed",
+                "the noise of the marks cannot be estimated from the readings; a standard deviation of 0.05 in the deck's length unit is assumed",
             )
             .label(
                 marks.measured.source.name(),
                 marks.measured.header_span(),
                 "",
             )
-            .help("give `marks.sigma`"),
+            .help("state the standard deviation of a coordinate in `marks.sigma`"),
         );
     }
 }
@@ -359,7 +360,7 @@ fn swapped(to: &mut Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec
                     Diagnostic::warning(
                         Code::InconsistentMarks,
                         format!(
-                            "the marks of {part_name} in case {label} do not fit a rigid part: {rms:.3} {length} rms against a noise of {:.3} {length}",
+                            "the marks of {part_name} in case {label} do not fit a rigid part: the rms residual is {rms:.3} {length}, the noise {:.3} {length}",
                             variance.sqrt()
                         ),
                     )
@@ -481,7 +482,7 @@ fn missing(to: &Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Dia
             out.push(
                 Diagnostic::warning(Code::MissingMarks, message)
                     .label(file, header, "")
-                    .help("fits of marks and wheel still use the marks that were read"),
+                    .help("a fit still uses the marks that were read"),
             );
         }
         if !partly.is_empty() {

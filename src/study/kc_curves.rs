@@ -203,7 +203,7 @@ impl KcSettings {
             own.finish(out);
         }
         let Some(marker) = marker else {
-            section.wrong("marker", section.span(), "given: the wheel's marker", out);
+            section.missing_marker(out);
             return None;
         };
         Some(Self {

@@ -56,14 +56,14 @@ pub(super) fn kc_readings(
     }
     if label.is_none() && table.rows().len() != to.cases.len() && !table.rows().is_empty() {
         let message = format!(
-            "{} rows without a column `case`, but {} load cases",
+            "the number of rows ({}) differs from the number of load cases ({}), and there is no column `case`",
             table.rows().len(),
             to.cases.len()
         );
         out.push(
             Diagnostic::error(Code::MissingColumn, message)
                 .label(table.source.name(), table.header_span(), "the header line")
-                .help("one row for each load case in their order, or a column `case` with their labels"),
+                .help("write one row per load case in the order of the load cases, or add a column `case` with their labels"),
         );
         return;
     }
@@ -134,7 +134,7 @@ fn channel(
         out,
     )?;
     let Some(gauge) = Gauge::new(model, marker, settings.axis, settings.forward) else {
-        let message = "the deck does not determine the position of this marker".to_string();
+        let message = "the deck does not fix the position of this marker, so the wheel cannot be measured there".to_string();
         let span = settings.marker.span;
         out.push(Diagnostic::error(Code::UnknownTarget, message).label(
             study.source.name(),
@@ -149,13 +149,13 @@ fn channel(
     let at = column(table, curve);
     if at.is_none() && !table.header().is_empty() {
         let asked = curve.column.as_ref().unwrap_or(&curve.name);
-        let message = format!("the file of the rig has no column for `{}`", asked.text);
+        let message = format!("the K&C file has no column for `{}`", asked.text);
         out.push(
             Diagnostic::error(Code::MissingColumn, message)
                 .label(study.source.name(), asked.span, "")
                 .label(table.source.name(), table.header_span(), "the header line")
                 .help(format!(
-                    "{}; name it: `{} = {{ column = \"...\" }}`, or remove it from [kc.curves]",
+                    "{}; state the column as `{} = {{ column = \"...\" }}`, or remove the curve from [kc.curves]",
                     did_you_mean(&asked.text, "the header line", &table.header()),
                     curve.name.text
                 )),
@@ -178,11 +178,11 @@ fn channel(
         Some(Some(factor)) => factor * millimetre,
         Some(None) => {
             let what = if angle {
-                "angle: deg, min, rad, mrad"
+                "an angle: write deg, min, rad or mrad"
             } else {
-                "length: mm, cm, m, in"
+                "a length: write mm, cm, m or in"
             };
-            let message = format!("`{}` is not a unit of an {what}", unit.unwrap_or_default());
+            let message = format!("`{}` is not a unit of {what}", unit.unwrap_or_default());
             let place = curve.unit.as_ref().unwrap_or(&curve.name).span;
             out.push(Diagnostic::error(Code::BadSetting, message).label(
                 study.source.name(),
@@ -246,7 +246,7 @@ fn zero(
 ) -> Option<Reference> {
     let found = to.case(&label.text).map(Reference::Case);
     if found.is_none() {
-        let message = format!("the load cases have no case `{}`", label.text);
+        let message = format!("there is no load case `{}`", label.text);
         out.push(
             Diagnostic::error(Code::UnknownCase, message)
                 .label(study.source.name(), label.span, "")

@@ -193,7 +193,7 @@ pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
             text,
             "\n[wheels.{side}]\n\
              centre = \"MARKER/{}\"              # looks like the wheel centre, on {part}; CHECK that it is on the wheel carrier, which does not spin\n\
-             spin = \"{}\"                         # its axis along the spin axis\n\
+             spin = \"{}\"                         # axis of this marker along the spin axis\n\
              # steer_axis = [\"MARKER/..\", \"MARKER/..\"]  # lower and upper ball joint, for caster, kingpin, scrub and trail",
             marker.header.id,
             spin_axis(model, *at),

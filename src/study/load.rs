@@ -23,7 +23,7 @@ pub fn programme(
         let found = Address::parse(&target.text, dataset).ok();
         let Some(target) = found.filter(|address| exists(address, dataset)) else {
             let help = suggestion(&target.text, dataset);
-            let message = format!("a load cannot drive `{}` in this deck", target.text);
+            let message = format!("the deck has no `{}` that a load can drive", target.text);
             out.push(
                 Diagnostic::error(Code::UnknownTarget, message)
                     .label(study.source.name(), target.span, "")
@@ -72,7 +72,11 @@ fn suggestion(text: &str, dataset: &Dataset) -> String {
     if driven.is_empty() {
         return format!("for example {example}");
     }
-    let meant = did_you_mean(text, "of statements with a FUNCTION the deck", &driven);
+    let meant = did_you_mean(
+        text,
+        "among its statements with a FUNCTION, the deck",
+        &driven,
+    );
     format!("{meant}; a load is for example {example}")
 }
 

@@ -260,11 +260,11 @@ impl Grouped {
         entry.1 += 1;
     }
 
-    /// Appends one diagnostic per group to `out`, with the number of further occurrences.
+    /// Appends one diagnostic per group to `out`, with the number of occurrences if there are several.
     pub(crate) fn finish(self, out: &mut Vec<Diagnostic>) {
         for (mut diagnostic, count) in self.0.into_values() {
             if count > 1 {
-                diagnostic.message += &format!(" (and {} more)", count - 1);
+                diagnostic.message += &format!(" (in {count} places)");
             }
             out.push(diagnostic);
         }

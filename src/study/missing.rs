@@ -42,25 +42,25 @@ pub fn missing(study: &Study) -> Vec<String> {
     if let Some(marks) = &study.marks {
         empty(
             &marks.on_parts,
-            "where each mark sits on its part, three or more a part",
+            "position of each mark on its part, at least three marks per part",
         );
-        empty(&marks.measured, "where each mark was in each load case");
+        empty(&marks.measured, "position of each mark in each load case");
     }
     if let Some((_, Some(wheel))) = &study.wheel {
-        empty(wheel, "place and angles of the wheel in each load case");
+        empty(wheel, "position and angles of the wheel in each load case");
     }
     if let Some((readings, _)) = &study.readings {
-        empty(readings, "what each channel read in each load case");
+        empty(readings, "reading of each channel in each load case");
     }
     if let Some((_, curves)) = &study.kc {
-        empty(curves, "what the rig read of the wheel in each load case");
+        empty(curves, "readings of the rig at the wheel in each load case");
     }
     if let Some(summary) = &study.kc_summary {
-        empty(summary, "gradients and widths of loops, one a row");
+        empty(summary, "gradients and loop widths, one per row");
     }
     if !study.is_measured() {
         steps.push(format!(
-            "{toml}: nothing is measured; give [marks], [kc], a measured [wheel] or [readings]"
+            "{toml}: nothing is measured; add a section [marks], [kc] or [readings], or `measured` in [wheel]"
         ));
     }
     // A diagnosis needs no parameters to identify, so this step is listed only together with other steps.

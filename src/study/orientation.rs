@@ -32,11 +32,11 @@ pub struct Orientation {
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum OrientationError {
     /// Fewer than three marks.
-    #[error("{0} marks, at least three are needed")]
+    #[error("at least three marks are needed; the number of marks is {0}")]
     TooFew(usize),
     /// All marks lie on one line, or nearly so.
     #[error(
-        "the marks lie on one line: {lateral:.3} wide over {length:.3} long (rms), so the rotation about it is not determined"
+        "the marks lie on one line (rms width {lateral:.3}, rms length {length:.3}, in the unit of the marks), so the rotation about this line is not determined"
     )]
     Collinear {
         /// Rms extent of the marks across their common line.

@@ -211,7 +211,11 @@ fn remember(hash: &str, what: &str) -> io::Result<()> {
     if remembered().lines().any(|line| line.starts_with(hash)) {
         return Ok(());
     }
-    let file = file().ok_or_else(|| io::Error::other("there is no folder for settings"))?;
+    let file = file().ok_or_else(|| {
+        io::Error::other(
+            "no folder for settings is known: set XDG_CONFIG_HOME or HOME (on Windows APPDATA)",
+        )
+    })?;
     if let Some(folder) = file.parent() {
         std::fs::create_dir_all(folder)?;
     }

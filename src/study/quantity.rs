@@ -69,7 +69,7 @@ impl Quantity {
                 format!("a unit like `{wanted}`")
             };
             return Err(complain(format!(
-                "`{}` has a different dimension: the number in the deck has {wanted}",
+                "`{}` has the wrong dimension: the number in the deck has {wanted}",
                 self.unit
             )));
         }

@@ -93,8 +93,11 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
         let place = table.row_span(row);
         let Some(label) = label_of(table, row, label, number) else {
             out.push(
-                Diagnostic::error(Code::BadReading, "a load case without a label")
-                    .label(file, place, ""),
+                Diagnostic::error(
+                    Code::BadReading,
+                    "this load case has no label in the column `case`",
+                )
+                .label(file, place, ""),
             );
             continue;
         };
@@ -110,7 +113,11 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
                 out.push(
                     Diagnostic::error(
                         Code::BadReading,
-                        format!("load case `{}` has no number here", label.text),
+                        format!(
+                            "load case `{}` has no number in the column `{}`",
+                            label.text,
+                            table.header_cells()[column].text
+                        ),
                     )
                     .label(file, at, ""),
                 );
@@ -189,7 +196,8 @@ fn resolve_part(
             let names = model.parts.iter().map(|part| part.header.name.as_str());
             match nearest(&cell.text, names) {
                 Some(name) => diagnostic.help(format!("did you mean `{name}`?")),
-                None => diagnostic.help("a part is an id (4), an address (PART/4) or a view name"),
+                None => diagnostic
+                    .help("name a part by its id (4), its address (PART/4) or its Adams/View name"),
             }
         });
     }
@@ -264,8 +272,11 @@ fn mark_readings(
         let cells = [case, part, mark].map(|column| table.cell(row, column));
         let [Some(case), Some(part), Some(mark)] = cells else {
             out.push(
-                Diagnostic::warning(Code::BadReading, "a reading without case, part or mark")
-                    .label(file, table.row_span(row), ""),
+                Diagnostic::warning(
+                    Code::BadReading,
+                    "a reading without case, part or mark is left out",
+                )
+                .label(file, table.row_span(row), ""),
             );
             continue;
         };
@@ -374,7 +385,7 @@ fn channel_readings(
                 out.push(
                     Diagnostic::error(
                         Code::UnknownCase,
-                        format!("the load cases have no case `{}`", label.text),
+                        format!("there is no load case `{}`", label.text),
                     )
                     .label(study.source.name(), label.span, "")
                     .help(did_you_mean(
@@ -452,7 +463,10 @@ fn hold_out(study: &Study, to: &mut Measurement, out: &mut Vec<Diagnostic>) {
             (None, None) => {
                 let mut known = labels(to);
                 known.extend(to.channels.iter().map(|channel| channel.name.clone()));
-                let message = format!("there is no case and no curve `{}` to hold out", label.text);
+                let message = format!(
+                    "`{}` cannot be held out: it is neither a load case nor a channel",
+                    label.text
+                );
                 let warning = Diagnostic::warning(Code::UnknownCase, message);
                 let found = did_you_mean(&label.text, "the study", &known);
                 out.push(

@@ -33,7 +33,7 @@ pub(super) fn case_of(
     if found.is_none() && !to.cases.is_empty() {
         grouped.add(format!("case {}", cell.text), || {
             let message = format!(
-                "the load cases have no case `{}`; its readings are left out",
+                "there is no load case `{}`; its readings are left out",
                 cell.text
             );
             Diagnostic::warning(Code::UnknownCase, message).label(

@@ -206,6 +206,16 @@ impl<'a> Section<'a> {
         );
     }
 
+    /// Reports that this table has no key `marker` with the marker of the wheel.
+    pub(crate) fn missing_marker(&self, diagnostics: &mut Vec<Diagnostic>) {
+        let message = format!("`{}` is missing", self.name("marker"));
+        diagnostics.push(
+            Diagnostic::error(Code::MissingSetting, message)
+                .label(self.source.name(), self.span(), "")
+                .help("give the marker at the wheel centre, for example marker = \"MARKER/20\""),
+        );
+    }
+
     /// Returns the table that is the value of a key. If it is absent, an empty section is returned.
     pub(crate) fn section(
         &mut self,
@@ -301,8 +311,7 @@ impl<'a> Section<'a> {
             Diagnostic::error(Code::BadSetting, format!("`{name}` must be more than 0"))
                 .label(self.source.name(), span, "")
                 .help(
-                    "for readings without noise, write a ten-thousandth of the length unit, 1e-4; remove the key to have it \
-                     estimated from the marks",
+                    "for readings without noise, write 1e-4; without the key, the noise is estimated from the marks",
                 ),
         );
         None
@@ -479,7 +488,7 @@ impl<'a> Section<'a> {
             diagnostics.push(
                 Diagnostic::error(
                     Code::UnknownKey,
-                    format!("`{}` is not a key of a study", self.name(&key.text)),
+                    format!("`{}` is not a key of study.toml", self.name(&key.text)),
                 )
                 .label(self.source.name(), key.span, "")
                 .help(help),
@@ -523,7 +532,7 @@ pub fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
 /// Describes the range of a number in words. A tiny positive lower bound reads "more than 0".
 fn range_in_words(least: f64, most: f64) -> String {
     match (least > 0.0 && least < 1e-6, most.is_finite()) {
-        (true, true) => format!("a number more than 0, at most {most}"),
+        (true, true) => format!("a number above 0 and at most {most}"),
         (true, false) => "a number more than 0".to_string(),
         (false, true) => format!("a number from {least} to {most}"),
         (false, false) => format!("a number, {least} or more"),

@@ -404,7 +404,7 @@ impl WheelSettings {
         );
         sigma.finish(out);
         let Some(marker) = marker else {
-            section.wrong("marker", section.span(), "given: the wheel's marker", out);
+            section.missing_marker(out);
             return None;
         };
         Some(Self {
@@ -447,7 +447,8 @@ impl ChannelSettings {
                     Code::MissingSetting,
                     format!("channel `{}` needs `function`", name.text),
                 )
-                .label(section.file(), name.span, ""),
+                .label(section.file(), name.span, "")
+                .help("give the reading as an ADAMS function, for example function = \"DZ(11)\""),
             );
             return None;
         };

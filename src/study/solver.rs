@@ -40,13 +40,13 @@ pub fn command(study: &Study, keep: Option<PathBuf>, tell: &dyn Fn(&Diagnostic))
         "{} ({})",
         solver.command.join(" "),
         found.map_or_else(
-            || "there is no such program here".to_string(),
+            || "not found on this computer".to_string(),
             |path| path.display().to_string()
         )
     );
     tell(&Diagnostic::note(
         Code::RunsProgram,
-        format!("every equilibrium is solved by a program that study.toml names: {shown}"),
+        format!("the program named in study.toml solves every equilibrium: {shown}"),
     ));
     let mut backend = CommandBackend::new(words, Duration::from_secs_f64(solver.timeout_s));
     backend.licence_wait = Duration::from_secs_f64(solver.licence_wait_s);

@@ -87,12 +87,12 @@ impl<'a> Starter<'a> {
                 "loads     {}",
                 many(
                     loads,
-                    "none with a number as its FUNCTION: name them in loads.columns"
+                    "none with a constant FUNCTION: name the loads in loads.columns"
                 )
             ),
             format!(
                 "wheel     {}",
-                many(wheel, "no part or marker looks like one")
+                many(wheel, "no part or marker looks like a wheel")
             ),
         ]
     }
@@ -118,13 +118,13 @@ impl<'a> Starter<'a> {
         let parts = self.parts();
         if kinds.contains(&Kind::Marks) {
             let on_parts = format!(
-                "part,mark,x,y,z\n# Where each mark sits on its part, in the part's own frame; {}.\n# Three or more marks a part, not on one line.\n# part is one of: {parts}\n# {},1,10.0,-20.0,5.0\n",
+                "part,mark,x,y,z\n# Position of each mark on its part, in the part's own frame; {}.\n# Three or more marks per part, not on one line.\n# part is one of: {parts}\n# {},1,10.0,-20.0,5.0\n",
                 self.length(),
                 self.example_part(),
             );
             files.push(("marks_on_parts.csv".to_string(), on_parts));
             let measured = format!(
-                "case,part,mark,x,y,z\n# Where each mark was in each load case, in the ground frame; {}.\n# 1,{},1,110.0,-620.0,205.0\n",
+                "case,part,mark,x,y,z\n# Position of each mark in each load case, in the ground frame; {}.\n# 1,{},1,110.0,-620.0,205.0\n",
                 self.length(),
                 self.example_part(),
             );
@@ -132,7 +132,7 @@ impl<'a> Starter<'a> {
         }
         if kinds.contains(&Kind::Wheel) {
             let text = format!(
-                "case,x,y,z,camber_deg,steer_deg\n# The wheel's centre in the ground frame, {}; angles from the design position, see `admire guide study`.\n# 1,0.4,-720.1,305.2,-0.31,0.05\n",
+                "case,x,y,z,camber_deg,steer_deg\n# Wheel centre in the ground frame, {}; angles from the design position, see `admire guide study`.\n# 1,0.4,-720.1,305.2,-0.31,0.05\n",
                 self.length()
             );
             files.push(("wheel.csv".to_string(), text));
@@ -140,7 +140,7 @@ impl<'a> Starter<'a> {
         if kinds.contains(&Kind::Curves) {
             let mut text =
                 String::from("case,toe_deg,camber_deg,caster_deg,travel_mm,base_mm,track_mm\n");
-            text += "# What the rig read of the wheel in each load case, loops in the order driven; an empty cell is a missing reading.\n";
+            text += "# Readings of the rig at the wheel in each load case, loops in the order driven; an empty cell is a missing reading.\n";
             text += "# Names and units of the columns may be those of your rig: `Toe [min]`, `Wheel travel [mm]`.\n";
             text += "# 1,0.012,-0.310,0.040,12.5,0.42,-0.15\n";
             files.push(("kc.csv".to_string(), text));
@@ -201,7 +201,7 @@ impl<'a> Starter<'a> {
     fn load_cases(&self) -> String {
         let columns: Vec<&str> = self.loads.iter().map(|load| load.column.as_str()).collect();
         let mut text = format!("case,{}\n", columns.join(","));
-        text += "# One row per load case, in the order they were applied on the rig; friction depends on it. Its values take the place of the deck's.\n";
+        text += "# One row per load case, in the order they were applied on the rig; friction depends on this order. The values replace those of the deck.\n";
         for load in &self.loads {
             writeln!(text, "# {}: {}", load.column, load.what).expect("writing to a string");
         }
@@ -237,7 +237,7 @@ file = \"load_cases.csv\"             # case,<one column per load>, in the order
                 .iter()
                 .map(|load| format!("{} = {}", load.column, quoted(&load.target)))
                 .collect();
-            text += "# Found in the deck; take out what the rig does not drive, rename columns as you like.\n";
+            text += "# Found in the deck; remove what the rig does not drive; the columns may be renamed.\n";
             text += &format!("columns = {{ {} }}\n", columns.join(", "));
         }
         if kinds.contains(&Kind::Marks) {
@@ -249,7 +249,7 @@ measured = \"marks_measured.csv\"     # case,part,mark,x,y,z  in the ground fram
 ";
         }
         if kinds.contains(&Kind::Wheel) {
-            text += "\n[wheel]                             # the wheel's place and angles\n";
+            text += "\n[wheel]                             # position and angles of the wheel\n";
             text += &self.wheel_keys();
             text += "measured = \"wheel.csv\"              # case,x,y,z,camber_deg,steer_deg\n# sigma = { position = 0.05, angle_deg = 0.01 }\n";
         }
@@ -266,10 +266,10 @@ file = \"kc.csv\"                     # one row per load case
                 "forward = \"-x\"                      # the way the vehicle drives, an axis of ground; CHECK\n"
             };
             text += "\
-# relative_to = \"1\"                 # the case at which the rig's displays stood at zero
-# summary = \"kc_summary.csv\"        # gradients and widths of loops, see `admire guide study`
-[kc.curves]                         # take out what was not read; `admire check` shows which column was taken
-toe = {}                            # or { column = \"Toe-in [min]\", sigma = 0.3 }: sd of a reading; without it,
+# relative_to = \"1\"                 # the case in which the readings of the rig were set to zero
+# summary = \"kc_summary.csv\"        # gradients and loop widths, see `admire guide study`
+[kc.curves]                         # remove the curves that were not measured; `admire check` shows which column is used
+toe = {}                            # or { column = \"Toe-in [min]\", sigma = 0.3 }; sigma: sd of a reading; without it,
 camber = {}                         # estimated from repeated cases, or by the fit
 caster = {}
 travel = {}
@@ -284,7 +284,7 @@ track = {}
             );
             text += &format!(
                 "
-[readings]                          # any scalar a sensor gives, as an ADAMS function of the deck
+[readings]                          # any scalar reading of a sensor, as an ADAMS function of the deck
 file = \"readings.csv\"               # case,<one column per channel>
 [readings.channels]
 top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # FILL IN: your own channels
@@ -304,7 +304,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
         } else {
             let names: Vec<String> = chosen.iter().map(|name| quoted(name)).collect();
             text += &format!(
-                "bushings = [{}]   # the six stiffnesses of each are sought\n",
+                "bushings = [{}]   # the six stiffnesses of each are identified\n",
                 names.join(", ")
             );
         }
@@ -316,12 +316,12 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
         if sound && !all.is_empty() {
             text += "initial = \"deck\"                   # start at the deck's values; or { translational = 1.0e4, rotational_per_degree = 1.0e4 }\n";
         } else {
-            text += "initial = { translational = 1.0e4, rotational_per_degree = 1.0e4 }   # where they start\n";
+            text += "initial = { translational = 1.0e4, rotational_per_degree = 1.0e4 }   # start values\n";
         }
         text += "# symmetry = { default = \"radial-z\" }   # round bushings: Kx = Ky, KTx = KTy
 
 # [validate]
-# hold_out = [\"3\", \"7\"]             # cases, or names of curves, that no fit sees, to validate the result
+# hold_out = [\"3\", \"7\"]             # cases or curves that are held out of every fit, to validate the result
 ";
         text
     }
@@ -330,12 +330,12 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
     fn wheel_keys(&self) -> String {
         match self.wheel {
             Some(at) => format!(
-                "marker = \"MARKER/{}\"                # looks like the wheel's centre: {}; CHECK\naxis = \"{}\"\n",
+                "marker = \"MARKER/{}\"                # looks like the wheel centre: {}; CHECK\naxis = \"{}\"\n",
                 self.model.markers[at.0].header.id,
                 self.marker(at),
                 spin_axis(self.model, at)
             ),
-            None => "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel's centre, on the carrier\naxis = \"y\"                         # its axis about which the wheel spins\n".to_string(),
+            None => "marker = \"MARKER/?\"                 # FILL IN: a marker at the wheel centre, on the carrier\naxis = \"y\"                         # axis of this marker about which the wheel spins\n".to_string(),
         }
     }
 }
@@ -383,21 +383,21 @@ fn loads(model: &Model) -> Vec<Driven> {
                 }
             },
         );
-        let unit = if rotational {
-            "torque"
+        let what = if rotational {
+            "torque".to_string()
         } else {
-            model.units.force.word
+            format!("force in {}", model.units.force.word)
         };
         let on = &model.parts[model.markers[force.i.0].part.0].header.name;
         let along = along.map_or_else(String::new, |d| {
-            format!(" along ({:.2}, {:.2}, {:.2}) of ground", d.x, d.y, d.z)
+            format!(" along ({:.2}, {:.2}, {:.2}) in ground axes", d.x, d.y, d.z)
         });
         add(
             "",
             usual,
             format!("SFORCE/{}", force.header.id),
             format!(
-                "{unit} of SFORCE/{} on {on}{along} at design; {} in the deck",
+                "{what} of SFORCE/{} on {on}{along} at design; {} in the deck",
                 force.header.id,
                 number(&force.function).unwrap_or_default()
             ),
@@ -434,7 +434,7 @@ fn loads(model: &Model) -> Vec<Driven> {
                 usual,
                 format!("{kind}/{}.{word}", force.header.id),
                 format!(
-                    "{word} of {kind}/{} on {on} along ({:.2}, {:.2}, {:.2}) of ground at design; {own} in the deck",
+                    "{word} of {kind}/{} on {on} along ({:.2}, {:.2}, {:.2}) in ground axes at design; {own} in the deck",
                     force.header.id, along.x, along.y, along.z
                 ),
             );

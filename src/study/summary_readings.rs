@@ -76,7 +76,7 @@ impl Row<'_> {
     fn cell(&self, column: usize) -> Result<&Cell, Diagnostic> {
         let found = self.table.cell(self.cells, self.columns[column]);
         found.ok_or_else(|| {
-            let message = format!("a gradient or width without `{}`", COLUMNS[column]);
+            let message = format!("this row has no `{}`", COLUMNS[column]);
             let span = self.table.row_span(self.cells);
             Diagnostic::error(Code::BadReading, message).label(self.table.source.name(), span, "")
         })
@@ -103,13 +103,14 @@ impl Row<'_> {
             "width" => SummaryKind::Width(at),
             other => {
                 let message = format!("`{other}` is neither `gradient` nor `width`");
-                let help = "the slope of a curve, or the width of its loop".to_string();
+                let help =
+                    "`gradient` is the slope of a curve, `width` the width of its loop".to_string();
                 return Err(self.wrong(kind, message, help));
             }
         };
         let case = |cell: &Cell| {
             to.case(&cell.text).ok_or_else(|| {
-                let message = format!("the load cases have no case `{}`", cell.text);
+                let message = format!("there is no load case `{}`", cell.text);
                 let help = did_you_mean(&cell.text, "the file of load cases", &labels(to));
                 self.wrong(cell, message, help)
             })
@@ -134,16 +135,22 @@ impl Row<'_> {
             (SummaryKind::Gradient, Over::Channel(_)) => cases.len() > 1,
         };
         if !usable {
-            let message = match kind {
-                SummaryKind::Gradient => {
-                    "nothing changes from the first of these cases to the last"
+            let column = &over_cell.text;
+            let message = match (&kind, &over) {
+                (SummaryKind::Gradient, _) => {
+                    format!("`{column}` does not change from the first to the last of these cases")
                 }
-                SummaryKind::Width(_) => {
-                    "this load does not pass the value in both directions within these cases"
+                (SummaryKind::Width(_), Over::Load(_)) => {
+                    format!(
+                        "the load `{column}` does not cross the value in both directions within these cases"
+                    )
+                }
+                (SummaryKind::Width(_), Over::Channel(_)) => {
+                    format!("`{column}` is not a load, and the width of a loop needs a load")
                 }
             };
             let help = "`over` names a column of the load cases; `from` and `to` are the first and the last case of the run";
-            return Err(self.wrong(over_cell, message.to_string(), help.to_string()));
+            return Err(self.wrong(over_cell, message, help.to_string()));
         }
         let (angle, millimetre) = (curve.is_angle(), 1e-3 / self.model.units.length.si);
         let scale = match unit {
@@ -160,13 +167,21 @@ impl Row<'_> {
         let sigma = self.table.number(self.cells, self.columns[7], out);
         let Some(sigma) = sigma.filter(|sigma| *sigma > 0.0) else {
             let cell = self.cell(7)?;
-            let message = "sigma must be more than 0".to_string();
-            return Err(self.wrong(cell, message, "sd of this number".to_string()));
+            let message = "`sigma` must be more than 0".to_string();
+            return Err(self.wrong(
+                cell,
+                message,
+                "`sigma` is the standard deviation of the value".to_string(),
+            ));
         };
         let name = self.cell(0)?;
         if to.channels.iter().any(|channel| channel.name == name.text) {
-            let message = format!("`{}` is a channel already", name.text);
-            return Err(self.wrong(name, message, "give each a name of its own".to_string()));
+            let message = format!("the name `{}` is already used", name.text);
+            return Err(self.wrong(
+                name,
+                message,
+                "give every gradient and width its own name".to_string(),
+            ));
         }
         // The cell of the value may be empty, because a virtual rig may produce the value.
         let value = self.table.number(self.cells, self.columns[6], out);
@@ -194,7 +209,7 @@ impl Row<'_> {
     fn curve(&self, cell: &Cell) -> Result<Curve, Diagnostic> {
         Curve::named(&cell.text).ok_or_else(|| {
             let message = format!("`{}` is not a curve", cell.text);
-            let help = format!("one of {}", Curve::words().join(", "));
+            let help = format!("the curves are {}", Curve::words().join(", "));
             self.wrong(cell, message, help)
         })
     }
@@ -205,7 +220,11 @@ impl Row<'_> {
             let loads = self.study.columns.iter().map(|(n, _)| n.text.as_str());
             let known: Vec<&str> = loads.chain(Curve::words()).collect();
             let message = format!("`{}` is neither a load nor a curve", cell.text);
-            self.wrong(cell, message, format!("one of {}", known.join(", ")))
+            self.wrong(
+                cell,
+                message,
+                format!("the loads and curves are {}", known.join(", ")),
+            )
         })?;
         let function = gauge.function(curve);
         let same =

@@ -5,8 +5,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
 /// End of the message about a number with a point in a file whose other numbers have decimal commas.
-const BESIDE_COMMAS: &str =
-    "may be thousands or a decimal point: other numbers of this file have decimal commas";
+const BESIDE_COMMAS: &str = "is ambiguous: its point may separate thousands or decimals, because other numbers of this file have decimal commas";
 
 /// One cell of a CSV file.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -63,7 +62,7 @@ impl Table {
         if let Some(long) = table.rows.iter().find(|row| table.is_too_long(row)) {
             let count = long.iter().filter(|cell| !cell.text.is_empty()).count();
             let message = format!(
-                "the row has {count} cells, the header line names {}",
+                "the row has {count} cells, but the header line names only {}",
                 table.header.len()
             );
             diagnostics.push(
@@ -314,11 +313,8 @@ pub fn split(
             Ok(false) => break,
             Err(error) => {
                 diagnostics.push(
-                    Diagnostic::error(Code::BadReading, format!("no CSV: {error}")).label(
-                        source.name(),
-                        Span::at(start.min(bytes.len())),
-                        "",
-                    ),
+                    Diagnostic::error(Code::BadReading, format!("this is not valid CSV: {error}"))
+                        .label(source.name(), Span::at(start.min(bytes.len())), ""),
                 );
                 break;
             }

@@ -167,7 +167,7 @@ impl GoalSettings {
         let place = match (test, case) {
             (Some(test), None) => {
                 if relative_to.is_some() {
-                    wrong.push("`relative_to` is for a goal of a load case".to_string());
+                    wrong.push("`relative_to` applies only to a goal of a load case".to_string());
                 }
                 Some(GoalPlace::Test(test))
             }
@@ -178,7 +178,7 @@ impl GoalSettings {
                     );
                 }
                 if at.is_some() {
-                    wrong.push("`at` is for a goal of a test".to_string());
+                    wrong.push("`at` applies only to a goal of a test".to_string());
                 }
                 Some(GoalPlace::Case { label, relative_to })
             }
@@ -203,7 +203,7 @@ impl GoalSettings {
             wrong.push("`least` is more than `most`".to_string());
         }
         if limited && minimax {
-            wrong.push("limits have no `minimax`: they hold everywhere".to_string());
+            wrong.push("`minimax` does not apply to limits, which hold at every point".to_string());
         }
         let (scope, wanted) = match (file, value, gradient) {
             (Some(file), ..) => {

@@ -264,7 +264,7 @@ fn missing_marks_nan_and_unknown_names() {
     let (_, diagnostics) = study("marks_measured.csv", change);
     let (severity, message) = only(&diagnostics, Code::UnknownPart);
     assert_eq!(severity, Severity::Error);
-    assert!(message.contains("`KNUCKEL` (and 51 more)"), "{message}");
+    assert!(message.contains("`KNUCKEL` (in 52 places)"), "{message}");
     let unknown = diagnostics
         .iter()
         .find(|d| d.code == Code::UnknownPart)
@@ -275,7 +275,7 @@ fn missing_marks_nan_and_unknown_names() {
     assert!(
         only(&diagnostics, Code::UnknownCase)
             .1
-            .contains("no case `5`")
+            .contains("no load case `5`")
     );
 }
 

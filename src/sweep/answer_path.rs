@@ -115,11 +115,11 @@ impl AnswerPath {
                 (Some(next), _) => next,
                 (None, Step::Element(word)) if word.contains('@') => return None,
                 (None, Step::Element(word)) if word.contains('*') => {
-                    let text = "in the study as it is, `*` matches nothing here; name the element, as in findings[dry-friction@BUSHING/1.K.1]";
+                    let text = "`*` matches nothing here in the result of the unchanged study; name the element, as in findings[dry-friction@BUSHING/1.K.1]";
                     return Some(text.to_string());
                 }
                 (None, Step::Field(name) | Step::Element(name)) => {
-                    return Some(format!("the result has no such field: `{name}`"));
+                    return Some(format!("the result has no field `{name}`"));
                 }
             };
         }

@@ -32,7 +32,7 @@ pub enum Damage {
     #[error("{0}")]
     Unreadable(#[from] ParquetError),
     /// The bytes of the table have changed.
-    #[error("the file is damaged: {0} not as written")]
+    #[error("the file is damaged: {0}")]
     Changed(String),
 }
 
@@ -97,7 +97,7 @@ impl Write for Summed {
 pub(crate) fn verify(path: &Path) -> Result<(), Damage> {
     let mut file = open_to_read(path)?;
     let Some(place) = place_of_whole(&mut file)? else {
-        return Err(Damage::Changed("its checksum is".to_string()));
+        return Err(Damage::Changed("it has no checksum".to_string()));
     };
     let length = file.metadata()?.len();
     let mut stated = vec![0; ZEROS.len()];
@@ -113,7 +113,7 @@ pub(crate) fn verify(path: &Path) -> Result<(), Damage> {
     Err(Damage::Changed(changed(path, &mut file)?))
 }
 
-/// Names the changed row groups of a table, as the subject of a sentence.
+/// Describes the changed row groups of a table in a clause.
 fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let reader = SerializedFileReader::new(open_to_read(path)?)?;
     let metadata = reader.metadata();
@@ -125,7 +125,7 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let mut wrong = Vec::new();
     for (index, group) in metadata.row_groups().iter().enumerate() {
         let Some(to) = end_of(group) else {
-            return Ok("its metadata is".to_string());
+            return Ok("its metadata has changed".to_string());
         };
         let mut sum = Sha256::new();
         let whole = to >= from && add(file, from..to, &mut sum).is_ok();
@@ -141,9 +141,9 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
         (from, row) = (to, row.saturating_add(group.num_rows()));
     }
     Ok(match wrong.len() {
-        0 => "its metadata is".to_string(),
-        1 => format!("row group {} is", wrong[0]),
-        _ => format!("row groups {} are", wrong.join(", ")),
+        0 => "its metadata has changed".to_string(),
+        1 => format!("row group {} has changed", wrong[0]),
+        _ => format!("row groups {} have changed", wrong.join(", ")),
     })
 }
 

@@ -28,7 +28,7 @@ pub enum SweepError {
     #[error("{0}")]
     Table(#[from] ParquetError),
     /// A finished table is damaged.
-    #[error("`{}`: {damage}; if the file is deleted, its cases are run again", path.display())]
+    #[error("`{}`: {damage}; delete the file to run its cases again", path.display())]
     Damaged {
         /// Path of the table.
         path: PathBuf,

@@ -141,7 +141,10 @@ impl SweepFolder {
     /// A diagnostic for a folder of another sweep, a folder with foreign files, or a folder that cannot be written.
     pub fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let io = |error: std::io::Error| {
-            Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
+            Diagnostic::error(
+                Code::CannotWrite,
+                format!("`{}` cannot be written: {error}", path.display()),
+            )
         };
         let folder = Self::look(path, manifest)?;
         std::fs::create_dir_all(path.join(SHARDS)).map_err(io)?;
@@ -179,7 +182,7 @@ impl SweepFolder {
                 path.display()
             );
             return Err(Diagnostic::error(Code::CannotRead, message)
-                .help("`admire sweep SWEEP.toml --out DIR` makes one"));
+                .help("`admire sweep SWEEP.toml --out DIR` creates one"));
         };
         let folder = Self {
             path: path.to_path_buf(),
@@ -207,14 +210,14 @@ impl SweepFolder {
                 if changed.is_empty() {
                     "other files".to_string()
                 } else {
-                    format!("{} changed since", changed.join(", "))
+                    format!("{} changed since then", changed.join(", "))
                 }
             );
             return refuse(what, "name another folder for the changed sweep");
         }
         if there.version != own.version {
             let what = format!(
-                "holds cases of admire {}, this is {}",
+                "holds cases of admire {}, but this is admire {}",
                 there.version, own.version
             );
             return refuse(
@@ -240,7 +243,7 @@ impl SweepFolder {
     fn refuse_strangers(&self) -> Result<(), Diagnostic> {
         let mut strangers = Vec::new();
         let io = |error: std::io::Error| {
-            let message = format!("`{}`: {error}", self.path.display());
+            let message = format!("`{}` cannot be read: {error}", self.path.display());
             Diagnostic::error(Code::CannotRead, message)
         };
         let mut look = |folder: &Path, known: &dyn Fn(&str) -> bool| -> Result<(), Diagnostic> {
@@ -274,7 +277,11 @@ impl SweepFolder {
             return Ok(());
         }
         strangers.sort();
-        let message = format!("not written by a sweep: {}", strangers.join(", "));
+        let message = format!(
+            "`{}` holds files that no sweep has written: {}",
+            self.path.display(),
+            strangers.join(", ")
+        );
         Err(Diagnostic::error(Code::CannotWrite, message)
             .help("give the sweep a folder of its own"))
     }

@@ -20,7 +20,7 @@ const LONGEST: u32 = 1 << 24;
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// The journal cannot be read or written.
-    #[error("`{}`: {error}", path.display())]
+    #[error("`{}` cannot be read or written: {error}", path.display())]
     Io {
         /// Path of the journal.
         path: PathBuf,
@@ -28,10 +28,10 @@ pub enum JournalError {
         error: io::Error,
     },
     /// Another process uses the journal.
-    #[error("another process works on `{}`", .0.display())]
+    #[error("another process is using `{}`", .0.display())]
     Locked(PathBuf),
     /// The file is not a journal, or belongs to another sweep.
-    #[error("`{}` is not a journal of this sweep written by this version", .0.display())]
+    #[error("`{}` is not a journal of this sweep, written by this version of admire", .0.display())]
     Foreign(PathBuf),
 }
 

@@ -41,7 +41,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         return verify(&whole).map_err(|damage| {
             let message = format!("`{}`: {damage}", whole.display());
             let refused = Diagnostic::error(Code::CannotRead, message);
-            vec![refused.help("if the file is deleted, the parts are joined again")]
+            vec![refused.help("delete the file to join the parts again")]
         });
     }
     let inputs = folder.manifest.vary.len();
@@ -67,7 +67,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         if let Err(damage) = verify(&path) {
             refuse(
                 Code::CannotRead,
-                format!("{damage}; if the file is deleted, `--shard {shard}` runs its cases again"),
+                format!("{damage}; delete the file, and `--shard {shard}` runs its cases again"),
             );
             continue;
         }
@@ -87,14 +87,14 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
             (
                 "admire.inputs_sha256",
                 &folder.manifest.inputs_sha256,
-                "inputs",
+                "checksum of the inputs",
             ),
         ] {
             let there = table.fact(key).unwrap_or("none");
             if there != own {
                 refuse(
                     Code::ConflictingArguments,
-                    format!("different {what}: {there}, but the sweep has {own}"),
+                    format!("the {what} is {there}, but that of the sweep is {own}"),
                 );
             }
         }
@@ -103,7 +103,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
             refuse(
                 Code::WrongCount,
                 format!(
-                    "{} rows for {} cases",
+                    "the table should have one row per case (rows: {}, cases: {})",
                     table.rows(),
                     cases.end - cases.start
                 ),
@@ -114,7 +114,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         if *first.get_or_insert_with(|| columns.clone()) != columns {
             refuse(
                 Code::WrongCount,
-                "its columns differ from those of the first part".to_string(),
+                "the columns differ from those of the first part".to_string(),
             );
         }
     }
@@ -128,7 +128,7 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
         wrong.push(
             Diagnostic::error(
                 Code::CannotRead,
-                format!("not finished: shards {}{more}", missing[..shown].join(", ")),
+                format!("unfinished shards: {}{more}", missing[..shown].join(", ")),
             )
             .help("the same command with --shard continues where it stopped"),
         );
@@ -142,7 +142,10 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
     join(folder, &columns).map_err(|error| {
         vec![Diagnostic::error(
             Code::CannotWrite,
-            format!("`{}`: {error}", folder.results().display()),
+            format!(
+                "`{}` cannot be written: {error}",
+                folder.results().display()
+            ),
         )]
     })
 }
@@ -186,7 +189,7 @@ fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
             |row, numbers| -> Result<(), SweepError> {
                 if row.case != next {
                     let message = format!(
-                        "expected case {next}, found case {}; run this shard again",
+                        "shard {shard} has case {} in place of case {next}; run this shard again",
                         row.case
                     );
                     return Err(parquet::errors::ParquetError::General(message).into());

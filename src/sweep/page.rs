@@ -47,7 +47,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
         ("Date", format!("{} UTC", Timestamp::now().date_time())),
         ("Made by", format!("admire {}", folder.manifest.version)),
         (
-            "Time of all cases together",
+            "Total time of all cases",
             format!("{:.1} s", summary.seconds),
         ),
         (
@@ -57,13 +57,16 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     ]);
     page.meaning();
     for output in summary.outputs.iter().take(MOST_SHOWN) {
-        page.figures(&main_effects(output)?);
+        page.figures(&main_effects(output, &summary.inputs)?);
     }
-    let numbers = summary.inputs.len();
+    let numbers = match summary.inputs.len() {
+        1 => "one number is varied".to_string(),
+        count => format!("{count} numbers are varied"),
+    };
     page.found(&[(
-        "Tried",
+        "Variants",
         vec![format!(
-            "{} variants of {numbers} numbers; {ok} have a result",
+            "{ok} of {} variants have a result; {numbers}",
             summary.cases
         )],
     )]);
@@ -71,7 +74,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     page.note("Nine of ten variants lie between the 5 % and the 95 % quantile.");
     page.detail("Cases without a result");
     if ok < summary.cases {
-        let mut table = Table::new(&[("why", Align::Wrap), ("cases", Align::Right)]);
+        let mut table = Table::new(&[("reason", Align::Wrap), ("cases", Align::Right)]);
         for (reason, count) in &summary.reasons {
             table.row([reason.clone(), count.to_string()]);
         }
@@ -87,7 +90,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
         page.detail(&output.spread.name);
         let mut figures = vec![histogram(&output.spread)?];
         if k >= MOST_SHOWN {
-            figures.extend(main_effects(output)?);
+            figures.extend(main_effects(output, &summary.inputs)?);
         }
         page.figures(&figures);
         indices(&mut page, output);
@@ -96,7 +99,7 @@ pub fn page(folder: &SweepFolder, summary: &Summary) -> Result<String, DrawingEr
     page.detail("All quantiles");
     let outputs = summary.outputs.iter().map(|output| &output.spread);
     page.table(&spreads(outputs.chain(&summary.inputs)));
-    page.note("Outputs first, then the numbers that vary.");
+    page.note("The outputs come first, then the varied numbers.");
     Ok(page.finish(&format!("admire {}", folder.manifest.version)))
 }
 
@@ -106,7 +109,10 @@ fn answer(summary: &Summary, ok: u64) -> String {
         let spread = &output.spread;
         let [low, high] = [0.05, 0.95].map(|share| short(spread.quantile(share), spread.sd));
         let unit = spread.unit.as_deref().unwrap_or_default();
-        let mut text = format!("{} lies between {low} and {high} {unit}", spread.name);
+        let mut text = format!(
+            "In 90 % of the variants, {} lies between {low} and {high} {unit}",
+            spread.name
+        );
         text.truncate(text.trim_end().len());
         if let Some(swing) = output.swings.first() {
             text += &format!(", most affected by {}", swing.name);
@@ -126,12 +132,15 @@ fn short(value: f64, sd: f64) -> String {
 }
 
 /// Draws the main effects on an output, and its values over the parameter with the largest effect.
-fn main_effects(output: &OutputSummary) -> Result<Vec<Figure>, DrawingError> {
+fn main_effects(output: &OutputSummary, inputs: &[Spread]) -> Result<Vec<Figure>, DrawingError> {
     let mut figures: Vec<Figure> = tornado(output).into_iter().collect();
     if let Some(swing) = output.swings.first() {
         let chart = Chart {
             title: format!("{} over {}", output.spread.name, swing.name),
-            x: swing.name.clone(),
+            x: inputs
+                .iter()
+                .find(|own| own.name == swing.name)
+                .map_or_else(|| swing.name.clone(), labelled),
             y: labelled(&output.spread),
             series: vec![Series::new(
                 "variants",
@@ -153,9 +162,9 @@ fn ranges(summary: &Summary) -> Table {
         ("output", Align::Left),
         ("unit", Align::Left),
         ("nominal deck", Align::Right),
-        ("5 %", Align::Right),
+        ("5 % quantile", Align::Right),
         ("median", Align::Right),
-        ("95 %", Align::Right),
+        ("95 % quantile", Align::Right),
         ("most affected by", Align::Left),
     ]);
     for output in &summary.outputs {
@@ -179,7 +188,8 @@ fn ranges(summary: &Summary) -> Table {
 /// Tabulates all statistics, one row for each column of the results.
 fn spreads<'s>(all: impl Iterator<Item = &'s Spread>) -> Table {
     let heads = [
-        "", "unit", "mean", "sd", "least", "1 %", "5 %", "median", "95 %", "99 %", "most",
+        "quantity", "unit", "mean", "sd", "minimum", "1 %", "5 %", "median", "95 %", "99 %",
+        "maximum",
     ];
     let columns: Vec<(&str, Align)> = heads
         .iter()
@@ -228,7 +238,7 @@ fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
         series: vec![Series::new(&spread.name, SeriesStyle::Line, points)],
         ..Chart::default()
     };
-    Figure::chart(&chart, &format!("{} cases.", spread.count))
+    Figure::chart(&chart, &format!("Number of cases: {}.", spread.count))
 }
 
 /// Draws the linear effect of each parameter on an output, the largest effect first.
@@ -237,12 +247,15 @@ fn tornado(output: &OutputSummary) -> Option<Figure> {
     let bars = output.swings.iter().take(MOST_BARS);
     let bars = Bars {
         title: format!("What affects {}", output.spread.name),
-        x: axis_label("change", output.spread.unit.as_deref().unwrap_or_default()),
+        x: axis_label(
+            "change of the output",
+            output.spread.unit.as_deref().unwrap_or_default(),
+        ),
         rows: bars.map(|s| (s.name.clone(), [s.low, s.high])).collect(),
         level: 0.0,
     };
     let caption = format!(
-        "Each number at its 5 % quantile (orange) and at its 95 % quantile (blue), the others held. Straight lines explain {:.1} % of the variance.",
+        "Change of the output with each number at its 5 % quantile (orange) and its 95 % quantile (blue), the other numbers held. A linear model explains {:.1} % of the variance.",
         100.0 * explained
     );
     Some(Figure::bars(&bars, &caption))
@@ -255,9 +268,9 @@ fn indices(page: &mut Page, output: &OutputSummary) {
     page.subheading("Sobol indices");
     let mut table = Table::new(&[
         ("number", Align::Left),
-        ("first order", Align::Right),
+        ("first-order index", Align::Right),
         ("std error", Align::Right),
-        ("total", Align::Right),
+        ("total index", Align::Right),
         ("std error", Align::Right),
     ]);
     for index in &output.indices {
@@ -280,15 +293,15 @@ fn effects(page: &mut Page, output: &OutputSummary) {
     page.subheading("Elementary effects (Morris)");
     let mut table = Table::new(&[
         ("number", Align::Left),
-        ("mean size", Align::Right),
+        ("mean |effect|", Align::Right),
         ("std error", Align::Right),
-        ("mean", Align::Right),
-        ("spread", Align::Right),
+        ("mean effect", Align::Right),
+        ("std deviation", Align::Right),
     ]);
     for effect in &output.effects {
         let values = [effect.size[0], effect.size[1], effect.mean, effect.spread];
         table.row(std::iter::once(effect.name.clone()).chain(values.map(six_digits)));
     }
     page.table(&table);
-    page.note("Changes over the whole range of probability. A spread as large as the mean size indicates that the number acts nonlinearly or together with others.");
+    page.note("An effect is the change of the output, in its unit, per unit of cumulative probability of the number. A standard deviation as large as the mean |effect| indicates that the number acts nonlinearly or interacts with others.");
 }

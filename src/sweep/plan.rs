@@ -122,7 +122,7 @@ impl SweepPlan {
             (Some(study), _) => study.study.deck.clone(),
             (None, Some(deck)) => out.file(&folder, deck)?,
             (None, None) => {
-                let message = "a sweep has `deck = \"model.adm\"`, or `study = \"folder\"`";
+                let message = "a sweep needs `deck = \"model.adm\"` or `study = \"folder\"`";
                 out.wrong(Code::MissingSetting, file.sampling.plan.span(), message);
                 return None;
             }
@@ -173,7 +173,7 @@ impl SweepPlan {
             out.wrong(
                 Code::BadSetting,
                 file.solver.as_ref().map_or(0..0, toml::Spanned::span),
-                "K&C tests of a sweep are run by the built-in solver",
+                "K&C tests of a sweep always use the built-in solver: remove [solver]",
             );
         }
         let keeps = keeps(&file, &task, out);
@@ -247,7 +247,7 @@ fn study(
         file.solver.as_ref().map(toml::Spanned::span),
     ];
     for span in others.into_iter().flatten() {
-        let message = "a `study` brings its own deck, load cases and solver";
+        let message = "a sweep of a `study` takes the deck, the load cases and the solver from the study: remove this key";
         out.wrong(Code::BadSetting, span, message);
     }
     let read = LoadedStudy::read(&out.below(folder, name)?);
@@ -256,7 +256,7 @@ fn study(
         .extend(errors.filter(|d| d.severity == Severity::Error));
     let loaded = Box::new(read.value?);
     if loaded.unknowns.is_empty() {
-        let message = "the study names nothing to identify";
+        let message = "the study names no parameters to identify";
         out.wrong(Code::MissingSetting, name.span(), message);
     }
     Some(loaded)
@@ -344,7 +344,7 @@ fn task(
         }
         _ => {
             let message =
-                "a sweep runs `commands = \"run.acf\"` or `kc = \"kc.toml\"`, one of them";
+                "a sweep of a deck needs either `commands = \"run.acf\"` or `kc = \"kc.toml\"`";
             out.wrong(Code::BadSetting, deck.span(), message);
             None
         }

@@ -56,7 +56,7 @@ pub(super) fn numbers(
             rows = cases_of(&source, (&mut variations, deck), name.span(), out)?;
             table = Some(source);
         } else {
-            let message = "`file` is for `plan = \"table\"`";
+            let message = "`file` applies only to `plan = \"table\"`";
             out.wrong(Code::BadSetting, name.span(), message);
         }
     } else if is_table {
@@ -64,7 +64,7 @@ pub(super) fn numbers(
         out.wrong(Code::MissingArgument, file.sampling.plan.span(), message);
     }
     if variations.is_empty() && out.all.len() == before {
-        let message = "nothing varies: `[[vary]]` names addresses with distributions";
+        let message = "nothing varies: add a `[[vary]]` with an address and a distribution";
         out.wrong(Code::MissingArgument, file.sampling.plan.span(), message);
     }
     let mut names = BTreeSet::new();
@@ -77,7 +77,7 @@ pub(super) fn numbers(
         if !names.insert(variation.name.clone()) {
             let message = format!("two variations are called `{}`", variation.name);
             out.wrong(Code::DuplicateId, span, &message);
-            out.help("give each its own `name = \"...\"`");
+            out.help("give every variation its own `name = \"...\"`");
         }
     }
     twice(&variations, file, out);
@@ -112,7 +112,7 @@ fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnosti
     for (at, variation) in variations.iter().enumerate() {
         for (address, _) in &variation.targets {
             if let Some((_, other)) = seen.iter().find(|(known, _)| *known == address) {
-                let message = format!("{address} is varied by `{other}` too");
+                let message = format!("{address} is also varied by `{other}`");
                 let span = file
                     .vary
                     .get(at)
@@ -176,7 +176,7 @@ fn variation(
         out.wrong(
             Code::MissingArgument,
             vary.address.span(),
-            "no address is named",
+            "`address` is empty",
         );
         return None;
     }
@@ -258,7 +258,7 @@ fn distribution(
         if !(low < high && low.is_finite() && high.is_finite()) {
             return refuse(
                 uniform.span(),
-                "this range is empty: the first end must be below the second",
+                "`uniform` needs two finite bounds, the lower one first",
             );
         }
         return Some(Distribution::Uniform([low, high]));
@@ -268,7 +268,7 @@ fn distribution(
         if !(n.sd > 0.0 && n.sd.is_finite() && n.mean.is_finite()) {
             return refuse(
                 normal.span(),
-                "`sd` must be above zero, and both must be numbers",
+                "`mean` and `sd` must be finite, and `sd` must be above zero",
             );
         }
         return Some(Distribution::Normal {
@@ -293,7 +293,7 @@ fn distribution(
     if values.get_ref().is_empty() || values.get_ref().iter().any(|v| !v.is_finite()) {
         return refuse(
             values.span(),
-            "`values` must have at least one number, and only numbers",
+            "`values` must be a list of one or more finite numbers",
         );
     }
     let count = values.get_ref().len();
@@ -343,8 +343,7 @@ fn correlations(
             plan,
             PlanWord::Random | PlanWord::LatinHypercube | PlanWord::Sobol
         ) {
-            let message =
-                "this plan does not support correlations: use random, latin-hypercube or sobol";
+            let message = "this plan does not support correlations: use plan = \"random\", \"latin-hypercube\" or \"sobol\"";
             out.wrong(Code::ConflictingArguments, span, message);
             continue;
         }
@@ -353,7 +352,7 @@ fn correlations(
             match variations.iter().position(|v| v.name == *name.get_ref()) {
                 Some(at) if taken.insert(at) => members.push(at),
                 Some(_) => {
-                    let message = format!("`{}` is in a group already", name.get_ref());
+                    let message = format!("`{}` is already in a correlation group", name.get_ref());
                     out.wrong(Code::ConflictingArguments, name.span(), &message);
                 }
                 None => {
@@ -373,7 +372,7 @@ fn correlations(
             }
             _ => {
                 let message = format!(
-                    "give their correlation by `coefficient = r`, or by a `matrix` of {n} rows of {n} numbers"
+                    "give the correlation as `coefficient = r`, or as a `matrix` with {n} rows of {n} numbers"
                 );
                 out.wrong(Code::WrongCount, span, &message);
                 continue;
@@ -383,7 +382,7 @@ fn correlations(
         if let Some(found) = Correlation::new(members, &matrix).filter(|_| proper) {
             groups.push(found);
         } else {
-            let message = "no numbers can have these correlations: the matrix must be symmetric with ones on its diagonal, and positive definite";
+            let message = "these correlations are impossible: the matrix must be symmetric with ones on its diagonal, and positive definite";
             out.wrong(Code::OutOfRange, span, message);
         }
     }
@@ -432,8 +431,9 @@ fn design(
         _ => 0,
     };
     if needed > MOST_SOBOL {
-        let message =
-            format!("the Sobol sequence supports {MOST_SOBOL} numbers, but {needed} are needed");
+        let message = format!(
+            "the Sobol sequence supports {MOST_SOBOL} dimensions, but this plan needs {needed}"
+        );
         out.wrong(Code::LimitExceeded, sampling.plan.span(), &message);
         return None;
     }
@@ -454,7 +454,7 @@ fn design(
         _ => Some(size),
     };
     if runs.is_none_or(|runs| runs > MOST_CASES) {
-        let message = format!("these are more than {MOST_CASES} cases");
+        let message = format!("the plan has more than {MOST_CASES} cases");
         out.wrong(Code::LimitExceeded, sampling.plan.span(), &message);
         return None;
     }
@@ -546,7 +546,7 @@ fn cases_of(
         rows.push(row);
     }
     if rows.is_empty() {
-        return refuse(1, "there are no cases");
+        return refuse(1, "the table has no cases");
     }
     for (k, variation) in variations.iter().enumerate() {
         if let Err(why) = varied(deck, std::slice::from_ref(variation), &[rows[0][k]]) {

@@ -17,7 +17,7 @@ pub(super) fn keeps(
     out: &mut CollectedDiagnostics,
 ) -> Vec<(OutputSpec, Option<String>, Span)> {
     if file.keep.is_empty() {
-        let message = "nothing is kept: `[[keep]]` names columns, modes or characteristics";
+        let message = "nothing is kept: add a `[[keep]]` with a column, a mode, a characteristic or a result of a study";
         out.wrong(Code::MissingArgument, file.sampling.plan.span(), message);
     }
     let mut all = Vec::new();
@@ -94,7 +94,7 @@ fn one(
                 (None, None, None) => Reduction::Last,
                 (Some(word), None, None) => {
                     let Some(at) = Reduction::of_word(word.get_ref()) else {
-                        let message = "`at` is last, first, max, min, mean, range or rms; or write `step = 2` or `time = 0.5`";
+                        let message = "`at` must be last, first, max, min, mean, range or rms; a single step is given by `step = 2` or `time = 0.5`";
                         out.wrong(Code::BadSetting, word.span(), message);
                         return None;
                     };
@@ -132,7 +132,11 @@ fn one(
                     .any(|kind| kind.name() == test.get_ref())
             {
                 let names: Vec<&str> = TestKind::ALL.iter().map(|kind| kind.name()).collect();
-                let message = format!("there is no such test: {}", names.join(", "));
+                let message = format!(
+                    "`{}` is not a test; the tests are {}",
+                    test.get_ref(),
+                    names.join(", ")
+                );
                 out.wrong(Code::BadSetting, test.span(), &message);
                 return None;
             }

@@ -102,7 +102,10 @@ impl<'p> Runner<'p> {
             .iter()
             .find(|v| OTHER_COLUMNS.contains(&v.name.as_str()))
         {
-            let message = format!("`{}` is a column of every results table", taken.name);
+            let message = format!(
+                "a variation cannot be called `{}`, which is a column of every results table",
+                taken.name
+            );
             wrong.push(Diagnostic::error(Code::DuplicateId, message).label(
                 plan.source.name(),
                 span,
@@ -148,7 +151,7 @@ impl<'p> Runner<'p> {
                         refuse(
                             *span,
                             format!("no column of the results matches `{pattern}`"),
-                            "`admire results run.res --list` shows those of a run",
+                            "`admire results run.res --list` shows the columns of a run",
                         );
                     }
                     let many = found.columns.len() > 1;
@@ -177,7 +180,10 @@ impl<'p> Runner<'p> {
                     if modes.len() < *number {
                         refuse(
                             *span,
-                            format!("the run finds {} modes", modes.len()),
+                            format!(
+                                "there is no mode {number}; the number of modes found is {}",
+                                modes.len()
+                            ),
                             "LINEAR/EIGENSOL in the command file computes eigenvalues",
                         );
                     }
@@ -233,7 +239,9 @@ impl<'p> Runner<'p> {
                         format!("there is no characteristic `{path}` {place}"),
                     )
                     .label(self.plan.source.name(), *span, "")
-                    .help("`curves.csv` and `gradients.csv` of `admire kc` name them"),
+                    .help(
+                        "`curves.csv` and `gradients.csv` of `admire kc` list the characteristics",
+                    ),
                 );
                 continue;
             };
@@ -337,7 +345,7 @@ impl<'p> Runner<'p> {
                 return Err((Status::NoAnswer, why("a simulation has no result")));
             }
             _ if ending.exit_code(true) != 0 => {
-                return Err((Status::Refused, why("a command is not executed")));
+                return Err((Status::Refused, why("a command was not executed")));
             }
             _ => {}
         }

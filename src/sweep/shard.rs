@@ -66,7 +66,7 @@ impl FromStr for Shard {
 
 /// Error for a text that does not name a shard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("a shard is I/N, such as 3/8: I from 1 to N, and N at most {MOST_SHARDS}")]
+#[error("a shard is written as I/N, for example 3/8: I from 1 to N, and N at most {MOST_SHARDS}")]
 pub struct ShardError;
 
 #[cfg(test)]

@@ -110,7 +110,10 @@ impl TableReader {
             let seconds = numbers(behind + 2)?;
             for (k, case) in cases.iter().enumerate() {
                 let status = Status::of_word(&statuses[k]).ok_or_else(|| {
-                    ParquetError::General(format!("`{}` is not a status", statuses[k]))
+                    ParquetError::General(format!(
+                        "the table has the unknown status `{}`",
+                        statuses[k]
+                    ))
                 })?;
                 let row = Row {
                     case: *case as u64,

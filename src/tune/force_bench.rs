@@ -337,14 +337,14 @@ fn wrong_names_are_reported_at_their_place() {
         (
             ("value", "at = 3\nvalue"),
             table,
-            "`at` is for a goal of a test",
+            "`at` applies only to a goal of a test",
         ),
         (("value", "test = \"ride\"\nvalue"), table, "needs one of"),
         (("case = \"down\"\n", ""), table, "needs one of"),
         (
             ("value", "relative_to = \"2\"\nvalue"),
             "\"2\"",
-            "no case `2`",
+            "no load case `2`",
         ),
     ];
     for ((from, to), place, words) in cases {

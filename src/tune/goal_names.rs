@@ -183,7 +183,7 @@ impl OfStudy {
         if found.is_none() {
             let cases = self.measurement.cases.iter();
             let labels: Vec<String> = cases.map(|case| case.label.clone()).collect();
-            let message = format!("the load cases have no case `{}`", label.text);
+            let message = format!("there is no load case `{}`", label.text);
             let help = did_you_mean(&label.text, "the file of load cases", &labels);
             out.push(
                 Diagnostic::error(Code::UnknownCase, message)
@@ -215,11 +215,11 @@ impl OfStudy {
         };
         if channel.summary.is_some() {
             let message = format!("`{}` is read over several load cases", goal.of.text);
-            return Err(complain(message, "name a reading of single load cases"));
+            return Err(complain(message, "name a reading of a single load case"));
         }
         if zero.is_some() && channel.relative_to.is_some() {
-            let message = format!("`{}` is relative to a load case already", goal.of.text);
-            return Err(complain(message, "leave `relative_to` of the goal out"));
+            let message = format!("`{}` is already relative to a load case", goal.of.text);
+            return Err(complain(message, "remove `relative_to` from the goal"));
         }
         Ok(zero.or(channel.reference(case)))
     }

@@ -82,7 +82,7 @@ impl Reader<'_> {
         let (Some(run), Some(config)) = (&self.answers.run, self.config) else {
             return Err(complain(
                 name.span,
-                "the study has no tests".to_string(),
+                "the study has no K&C tests".to_string(),
                 "name kc.toml in `target.kc`".to_string(),
             ));
         };
@@ -100,7 +100,11 @@ impl Reader<'_> {
                 format!("`{}` is not a test", name.text)
             };
             let help = if known {
-                "give the test its section in kc.toml".to_string()
+                format!(
+                    "add a section [tests.{}] to {}",
+                    name.text,
+                    config.source.name()
+                )
             } else {
                 did_you_mean(&name.text, "the rig", &names)
             };
@@ -109,7 +113,9 @@ impl Reader<'_> {
         let read = self.read(goal, run, test, named)?;
         let rows = match (test, goal.scope) {
             (None, GoalScope::Gradient) => {
-                let help = "name the test whose variable drives it".to_string();
+                let help =
+                    "a gradient needs a test that varies an input, for example test = \"bounce\""
+                        .to_string();
                 let message = "ride height has no gradient".to_string();
                 return Err(complain(name.span, message, help));
             }
@@ -119,7 +125,7 @@ impl Reader<'_> {
             (Some(test), GoalScope::Value) => {
                 let parts = value_at(test, goal.at, read.factor).ok_or_else(|| {
                     let [low, high] = test.1.settings.range;
-                    let help = format!("the test goes from {low} to {high}");
+                    let help = format!("the variable of the test goes from {low} to {high}");
                     let message = format!("test `{}` does not reach {}", name.text, goal.at);
                     complain(goal.span, message, help)
                 })?;
@@ -139,7 +145,7 @@ impl Reader<'_> {
         let rows: Vec<Row> = rows.into_iter().filter_map(row).collect();
         if rows.is_empty() {
             let message = "the wanted curve has no value within the range of the test".to_string();
-            let help = "the column `value` is the test's variable".to_string();
+            let help = "the column `value` holds the variable of the test".to_string();
             return Err(complain(goal.span, message, help));
         }
         let at_unit = test.map_or_else(String::new, |(_, test)| {
@@ -162,7 +168,7 @@ impl Reader<'_> {
                 ),
                 Reads::Probe(_) => (
                     format!("`{}` has no value on the rig", of.text),
-                    "kc.toml leaves statements of the deck out, by `without` or by free steering",
+                    "kc.toml removes statements of the deck by `without` or by free steering",
                 ),
             };
             return Err(complain(of.span, message, help.to_string()));

@@ -198,7 +198,7 @@ impl Tuning {
                 out.push(
                     Diagnostic::error(Code::BadSetting, message)
                         .label(source.name(), goal.of.span, "")
-                        .help("it changes along a motion of the deck that nothing resists; `admire check` names the free motions"),
+                        .help("the reading changes along a motion of the deck that nothing resists; `admire check` names the free motions"),
                 );
             }
         }

@@ -239,7 +239,8 @@ fn what_is_asked_for_and_not_written_is_said() {
     let (folder, ran) = run(&SLIDER.replace("FORMATTED, XRF", "FORMATTED"), "SIM/STAT");
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     assert!(
-        ran.stdout.contains("is plain text; here it is XML")
+        ran.stdout
+            .contains("writes a plain text results file; admire writes XML")
             && ran.stdout.contains("[output-not-written]")
     );
     assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 1);
@@ -248,7 +249,8 @@ fn what_is_asked_for_and_not_written_is_said() {
         "SIM/STAT",
     );
     assert!(
-        ran.stdout.contains("is binary; here it is XML"),
+        ran.stdout
+            .contains("writes a binary results file; admire writes XML"),
         "{}",
         ran.stdout
     );

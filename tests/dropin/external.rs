@@ -81,7 +81,7 @@ fn no_bad_run_is_taken_for_an_answer() {
     // Truncated half-way, with a good exit code.
     says(
         after("sed '/TerminationStatus/,$d' run.res > x; mv x run.res"),
-        "ends before the run did",
+        "it has no run status",
     );
     says(
         after("head -c 3000 run.res > x; mv x run.res"),

@@ -75,7 +75,7 @@ fn what_many_objects_share_is_told_once() {
     let line = place.split(':').nth(1).unwrap().parse::<usize>().unwrap();
     let stated = deck.lines().nth(line - 1).unwrap();
     assert!(stated.starts_with("CONTACT/"), "{place}: {stated}");
-    assert!(contacts[0].contains("; the same holds for "));
+    assert!(contacts[0].contains("; the same applies to "));
     assert!(contacts[0].contains("\n  object: model."));
     let refused = ours.matches("this simulation is not executed").count();
     assert_eq!(refused, deck_simulations(&acf));
@@ -167,7 +167,7 @@ fn commands_print_what_they_are_asked_to() {
         "0.000000E+00"
     );
     assert!(after("INFO/DISPLACEMENT, I=77", 0).contains("MARKER/77 is not in the model"));
-    assert!(after("INFO/I=21", 0).contains("does not state a quantity"));
+    assert!(after("INFO/I=21", 0).contains("names no quantity"));
 }
 
 /// Checks that torques on a POINT_MASS, which accepts only translational forces (`state_point_mass`), are reported at their statements.

@@ -62,7 +62,7 @@ fn recorded_runs_are_served_by_their_content() {
     assert!(missing.is_lasting());
     let missing = missing.to_string();
     assert!(
-        missing.contains("no recorded run") && missing.contains("1 runs"),
+        missing.contains("no recorded run") && missing.contains("1 run in"),
         "{missing}"
     );
     task.theta.clear();

@@ -83,8 +83,8 @@ fn what_has_no_effect_is_told() {
     );
     let (_, ran) = run("REVOLUTE", "MOTION/1, JOINT=1, FUNCTION=TIME");
     for said in [
-        "without effect in IC: AERROR",
-        "without effect in KINEMATICS: ALIMIT",
+        "options without effect in IC: AERROR",
+        "options without effect in KINEMATICS: ALIMIT",
     ] {
         assert!(ran.stdout.contains(said), "{}", ran.stdout);
     }

@@ -91,7 +91,7 @@ fn one_line_changes_the_solver_and_a_recording_needs_none() {
         let said = errors(&run);
         assert_eq!(run.status.code(), Some(3), "{said}");
         assert!(
-            said.contains("runs-program") && said.contains("there is no such program here"),
+            said.contains("runs-program") && said.contains("computer)"),
             "{format}: {said}"
         );
         assert!(said.contains("cannot be started"), "{said}");
@@ -105,7 +105,7 @@ fn one_line_changes_the_solver_and_a_recording_needs_none() {
     let shown = Path::new(&path).join(format!("mdi{}", std::env::consts::EXE_SUFFIX));
     assert!(said.contains(&shown.display().to_string()), "{said}");
     assert!(
-        said.contains("bushing forces of the results are in ground axes"),
+        said.contains("the bushing forces of the results are in ground axes"),
         "{said}"
     );
     for ((address, a), (_, b)) in values(&folder.join("native"))

@@ -296,7 +296,7 @@ fn a_curve_is_held_out() {
         .iter()
         .find(|d| d.message.contains("nothing"))
         .unwrap();
-    assert!(said.message.contains("no case and no curve"));
+    assert!(said.message.contains("neither a load case nor a channel"));
 }
 
 fn folder_with_hold_out(name: &str) -> tempfile::TempDir {
@@ -331,20 +331,16 @@ fn a_wrong_table_is_told_where() {
             "gradient,travels",
             "neither a load nor a curve",
         ),
-        (",1,13,", ",1,99,", "no case `99`"),
+        (",1,13,", ",1,99,", "no load case `99`"),
         (
             "width,Fy [N],20,35",
             "width,Fy [N],1,19",
             "in both directions",
         ),
-        (
-            "width,Fy [N],20,35",
-            "width,travel,20,35",
-            "in both directions",
-        ),
+        ("width,Fy [N],20,35", "width,travel,20,35", "is not a load"),
         (",,0.01", ",,0", "more than 0"),
         ("deg,,0.01", "mm,,0.01", "not a unit"),
-        ("track width,track", "toe width,track", "a channel already"),
+        ("track width,track", "toe width,track", "is already used"),
         ("name,curve", "name,kurve", "no column `curve`"),
     ] {
         let found = change(from, to);

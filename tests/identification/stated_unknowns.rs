@@ -377,7 +377,7 @@ fn what_a_fit_cannot_seek_is_refused_at_its_place() {
         ),
         (
             format!("[identify]\nmethod = \"direct\"\n{table}sd = \"5 mm\"\n"),
-            "MARKER/1 x is sought as a change",
+            "MARKER/1 x is identified as a change, which method = \"direct\" does not support",
         ),
         (
             "[[identify.unknown]]\nnumbers = [\"PART/2.IP.1\"]\nform = \"factor\"\n".to_string(),

@@ -235,7 +235,7 @@ fn wrong_files_are_refused_at_their_place() {
             "right-handed",
         ),
         ("SFORCE/3", "SFORCE/33", "kc.toml:5", "SFORCE/33"),
-        ("SFORCE/3\"", "KNUCKLE\"", "kc.toml:5", "not a load"),
+        ("SFORCE/3\"", "KNUCKLE\"", "kc.toml:5", "cannot be left out"),
         ("radius = 300.0", "radius = -1.0", "kc.toml", "tyre.radius"),
         // Metres in a deck in millimetres, and percent.
         (
@@ -280,11 +280,11 @@ fn wrong_files_are_refused_at_their_place() {
     write(&good.replacen("radius = 300.0", "radius = 30.0", 1));
     let warned = said(&run(), 0);
     assert!(
-        warned.contains("kc.toml:12") && warned.contains("the deck's track"),
+        warned.contains("kc.toml:12") && warned.contains("times the track of"),
         "{warned}"
     );
     write(&good);
-    assert!(!said(&run(), 0).contains("the deck's track"));
+    assert!(!said(&run(), 0).contains("times the track of"));
     // A second run replaces its own files, and leaves the files of the user.
     said(&run(), 0);
     std::fs::write(folder.path().join("out/report.html"), "mine").unwrap();

@@ -399,7 +399,7 @@ fn wrong_elements_and_cases_of_goals_are_named() {
         (
             "case = \"down\"",
             "case = \"dwn\"",
-            "the load cases have no case `dwn`",
+            "there is no load case `dwn`",
             "did you mean `down`?",
         ),
     ] {

@@ -125,7 +125,7 @@ fn the_page_of_the_papers_validations_is_whole() {
             }],
         }],
         findings: texts(&[
-            "the step test of equation 17 was met while BUSHING/1.KT.3 still changes",
+            "The step test of equation 17 was met while BUSHING/1.KT.3 still changes.",
         ]),
         limits: texts(&["Figure 9 has no numbers."]),
     };

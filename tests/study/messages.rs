@@ -45,7 +45,7 @@ fn nothing_to_identify_is_a_fault_of_the_study_at_its_place() {
     let (text, code) = said("bushings = [\"BUSHING/1\", \"BUSHING/2\"]", "bushings = []");
     assert_eq!(code, 1);
     assert!(
-        text.contains("× the study names nothing to identify"),
+        text.contains("× the study names no parameters to identify"),
         "{text}"
     );
 }

@@ -305,20 +305,20 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
     };
     changed(-1.0);
     let said = told();
-    let wanted = "column `lateral` of the loads with the other sign";
+    let wanted = "the load column `lateral` with the opposite sign";
     assert!(said.contains(wanted) && !said.contains(odd), "{said}");
     let refused = admire(folder.path(), &["diagnose", "study", "--out", "told"]);
     assert_eq!(refused.code, 1, "{}", refused.err);
     assert!(!folder.path().join("told/diagnosis.json").exists());
     changed(0.001);
     let said = told();
-    let wanted = "column `lateral` of the loads times 1000, as if in knewton";
+    let wanted = "the load column `lateral` multiplied by 1000, as if stated in knewton";
     assert!(said.contains(wanted) && !said.contains(odd), "{said}");
     let exchanged = shipped.replacen("lateral", "?", 1);
     let exchanged = exchanged.replacen("longitudinal", "lateral", 1);
     std::fs::write(&table, exchanged.replacen('?', "longitudinal", 1)).unwrap();
     let said = told();
-    let wanted = "of the loads exchanged";
+    let wanted = "the load columns `";
     assert!(said.contains(wanted) && said.contains("no slip"), "{said}");
     std::fs::write(&table, &shipped).unwrap();
     // Marks from another origin.

@@ -384,17 +384,17 @@ fn nothing_is_proposed_that_the_laboratory_lacks() {
     let marks = candidates.iter().filter(|c| c["kind"] == "mark").count();
     assert_eq!(marks, 1, "{candidates:?}");
     for (entry, says) in [
-        ("'marks on WHEEEL'", "there is no part `WHEEEL`"),
+        ("'marks on WHEEEL'", "the unknown part `WHEEEL`"),
         (
             "'load cell in BUSHING/9'",
-            "there is no bushing or joint `BUSHING/9`",
+            "the unknown bushing or joint `BUSHING/9`",
         ),
         (
             "'load lateral from 3 to 2'",
-            "is not an entry for `plan.available`",
+            "is not an entry of `plan.available`",
         ),
-        ("'load side'", "there is no column of loads `side`"),
-        ("'scales'", "is not an entry for `plan.available`"),
+        ("'load side'", "the unknown load column `side`"),
+        ("'scales'", "is not an entry of `plan.available`"),
     ] {
         let said = planned_with(entry);
         assert_eq!(said.code, 1, "{entry}: {}", said.err);
@@ -413,7 +413,11 @@ fn what_cannot_be_planned_is_refused() {
     );
     let said = admire(folder.path(), &["plan", "study", "--for", "stiffnesses"]);
     assert_eq!(said.code, 1, "{}", said.out);
-    assert!(said.err.contains("nothing to identify"), "{}", said.err);
+    assert!(
+        said.err.contains("no parameters to identify"),
+        "{}",
+        said.err
+    );
     let none = admire(folder.path(), &["plan", "study", "--count", "0"]);
     assert_eq!(none.code, 2);
     let nowhere = admire(folder.path(), &["plan", "nothing"]);

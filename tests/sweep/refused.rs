@@ -12,7 +12,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "\"BUSHING/1.K.3\"",
             "\"BUSHING/1.K.1\"",
-            "varied by `bushing_A_radial` too",
+            "also varied by `bushing_A_radial`",
             "sweep.toml:41",
         ),
         (
@@ -24,7 +24,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "[-1.0, 1.0]",
             "[1.0, 1.0]",
-            "this range is empty",
+            "needs two finite bounds",
             "sweep.toml:37",
         ),
         (
@@ -36,7 +36,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "[9000.0, 10000.0, 11000.0]",
             "[]",
-            "`values` must have at least one number",
+            "`values` must be a list of one or more",
             "sweep.toml:42",
         ),
         (
@@ -66,7 +66,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "\"range\"",
             "\"sum\"",
-            "`at` is last, first",
+            "`at` must be last, first",
             "sweep.toml:56",
         ),
         (
@@ -84,7 +84,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "name = \"strut_mount\"",
             "name = \"status\"",
-            "`status` is a column of every results table",
+            "cannot be called `status`, which is a column of every results table",
             "sweep.toml",
         ),
     ];

@@ -97,7 +97,7 @@ fn places_that_no_answer_has_are_refused() {
     for (keep, message) in [
         (
             "[[keep]]\nidentification = \"parametres[*].value\"\n",
-            "no such field",
+            "has no field `parametres`",
         ),
         (
             "[[keep]]\nidentification = \"a[b\"\n",

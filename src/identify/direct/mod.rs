@@ -97,13 +97,13 @@ pub fn solve(
     }
     if problem.changes_numbers() {
         return Err(not_possible(
-            "unknowns that are numbers of the deck themselves",
+            "unknowns of form = \"value\", not changes or factors",
         ));
     }
     let system = compile(problem.model)?;
     if system.has_data_unknowns() {
         return Err(not_possible(
-            "a deck without VARIABLEs and DIFFs that are unknowns of the equilibrium",
+            "a deck without VARIABLEs and DIFFs whose values are unknowns of the equilibrium",
         ));
     }
     let direct = Direct::new(problem, &system)?;

@@ -159,8 +159,8 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
         && bias.abs() > 0.02
     {
         remarks.push(format!(
-            "noise in the measured poses would bias plain weighted least squares; the correction moved {} most, from {:.2} times the \
-             value given here. The remaining bias is of second order in the noise",
+            "Noise in the measured poses would bias plain weighted least squares. The correction changes {} most: without it, the value is {:.2} \
+             times the value given here. The remaining bias is of second order in the noise.",
             problem.unknowns[k].address,
             libm::exp(bias)
         ));
@@ -172,12 +172,12 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
         .collect();
     if !labels.is_empty() {
         remarks.push(format!(
-            "load cases without the pose of every moving part are not used: {}",
+            "Load cases without the pose of every moving part are not used: {}.",
             labels.join(", ")
         ));
     }
     if !solution.settled {
-        remarks.push("the correction for pose noise did not converge".to_string());
+        remarks.push("The correction for pose noise did not converge.".to_string());
     }
     remarks
 }

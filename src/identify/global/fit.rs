@@ -176,9 +176,9 @@ pub fn identify<'a>(
         unstated
             .filter(|channel| channel.sigma_estimated)
             .map(|channel| {
-                let unit = channel.unit.as_deref().unwrap_or("");
+                let unit = channel.unit.as_deref().map_or_else(String::new, |unit| format!(" {unit}"));
                 format!(
-                    "The noise of {} is not stated; the residuals of the fit give {:.3} {unit}.",
+                    "The noise of {} is not stated; the residuals of the fit give a standard deviation of {:.3}{unit}.",
                     channel.name, channel.sigma
                 )
             }),
@@ -476,8 +476,13 @@ fn tested(
         }
     }
     if outliers > 0 {
+        let (are, them) = if outliers == 1 {
+            ("reading is an outlier", "it")
+        } else {
+            ("readings are outliers", "them")
+        };
         remarks.push(format!(
-            "{outliers} readings are outliers, too far off for their noise (loss = \"huber\" gives them less weight); the goodness-of-fit test leaves them out."
+            "{outliers} {are}, too far from the fit for the stated noise. The goodness-of-fit test leaves {them} out; loss = \"huber\" reduces the weight of outliers."
         ));
     }
     let (mut chi2, count) = tally.total();

@@ -69,7 +69,7 @@ impl Prepared {
                     channel.name, channel.function
                 );
                 Diagnostic::error(Code::BadSetting, message)
-                    .help("leave the channel out, or `solver.backend = \"native\"`")
+                    .help("leave the channel out, or set solver.backend = \"native\"")
             })
             .collect();
         if !refused.is_empty() {

@@ -167,7 +167,7 @@ fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
         if sd < POOR_NORMAL_LN_SD && apart.abs() > CONTRADICTION_SD * sd.max(1e-3) {
             fit.remarks.push(format!(
                 "The direct solution of the measured poses puts {} at {:.2} times the value given here, {:.0} standard \
-                 deviations away: the model may lack something.",
+                 deviations away. This points to an element that the model lacks or has wrong.",
                 problem.unknowns[k].address,
                 libm::exp(apart),
                 apart.abs() / sd

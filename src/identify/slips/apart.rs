@@ -42,12 +42,12 @@ pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
         let (most, text, told) = match gap.kind {
             ApartKind::Distance => {
                 let unit = study.model.units.length.word;
-                let text = format!("lie {:.1} {unit} apart", gap.size);
+                let text = format!("markers of {} lie {:.1} {unit} apart", gap.name, gap.size);
                 let is_bushing = gap.name.starts_with("BUSHING/");
                 (ASSEMBLY_DISTANCE_MM * millimetre, text, is_bushing)
             }
             ApartKind::Angle => {
-                let text = format!("are turned by {:.1} degrees", gap.size);
+                let text = format!("axes of {} differ by {:.1} degrees", gap.name, gap.size);
                 (
                     ASSEMBLY_ANGLE_DEG,
                     text,
@@ -65,10 +65,10 @@ pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
                 .find(same)
                 .is_none_or(|gap| gap.size <= 0.5 * most)
         });
-        let what = format!("I and J of {} {text} at design", gap.name);
+        let what = format!("the I and J {text} at design");
         match mended {
             Some((_, change)) => out.push(Displaced {
-                why: format!("{what}, and not with {change}"),
+                why: format!("{what}, but not if {change}"),
                 is_mended: true,
             }),
             None if told => out.push(Displaced {
@@ -152,7 +152,7 @@ fn changes(model: &Model, gap: &Gap) -> Vec<(Model, String)> {
                 ApartKind::Angle => {
                     for (of_frame, of_marker) in mirrors() {
                         let R = back * of_frame * to_frame * own.R * of_marker;
-                        add(own.qp, R, format!("the axes of {name} mirrored"));
+                        add(own.qp, R, format!("the axes of {name} are mirrored"));
                     }
                 }
             }
@@ -170,14 +170,17 @@ fn one_slip(x: &Vec3) -> Vec<(String, Vec3)> {
         let mut new = *x;
         new.swap_rows(a, b);
         out.push((
-            format!("{} and {} of {{}} exchanged", NAMES[a], NAMES[b]),
+            format!("{} and {} of {{}} are exchanged", NAMES[a], NAMES[b]),
             new,
         ));
     }
     for axis in 0..3 {
         let mut new = *x;
         new[axis] = -new[axis];
-        out.push((format!("the other sign of {} of {{}}", NAMES[axis]), new));
+        out.push((
+            format!("{} of {{}} has the opposite sign", NAMES[axis]),
+            new,
+        ));
     }
     out
 }

@@ -113,7 +113,7 @@ fn scaled(
 ) -> impl Iterator<Item = Candidate> {
     pairs.iter().map(move |pair| Candidate {
         remedy: format!(
-            "{what} times {}, as if in {}",
+            "{what} multiplied by {}, as if stated in {}",
             four_digits(pair.factor),
             pair.unit
         ),
@@ -135,7 +135,7 @@ fn loads(study: &LoadedStudy) -> Vec<Family> {
     let family = |name: &str, columns: &[usize], pairs: &[UnitPair]| {
         let change = |factor: f64| Change::Loads(columns.to_vec(), factor);
         let mut candidates = vec![Candidate {
-            remedy: format!("{name} with the other sign"),
+            remedy: format!("{name} with the opposite sign"),
             change: change(-1.0),
         }];
         candidates.extend(scaled(name, pairs, change));
@@ -158,16 +158,12 @@ fn loads(study: &LoadedStudy) -> Vec<Family> {
         } else {
             lengths(units)
         };
-        let name = format!("column `{}` of the loads", load.name);
+        let name = format!("the load column `{}`", load.name);
         out.push(family(&name, &[*k], &pairs));
     }
     let together: Vec<usize> = columns.into_iter().filter(is_force).collect();
     if together.len() > 1 {
-        out.push(family(
-            "all columns of the loads",
-            &together,
-            &forces(units),
-        ));
+        out.push(family("all load columns", &together, &forces(units)));
     }
     out
 }
@@ -186,7 +182,7 @@ fn exchanges(study: &LoadedStudy) -> Vec<Family> {
             let [first, second] = [a, b].map(|k| &programme.loads[*k].name);
             out.push(Family {
                 candidates: vec![Candidate {
-                    remedy: format!("columns `{first}` and `{second}` of the loads exchanged"),
+                    remedy: format!("the load columns `{first}` and `{second}` exchanged"),
                     change: Change::Exchange(*a, *b),
                 }],
                 by_factor: None,
@@ -313,7 +309,7 @@ fn load_points(study: &LoadedStudy) -> Vec<Family> {
                 places.push(("ground", axis, local));
             }
             if own.qp[axis].abs() > near {
-                places.push(("its part", axis, turned(&own.qp, axis)));
+                places.push(("part", axis, turned(&own.qp, axis)));
             }
         }
         let id = own.header.id;
@@ -322,7 +318,7 @@ fn load_points(study: &LoadedStudy) -> Vec<Family> {
                 (0..3).map(|k| (Address::of_argument("MARKER", id, "QP", Some(k + 1)), qp[k]));
             Candidate {
                 remedy: format!(
-                    "MARKER/{id} on the other side: its {} in the axes of {frame} with the other sign",
+                    "MARKER/{id} on the other side (opposite sign of {} in {frame} axes)",
                     ["x", "y", "z"][axis]
                 ),
                 change: Change::Numbers(numbers.collect()),
@@ -343,7 +339,7 @@ fn channels(study: &LoadedStudy) -> Vec<Family> {
     let read = channels.filter(|(_, channel)| channel.is_read_by_case());
     let of = |(k, channel): (usize, &admire_study::Channel)| Family {
         candidates: vec![Candidate {
-            remedy: format!("`{}` with the other sign", channel.name),
+            remedy: format!("`{}` with the opposite sign", channel.name),
             change: Change::Channel(k, -1.0),
         }],
         by_factor: None,

@@ -439,7 +439,7 @@ def _opened(study: Study | str | os.PathLike[str]) -> Study:
     opened = study if isinstance(study, Study) else Study(study)
     command = opened._inner.starts_program()
     if command:
-        warnings.warn(f"every equilibrium is solved by an external program, which study.toml names: {command}", stacklevel=3)
+        warnings.warn(f"the program named in study.toml solves every equilibrium: {command}", stacklevel=3)
     return opened
 
 

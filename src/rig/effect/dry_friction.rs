@@ -83,7 +83,7 @@ pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
     if start.abs() <= 1.0 {
         Ok(start)
     } else {
-        Err(spec.refuse("start is a fraction of the friction force, from -1 to 1"))
+        Err(spec.refuse("start must be a fraction of the friction force, from -1 to 1"))
     }
 }
 
@@ -101,7 +101,7 @@ pub(super) fn slider(
         ..
     } = law
     else {
-        return Err(spec.refuse("is not a spring in series with a slider"));
+        return Err(spec.refuse("the law must be a spring in series with a slider"));
     };
     let anchor = reality.add("VARIABLE", &[("FUNCTION", Some("0.0".to_string()))]);
     let u = displacement(pair, component);

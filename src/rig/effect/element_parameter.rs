@@ -10,7 +10,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     let address =
         Address::parse(&spec.address, &reality.dataset).map_err(|why| spec.refuse(why.message))?;
     let Some(deck) = reality.dataset.value_at(&address) else {
-        return Err(spec.refuse("that is not the address of a number"));
+        return Err(spec.refuse("the address must name a number of the deck"));
     };
     let (value, factor, delta) = (
         spec.optional("value")?,
@@ -21,7 +21,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         (Some(value), None, None) => value,
         (None, Some(factor), None) => deck * factor,
         (None, None, Some(delta)) => deck + delta,
-        _ => return Err(spec.refuse("needs one of value=, factor=, delta=")),
+        _ => return Err(spec.refuse("needs exactly one of value=..., factor=... and delta=...")),
     };
     reality.set(&address, value)
 }

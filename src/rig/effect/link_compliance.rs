@@ -46,7 +46,7 @@ pub(super) fn line(
     };
     let line = far.2 - near.2;
     if line.norm() < 1e-9 {
-        return Err(spec.refuse(format!("both joints of PART/{part} are at one point")));
+        return Err(spec.refuse(format!("both joints of PART/{part} are at the same point")));
     }
     Ok(([near, far], line))
 }

@@ -12,7 +12,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     let turn = spec.turn()?;
     let target = reality.programme.loads[load].target.clone();
     let Some(argument) = direction_of(reality, &target) else {
-        return Err(spec.refuse(format!("{target} has no direction of its own")));
+        return Err(spec.refuse(format!("{target} has no direction that can be turned")));
     };
     let object = Address {
         argument: None,

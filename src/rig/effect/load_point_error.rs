@@ -30,7 +30,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         .filter(|k| at_marker(&loads[*k], reality))
         .max_by(|a, b| size(*a).total_cmp(&size(*b)));
     let Some(largest) = largest else {
-        return Err(spec.refuse("no load of the study acts at that marker"));
+        return Err(spec.refuse("no load of the study acts at this marker"));
     };
     let course = reality.course(spec, largest)?;
     for load in loads {

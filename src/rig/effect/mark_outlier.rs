@@ -13,7 +13,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     let part = reality.marked(spec, part)?;
     let labels = &reality.marks[part].labels;
     let Some(mark) = labels.iter().position(|own| own == mark) else {
-        return Err(spec.refuse(format!("that part has no mark `{mark}`")));
+        return Err(spec.refuse(format!("the part has no mark `{mark}`")));
     };
     let shift = spec.shift()?;
     reality.faults.push(ReadingFault::Mark {

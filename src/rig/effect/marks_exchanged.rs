@@ -12,7 +12,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     };
     let (a, b) = (reality.marked(spec, a)?, reality.marked(spec, b)?);
     let Some(label) = spec.label("from") else {
-        return Err(spec.refuse("needs from=..., the first case"));
+        return Err(spec.refuse("needs from=..., the label of the first case with exchanged marks"));
     };
     let first = reality.case(spec, &label)?;
     let only = spec.label("mark");
@@ -25,7 +25,11 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         }
     }
     if pairs.is_empty() {
-        return Err(spec.refuse("the two parts have no such mark in common"));
+        return Err(spec.refuse(if only.is_some() {
+            "the two parts have no mark of this name in common"
+        } else {
+            "the two parts have no mark in common"
+        }));
     }
     reality.faults.push(ReadingFault::Exchanged {
         first,

@@ -103,7 +103,7 @@ pub fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnos
                 "`{}` is not a cause that can be planted",
                 spec.cause
             ))
-            .help(format!("causes: {}", names.join(", "))));
+            .help(format!("the causes are {}", names.join(", "))));
     };
     plant(spec, reality)?;
     spec.all_used()

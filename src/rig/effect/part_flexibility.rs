@@ -26,16 +26,21 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     let named = holders.iter().find(|h| h.marker == end).map(|h| h.place);
     let here = |place: Vec3| named.is_some_and(|named| (place - named).norm() < 1e-6);
     let (at_end, others): (Vec<_>, Vec<_>) = holders.iter().partition(|h| here(h.place));
-    if at_end.is_empty() || others.is_empty() {
+    if at_end.is_empty() {
         return Err(spec.refuse(format!(
-            "nothing holds PART/{part} at MARKER/{end}, or nothing else does"
+            "no joint or force connects PART/{part} at MARKER/{end}"
+        )));
+    }
+    if others.is_empty() {
+        return Err(spec.refuse(format!(
+            "PART/{part} is connected only at MARKER/{end}, and a flexible part needs a second connection"
         )));
     }
     let place = at_end[0].place;
     let rest = others.iter().map(|h| h.place).sum::<Vec3>() / others.len() as f64;
     let line = place - rest;
     if line.norm() < 1e-9 {
-        return Err(spec.refuse("both ends are at one point"));
+        return Err(spec.refuse("both ends of the part are at the same point"));
     }
     let new = reality.twin(part);
     for holder in &at_end {

@@ -135,7 +135,7 @@ impl GroundTruth {
         if kinds.contains(&address.kind.as_str()) {
             return Ok(address);
         }
-        Err(spec.refuse(format!("the address must name one of {}", kinds.join(", "))))
+        Err(spec.refuse(format!("the address must name a {}", kinds.join(" or "))))
     }
 
     /// Returns the address of a component of a FIELD, or of a FIELD that is given by the name of its bushing of Adams/Car.

@@ -28,7 +28,7 @@ impl EffectSpec {
                 .help("for example dry-friction@BUSHING/2.K.1:force=200,stiffness=4000")
         };
         let Some((cause, rest)) = text.split_once('@') else {
-            return Err(bad("an effect is cause@address:name=value,..."));
+            return Err(bad("an effect is written as cause@address:name=value,..."));
         };
         let (address, list) = rest.split_once(':').unwrap_or((rest, ""));
         let mut values = BTreeMap::new();

@@ -184,7 +184,7 @@ pub(super) fn read(
     }
     if reader.run_status().is_none() {
         return Err(broken(
-            "the results file ends before the run did".to_string(),
+            "the results file is incomplete: it has no run status".to_string(),
         ));
     }
     let cases = request.programme.cases.len();
@@ -234,7 +234,7 @@ fn same_model<R: std::io::Read>(model: &Model, reader: &XrfReader<R>) -> Result<
     let known = |word: &str| LENGTH_UNITS.iter().any(|unit| unit.word == word);
     if length != own && known(length) && known(own) {
         return Err(format!(
-            "the lengths of the results are in {length}, those of the deck in {own}"
+            "the length unit of the results is {length}, but that of the deck is {own}"
         ));
     }
     Ok(())

@@ -171,7 +171,7 @@ impl BushingCheck {
                 };
                 if !(0..3).all(near) {
                     return Err(format!(
-                        "the angles of BUSHING/{id} are {:?} rad in the results, and {:?} rad by the poses of its parts",
+                        "the angles of BUSHING/{id} are {:?} rad in the results, but {:?} rad by the poses of its parts",
                         found.as_slice(),
                         law.as_slice()
                     ));
@@ -201,7 +201,7 @@ impl BushingCheck {
                 }
                 ([], Some(known)) => {
                     return Err(format!(
-                        "the force of BUSHING/{id} does not fit its deflection in {known}, although those of the bushings before it do"
+                        "the force of BUSHING/{id} does not fit its deflection in {known}, although the forces of the bushings before it do"
                     ));
                 }
                 ([only], _) => self.frame = Some(*only),

@@ -103,7 +103,7 @@ impl<'a> CaseCheck<'a> {
             let same_loads = loads.all(|(a, b)| (a - b).abs() <= AGREES * (a.abs() + b.abs()));
             if !same_loads && step == own {
                 return Err(format!(
-                    "the steps of load cases `{}` and `{}` are the same, their loads are not",
+                    "the steps of load cases `{}` and `{}` are the same, but their loads differ",
                     label(*other),
                     label(case)
                 ));

@@ -231,6 +231,6 @@ impl Backend for CommandBackend {
 /// Returns a remark for the user that says in which axes the results give bushing forces.
 pub(super) fn frame_remark(frame: Option<ForceFrame>) -> Option<String> {
     frame.map(|frame| {
-        format!("bushing forces of the results are in {frame}: there they fit the deflections")
+        format!("the bushing forces of the results are in {frame}, where they fit the deflections")
     })
 }

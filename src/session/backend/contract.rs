@@ -59,7 +59,7 @@ pub enum RunError {
     #[error("the deck cannot be prepared: {0}")]
     Deck(String),
     /// No program is available to make the run, and the run was not recorded.
-    #[error("there is no recording of this run in `{folder}`: {key}")]
+    #[error("there is no recording of this run in `{folder}` (hash {key})")]
     NotRecorded {
         /// Hash of the input files of the run, which names its folder in a recording.
         key: String,
@@ -78,7 +78,7 @@ pub enum RunError {
         reason: String,
     },
     /// The run took longer than its time limit and was killed.
-    #[error("the run was killed after {seconds} s\n{tail}")]
+    #[error("the run was killed after {seconds} s, its time limit\n{tail}")]
     Timeout {
         /// Time limit in seconds.
         seconds: f64,
@@ -147,9 +147,10 @@ pub enum BackendError {
     },
     /// The requested run was not recorded.
     #[error(
-        "no recorded run has this deck and these commands (content {}, {recorded} runs in {}); `admire record` makes recordings, \
-         and a study that was changed since needs a new one",
+        "no recorded run has this deck and these commands (hash {}, {recorded} {} in {}); a study that has changed since \
+         needs a new recording by `admire record`",
         &key[..16],
+        if *recorded == 1 { "run" } else { "runs" },
         folder.display()
     )]
     NotRecorded {

@@ -129,7 +129,7 @@ pub fn repeat(
         .collect();
     if !away.is_empty() {
         fit.remarks.push(format!(
-            "With tolerances marginalised the fit ends more than a standard deviation from the values given here, for {}.",
+            "With tolerances marginalised, the fitted values of {} differ by more than a standard deviation from those given here.",
             away.join(", ")
         ));
     }
@@ -178,7 +178,7 @@ pub enum RepeatError {
     #[error(transparent)]
     Identify(#[from] IdentifyError),
     /// There is no minimum to start from.
-    #[error("the fit with tolerances marginalised has no minimum where it could be repeated")]
+    #[error("the fit with tolerances marginalised has no minimum from which it could be repeated")]
     NoEstimate,
     /// A journal or table cannot be used.
     #[error(transparent)]
@@ -386,7 +386,7 @@ fn remark(kind: Kind, fit: &mut Fit) {
         && made.without_answer > 0
     {
         remarks.push(format!(
-            "{} of {} fits of the bootstrap have no result and are left out of its intervals.",
+            "{} of {} bootstrap fits have no result and are left out of the intervals.",
             made.without_answer, made.replicates
         ));
     }
