@@ -75,7 +75,7 @@ fn held_out(loaded: &LoadedStudy, fit: &Fit) -> String {
         parts.push(fall(&curve.name, rms, unit, channel.sigma));
     }
     if parts.is_empty() {
-        return "nothing; `validate.hold_out` names cases that no fit sees".to_string();
+        return "no cases; list some in `validate.hold_out` to test the fit on them".to_string();
     }
-    format!("rms of {}", parts.join(", "))
+    format!("rms error: {}", parts.join(", "))
 }

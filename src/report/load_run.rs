@@ -79,7 +79,7 @@ pub(super) fn figures(runs: &[LoadRun]) -> Result<Vec<Figure>, DrawingError> {
     Chart::equalise(&mut charts);
     let drawn = charts.iter().zip(runs).map(|(chart, run)| {
         let caption = if run.unseen {
-            "The other loads are constant. No fit used these readings."
+            "The other loads are constant. These readings are held out of the fit."
         } else {
             "The other loads are constant."
         };
