@@ -91,7 +91,7 @@ fn a_refused_value_is_shown_in_the_text_as_it_would_be() {
     assert!(err.contains("1 │ 2*AZ(20"), "{err}");
     let (code, _, err) = folder.said(&["set", "a.adm", "PART/2.QG=1 2 3"]);
     assert_eq!(code, 1);
-    assert!(err.contains("commas separate values"), "{err}");
+    assert!(err.contains("separate the values with commas"), "{err}");
     let (code, _, err) = folder.said(&["set", "a.adm", "PART/2.QG=1,2"]);
     assert_eq!(code, 1);
     assert!(err.contains("QG = 1,2"), "{err}");
