@@ -216,13 +216,13 @@ fn a_field_is_turned_from_its_length_and_a_picture_carries_no_load() {
     folder.write("turned.adm", deck("0", "30D").as_bytes());
     let (_, out, _) = folder.said(&["check", "turned.adm"]);
     assert!(
-        out.contains("I of FIELD/1 is turned by -30.0") && out.contains("orientation of J"),
+        out.contains("I of FIELD/1 is rotated by -30.0") && out.contains("orientation of J"),
         "{out}"
     );
     folder.write("wrong.adm", deck("30D", "30D").as_bytes());
     let (_, out, _) = folder.said(&["check", "wrong.adm"]);
     assert!(
-        out.contains("-60.0") && out.contains("from LENGTH"),
+        out.contains("-60.0") && out.contains("from the angles of LENGTH"),
         "{out}"
     );
 }
@@ -464,7 +464,7 @@ fn a_body_goes_from_json_only_with_the_markers_that_stand_on_it_unnamed() {
     let (code, out, err) = without(&[1]);
     assert_eq!((code, out.as_str()), (1, ""));
     assert!(
-        err.contains("MARKER/20 is on PART/2 only because it follows it"),
+        err.contains("MARKER/20 names no body and belongs to PART/2 by its position"),
         "{err}"
     );
     let (_, out, err) = without(&[2, 1]);
