@@ -55,9 +55,10 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     };
     let held = &fit.held_out;
     for curve in &held.curves {
-        let unit = curve.unit.as_deref().unwrap_or("");
+        let unit = curve.unit.as_deref().map(|unit| format!(" {unit}"));
+        let unit = unit.unwrap_or_default();
         text += &format!(
-            " The rms error of the held-out curve {} {} {unit}.",
+            " The rms error of the held-out curve {} {}{unit}.",
             curve.name,
             change(curve.rms_before, curve.rms_after)
         );
@@ -159,10 +160,13 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
     }
     gains.extend(held.curves.iter().map(|curve| {
         format!(
-            "rms error of {} {} {}, a curve held out of the fit",
+            "rms error of {} {}{}, a curve held out of the fit",
             curve.name,
             change(curve.rms_before, curve.rms_after),
-            curve.unit.as_deref().unwrap_or_default()
+            curve
+                .unit
+                .as_deref()
+                .map_or_else(String::new, |unit| format!(" {unit}"))
         )
     }));
     if held.cases.is_empty() && held.curves.is_empty() {

@@ -337,8 +337,9 @@ impl IdentificationReport<'_> {
             rows.push((name, held.marks_rms_before, held.marks_rms_after));
         }
         for curve in &held.curves {
-            let unit = curve.unit.as_deref().unwrap_or("");
-            let name = format!("held-out curve {}, rms, {unit}", curve.name);
+            let unit = curve.unit.as_deref().map(|unit| format!(", {unit}"));
+            let unit = unit.unwrap_or_default();
+            let name = format!("held-out curve {}, rms{unit}", curve.name);
             rows.push((name, Some(curve.rms_before), Some(curve.rms_after)));
         }
         if let Some(wheel) = &self.fit.wheel {
