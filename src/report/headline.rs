@@ -1,4 +1,4 @@
-use super::number::{capitalised, change, rounded};
+use super::number::{capitalised, change, counted, rounded};
 use admire_identify::lack_of_fit::is_structured;
 use admire_identify::{Fit, FitTest, FitVerdict, LoadedStudy, ParameterFit, Status};
 
@@ -65,8 +65,8 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     }
     if let (Some(from), Some(to)) = (held.marks_rms_before, held.marks_rms_after) {
         text += &format!(
-            " In the {} load cases held out, the rms error of the marks {} {length}.",
-            held.cases.len(),
+            " In {} held out, the rms error of the marks {} {length}.",
+            counted(held.cases.len(), "load case"),
             change(from, to)
         );
     } else if let Some(written) = &fit.written {
@@ -153,9 +153,9 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
     let held = &fit.held_out;
     if let (Some(before), Some(after)) = (held.marks_rms_before, held.marks_rms_after) {
         gains.push(format!(
-            "rms error of the marks {} {length}, in the {} cases held out",
+            "rms error of the marks {} {length}, in {} held out",
             change(before, after),
-            held.cases.len()
+            counted(held.cases.len(), "load case")
         ));
     }
     gains.extend(held.curves.iter().map(|curve| {

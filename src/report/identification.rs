@@ -4,7 +4,7 @@ use super::convergence::convergence;
 use super::headline::{found_lines, strained};
 use super::interval::IntervalScale;
 use super::load_run;
-use super::number::{number, rounded, unbroken};
+use super::number::{counted, number, rounded, unbroken};
 use super::parameter_name::form_of;
 use super::repeats::repeats;
 use super::scene::Role;
@@ -460,12 +460,22 @@ pub fn lead(fit: &Fit) -> String {
     } else {
         ", without converging,"
     };
+    let are = if of(Status::Identified) == 1 {
+        "is"
+    } else {
+        "are"
+    };
+    let equilibria = if fit.solver_runs == 1 {
+        "equilibrium"
+    } else {
+        "equilibria"
+    };
     let found = format!(
-        "{} of {} parameters are identified by {} after {} iterations{ending} ({} equilibria).",
+        "{} of {} parameters {are} identified by {} after {}{ending} ({} {equilibria}).",
         of(Status::Identified),
         fit.parameters.len(),
         fit.method,
-        fit.iterations,
+        counted(fit.iterations, "iteration"),
         fit.solver_runs,
     );
     let explained = explained(fit);

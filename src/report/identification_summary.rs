@@ -3,6 +3,7 @@
 use admire_identify::{Fit, LoadedStudy, ParameterFit, Status};
 
 use super::headline::next_step;
+use super::number::counted;
 use super::parameter_name::parameter_name;
 use super::summary::{Summary, fall};
 use super::{lead, number, short_unit};
@@ -63,7 +64,7 @@ fn held_out(loaded: &LoadedStudy, fit: &Fit) -> String {
     let measurement = &loaded.measurement;
     let mut parts = Vec::new();
     if let (Some(before), Some(after)) = (held.marks_rms_before, held.marks_rms_after) {
-        let what = format!("marks of {} cases", held.cases.len());
+        let what = format!("marks of {}", counted(held.cases.len(), "case"));
         let length = loaded.model.units.length.word;
         parts.push(fall(&what, [before, after], length, measurement.sigma));
     }

@@ -7,6 +7,7 @@ use super::check::{Check, Verdict};
 use super::frame_place::odd_frame;
 use super::load_table::odd_loads;
 use super::mark_scatter::{repeats, rigidity};
+use super::number::counted;
 use super::short_unit;
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
@@ -131,7 +132,7 @@ impl Plausibility {
             let read: usize = to.cases.iter().map(|case| case.marks.len()).sum();
             self.counted(
                 "marks",
-                format!("{marks} on {} parts", to.parts.len()),
+                format!("{marks} on {}", counted(to.parts.len(), "part")),
                 read,
                 marks * to.cases.len(),
             );
@@ -449,7 +450,7 @@ impl Plausibility {
                 Verdict::Doubtful
             };
             let found = format!(
-                "{alike} of {} channels move as the model does",
+                "channels that move as the model does: {alike} of {}",
                 loaded.measurement.channels.len()
             );
             self.add("agreement", found, verdict, odd.join("; "));

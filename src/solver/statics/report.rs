@@ -169,8 +169,9 @@ pub enum Continuation {
 pub enum SolveError {
     /// The iteration did not reach the tolerances.
     #[error(
-        "no equilibrium after {} iterations: the largest imbalance is {imbalance:.3e}, in units of the deck, at {worst}",
-        history.len()
+        "no equilibrium after {} {}: the largest imbalance is {imbalance:.3e}, in units of the deck, at {worst}",
+        history.len(),
+        if history.len() == 1 { "iteration" } else { "iterations" }
     )]
     NotConverged {
         /// Name of the equation with the largest imbalance, for example `PART/4 'KNUCKLE' force along z`.
