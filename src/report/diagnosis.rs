@@ -107,7 +107,7 @@ impl DiagnosisReport<'_> {
         if !diagnosis.findings.is_empty() {
             self.causes(&mut page, &scene);
         }
-        page.detail("In words");
+        page.detail("Summary of the diagnosis");
         page.paragraph(&fit_in_words(self.outcome));
         let sentences = diagnosis_sentences(self.outcome).into_iter();
         // Several similar sentences are easier to read as a table.
@@ -126,7 +126,7 @@ impl DiagnosisReport<'_> {
             page.table(&missed(&channels));
         }
         if runs.len() > 2 {
-            page.detail("Curves over each load");
+            page.detail("Curves against each load");
             page.figures(&load_run::figures(&runs)?);
         }
         self.residuals(&mut page, &study)?;
@@ -152,7 +152,7 @@ impl DiagnosisReport<'_> {
             "Each test takes chi-square of one set of residuals, with their covariance. Where the worst of several sets is tested, p is corrected for their number.",
         );
         if !self.diff.is_empty() {
-            page.detail("What changes in the deck");
+            page.detail("Changes to the deck");
             page.verbatim(self.diff);
         }
         Ok(page.finish(&format!("admire {}", super::VERSION)))

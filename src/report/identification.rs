@@ -68,7 +68,7 @@ impl IdentificationReport<'_> {
         self.quality(&mut page);
         page.figures(&figures.by_case()?.into_iter().collect::<Vec<_>>());
         if runs.len() > 2 && is_wheel {
-            page.detail("Curves over each load");
+            page.detail("Curves against each load");
             page.figures(&load_run::figures(&runs)?);
         }
         self.laws(&mut page, &figures)?;
@@ -94,7 +94,7 @@ impl IdentificationReport<'_> {
             page.note("Each parameter at each iteration, divided by its reference, or by its final value if there is no reference.");
             page.figures(&convergence);
         }
-        page.detail("What changes in the deck");
+        page.detail("Changes to the deck");
         page.verbatim(self.diff);
         Ok(page.finish(&format!("admire {}", super::VERSION)))
     }
@@ -409,7 +409,7 @@ impl IdentificationReport<'_> {
         let Some(test) = &self.fit.fit_test else {
             return;
         };
-        page.detail("Are the residuals noise?");
+        page.detail("Test of the residuals against noise");
         let mut table = Table::new(&[
             ("readings", Align::Left),
             ("count", Align::Right),

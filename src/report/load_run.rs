@@ -35,7 +35,7 @@ impl LoadRun {
         let is_word = load.chars().all(|c| c.is_ascii_lowercase());
         let end = if is_word { " load" } else { "" };
         Chart {
-            title: capitalised(&format!("{} over {load}{end}", self.what)),
+            title: capitalised(&format!("{} against {load}{end}", self.what)),
             x: self.load.clone(),
             y,
             series: self.series.clone(),
@@ -160,8 +160,8 @@ mod tests {
             let chosen = telling(runs);
             chosen.iter().map(|run| run.chart().title).collect()
         };
-        assert_eq!(names(&runs), ["Toe over Fy", "Camber over Fy"]);
-        assert_eq!(names(&runs[..1]), ["Travel over Fz"]);
+        assert_eq!(names(&runs), ["Toe against Fy", "Camber against Fy"]);
+        assert_eq!(names(&runs[..1]), ["Travel against Fz"]);
         assert_eq!(runs[1].chart().y, "toe [deg], + toe-in");
     }
 }

@@ -95,7 +95,7 @@ impl Text<'_> {
         let frame: Vec<String> = frame.collect();
         if !frame.is_empty() {
             out.push(format!(
-                "The measuring frame {}, the same for all marks.",
+                "The measuring frame {}, equally for all marks.",
                 frame.join(" and ")
             ));
         }

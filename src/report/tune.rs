@@ -183,8 +183,7 @@ impl TuneReport<'_> {
             page.list(&all);
         }
         page.detail("Starts").table(&self.starts());
-        page.detail("What changes in the deck")
-            .verbatim(self.changes);
+        page.detail("Changes to the deck").verbatim(self.changes);
         Ok(page.finish(footer))
     }
 

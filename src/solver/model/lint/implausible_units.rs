@@ -77,7 +77,7 @@ fn reasons(design: &Design<'_>) -> Vec<String> {
     let size = length.max(2.0 * metre * widest(model));
     if size > 0.0 && mass / size.powi(3) > DENSEST {
         reasons.push(format!(
-            "a mass of {} kg has a size of only {} m",
+            "a mass of {} kg is concentrated within {} m",
             short(mass),
             short(size)
         ));
