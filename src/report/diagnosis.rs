@@ -16,7 +16,7 @@ use super::number::unbroken;
 use super::parameter_name::form_of;
 use super::ranking::{ranking, words};
 use super::scene::Role;
-use super::study_figures::StudyFigures;
+use super::study_figures::{StudyFigures, load_axis};
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Page, Scene, Series, SeriesStyle, Table, number,
     short_unit,
@@ -39,11 +39,28 @@ pub struct DiagnosisReport<'a> {
 }
 
 /// Draws the extra force that explains the remaining structure, over its coordinate.
-fn remainder(found: &Remainder) -> Chart {
+fn remainder(found: &Remainder, loaded: &LoadedStudy) -> Chart {
+    let units = &loaded.model.units;
+    let (force, length) = (short_unit(units.force.word), units.length.word);
+    let [deflection, force] = match found.address.split('.').nth(1) {
+        Some("K") => [
+            axis_label("deflection", length),
+            axis_label("extra force", &force),
+        ],
+        Some("KT") => [
+            axis_label("deflection", "rad"),
+            axis_label("extra torque", &format!("{force} {length}")),
+        ],
+        // The free axis of a joint is that of a translation or of a rotation.
+        _ => [
+            "deflection, in units of the deck".to_string(),
+            "extra force or torque, in units of the deck".to_string(),
+        ],
+    };
     let over = match (&found.load, found.over) {
-        (Some(load), _) => load.clone(),
+        (Some(load), _) => load_axis(loaded, load),
         (None, Over::Order) => "case, in the order of application".to_string(),
-        (None, _) => format!("deflection at {}, in units of the deck", found.address),
+        (None, _) => deflection,
     };
     let series = |name: &str, mark: SeriesStyle, errors: f64| {
         let points = found.points.iter();
@@ -56,7 +73,7 @@ fn remainder(found: &Remainder) -> Chart {
             found.address
         ),
         x: over,
-        y: "extra force or torque, in units of the deck".to_string(),
+        y: force,
         series: vec![
             series("extra force", SeriesStyle::LinePoints, 0.0),
             series("plus two standard errors", SeriesStyle::Dashed, 2.0),
@@ -209,7 +226,7 @@ impl DiagnosisReport<'_> {
         }
         if let Some(found) = &self.outcome.diagnosis.unexplained.remainder {
             figures.push(Figure::chart(
-                &remainder(found),
+                &remainder(found, self.loaded),
                 "Extra force at one place, fitted as a smooth function of one coordinate, with two standard errors. It reproduces most of the residual that no cause explains. It shows where to look and is not a force law.",
             )?);
         }

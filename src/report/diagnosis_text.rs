@@ -392,6 +392,14 @@ impl Text<'_> {
             (None, Over::Order) => "the order of the cases".to_string(),
             (None, _) => "the deflection there".to_string(),
         };
+        let units = &self.outcome.subject.problem.model.units;
+        let force = short_unit(units.force.word);
+        let (what, measure) = match found.address.split('.').nth(1) {
+            Some("K") => ("force", force),
+            Some("KT") => ("torque", format!("{force} {}", units.length.word)),
+            // The free axis of a joint is that of a translation or of a rotation.
+            _ => ("force or torque", "units of the deck".to_string()),
+        };
         let by_force = |a: &&RemainderPoint, b: &&RemainderPoint| a.force.total_cmp(&b.force);
         let least = found.points.iter().min_by(by_force)?;
         let most = found.points.iter().max_by(by_force)?;
@@ -403,7 +411,7 @@ impl Text<'_> {
         };
         let rival = match &found.next {
             Some((address, behind)) if *behind < RIVAL_PLACE_NATS => {
-                format!("; a force at {address} explains nearly as much")
+                format!("; one at {address} explains nearly as much")
             }
             _ => String::new(),
         };
@@ -426,7 +434,7 @@ impl Text<'_> {
             )
         });
         Some(format!(
-            "The remaining residuals look most like an extra force at {} that varies smoothly with {over}, from {} to {}, in units of the deck: the force explains {:.0} % of the unexplained chi-square{rival}.{predicts}",
+            "The remaining residuals look most like an extra {what} at {} that varies smoothly with {over}, from {} to {}, in {measure}: it explains {:.0} % of the unexplained chi-square{rival}.{predicts}",
             found.address,
             at(least),
             at(most),
