@@ -158,7 +158,7 @@ impl Ended<'_> {
             let gap = g[system.first_equation + k];
             if self.start.redundant.get(k) != Some(&true) && gap.abs() > OPEN * system.length {
                 let equation = system.constraint_equation_name(k);
-                told.push(format!("{equation} is violated by {gap:.3} at the start"));
+                told.push(format!("{equation} is violated by {gap:.3} at the start, in length units of the deck or rad"));
             }
         }
         some(told, out);
