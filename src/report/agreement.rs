@@ -80,7 +80,9 @@ pub(super) fn agreement(
             } else {
                 format!("readings.channels.{name}.function")
             };
-            odd.push(format!("{name} moves against the model ({key})"));
+            odd.push(format!(
+                "{name} moves against the model: check its sign ({key})"
+            ));
             continue;
         }
         if together < TOGETHER {
@@ -92,7 +94,7 @@ pub(super) fn agreement(
             .find(|(factor, _)| (times / factor - 1.0).abs() < NEAR);
         if let Some((factor, units)) = unit {
             odd.push(format!(
-                "{name} differs by a factor near {factor:.0}: {units}?"
+                "{name} differs from the model by a factor of about {factor:.0}: were {units} confused?"
             ));
             continue;
         }
@@ -111,7 +113,7 @@ pub(super) fn agreement(
                 "relative_to"
             };
             odd.push(format!(
-                "{name} begins at zero and the model does not ({key})"
+                "{name} starts at zero but the model does not: check {key}"
             ));
             continue;
         }

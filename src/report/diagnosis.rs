@@ -16,7 +16,7 @@ use super::number::unbroken;
 use super::parameter_name::form_of;
 use super::ranking::{ranking, words};
 use super::scene::Role;
-use super::study_figures::StudyFigures;
+use super::study_figures::{StudyFigures, load_axis};
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Page, Scene, Series, SeriesStyle, Table, number,
     short_unit,
@@ -39,11 +39,28 @@ pub struct DiagnosisReport<'a> {
 }
 
 /// Draws the extra force that explains the remaining structure, over its coordinate.
-fn remainder(found: &Remainder) -> Chart {
+fn remainder(found: &Remainder, loaded: &LoadedStudy) -> Chart {
+    let units = &loaded.model.units;
+    let (force, length) = (short_unit(units.force.word), units.length.word);
+    let [deflection, force] = match found.address.split('.').nth(1) {
+        Some("K") => [
+            axis_label("deflection", length),
+            axis_label("extra force", &force),
+        ],
+        Some("KT") => [
+            axis_label("deflection", "rad"),
+            axis_label("extra torque", &format!("{force} {length}")),
+        ],
+        // The free axis of a joint is that of a translation or of a rotation.
+        _ => [
+            "deflection, in units of the deck".to_string(),
+            "extra force or torque, in units of the deck".to_string(),
+        ],
+    };
     let over = match (&found.load, found.over) {
-        (Some(load), _) => load.clone(),
-        (None, Over::Order) => "position in the order of the cases".to_string(),
-        (None, _) => "deflection [units of the deck, rad]".to_string(),
+        (Some(load), _) => load_axis(loaded, load),
+        (None, Over::Order) => "case, in the order of application".to_string(),
+        (None, _) => deflection,
     };
     let series = |name: &str, mark: SeriesStyle, errors: f64| {
         let points = found.points.iter();
@@ -51,13 +68,16 @@ fn remainder(found: &Remainder) -> Chart {
         Series::new(name, mark, points.collect())
     };
     Chart {
-        title: format!("What remains, as a force at {}", found.address),
+        title: format!(
+            "Unexplained residual as an extra force at {}",
+            found.address
+        ),
         x: over,
-        y: "extra force or torque [units of the deck]".to_string(),
+        y: force,
         series: vec![
             series("extra force", SeriesStyle::LinePoints, 0.0),
-            series("two standard errors above", SeriesStyle::Dashed, 2.0),
-            series("two standard errors below", SeriesStyle::Dashed, -2.0),
+            series("plus two standard errors", SeriesStyle::Dashed, 2.0),
+            series("minus two standard errors", SeriesStyle::Dashed, -2.0),
         ],
         level: Some(0.0),
         ..Chart::default()
@@ -104,7 +124,7 @@ impl DiagnosisReport<'_> {
         if !diagnosis.findings.is_empty() {
             self.causes(&mut page, &scene);
         }
-        page.detail("In words");
+        page.detail("Summary of the diagnosis");
         page.paragraph(&fit_in_words(self.outcome));
         let sentences = diagnosis_sentences(self.outcome).into_iter();
         // Several similar sentences are easier to read as a table.
@@ -123,36 +143,33 @@ impl DiagnosisReport<'_> {
             page.table(&missed(&channels));
         }
         if runs.len() > 2 {
-            page.detail("Curves over each load");
+            page.detail("Curves against each load");
             page.figures(&load_run::figures(&runs)?);
         }
         self.residuals(&mut page, &study)?;
         page.detail("Noise and tolerances");
         page.table(&self.tolerances());
         page.note(
-            "Standard deviations estimated from the readings, and the usual ones. A cause is a member of a group that stands out from \
-             its group.",
+            "Standard deviations. An effect is reported as a cause only if it is large for the standard deviation of its group.",
         );
         if !diagnosis.detection_limits.is_empty() {
             page.detail("Detection limits");
             page.table(&limits::of_points(diagnosis, &scene));
             page.note(
-                "Smallest error of a point of the car, in mm along each axis of ground, that would be named with even odds among \
-                 tolerances of the sizes above; empty if the readings cannot detect it.",
+                "Smallest error of each hardpoint, in mm along each ground axis, that the diagnosis detects with a probability of 50 % in spite of the tolerances above. Empty: the readings cannot detect an error in this direction.",
             );
             page.table(&limits::of_causes(diagnosis, self.loaded, &scene));
             page.note(
-                "Size of each other cause that would be detected, to first order, at the places where it is detected best and worst; and the number of places where it is not detected. diagnosis.json lists all places, couplings and higher terms.",
+                "Smallest size of each other cause that the diagnosis detects, to first order: at the place where it is easiest to detect, and at the place where it is hardest. The last column counts the places where it cannot be detected. diagnosis.json lists all places, couplings and higher-order terms.",
             );
         }
         page.detail("Tests for structure in the residuals");
         page.table(&self.structure());
         page.note(
-            "Chi-square of the residuals along the named directions, with the covariance of these residuals; the worst of many is corrected for \
-             their number.",
+            "Each test takes chi-square of one set of residuals, with their covariance. Where the worst of several sets is tested, p is corrected for their number.",
         );
         if !self.diff.is_empty() {
-            page.detail("What changes in the deck");
+            page.detail("Changes to the deck");
             page.verbatim(self.diff);
         }
         Ok(page.finish(&format!("admire {}", super::VERSION)))
@@ -162,36 +179,34 @@ impl DiagnosisReport<'_> {
     fn causes(&self, page: &mut Page, scene: &Scene) {
         let diagnosis = &self.outcome.diagnosis;
         let length = self.loaded.model.units.length.word;
-        page.detail("Causes and their rivals");
+        page.detail("Causes and alternatives");
         page.table(&ranking(diagnosis, self.loaded, scene));
         page.note(
-            "Probabilities are those of the cause at its place, among all models looked at. Causes after \"or\" explain these readings almost as \
-             well: they are at most twenty times less probable.",
+            "Each probability is that of the cause at this place, over all models that were examined. A cause after \"or\" explains the readings almost as well: it is at most twenty times less probable.",
         );
-        page.detail("Gain on load cases held out");
+        page.detail("Error in the load cases held out");
         if let Some(found) = &diagnosis.hold_out {
             page.table(&hold_out(found, length, scene));
             page.note(if found.searched {
-                "Neither the choice of causes nor the fits saw these cases: the whole search was done again without them."
+                "The causes were searched for again and fitted without these cases."
             } else {
-                "The fits did not see these cases. The causes were chosen with them."
+                "The models were fitted without these cases, but the causes were chosen with them."
             });
         }
         page.table(&self.gains(scene));
-        page.note("Both models are refitted without the cases held out. The causes themselves were chosen with them.");
+        page.note("Both models were fitted again without the cases held out. The causes were chosen with them.");
         if let Some(found) = &diagnosis.cross_validation {
             page.table(&groups(found, length, scene));
             page.note(if found.searched {
-                "Each group of similar loads, predicted from the other groups by a search in these alone."
+                "Each row is a group of cases with similar loads. It is predicted by a model that was searched for and fitted in the other groups alone."
             } else {
-                "Each group of similar loads, predicted from the other groups by the model chosen with these among all that were fitted."
+                "Each row is a group of cases with similar loads. It is predicted by the model that fits the other groups best, among all models that were fitted."
             });
         }
         page.detail("Stiffnesses without and with the causes");
         page.table(&self.stiffnesses(scene));
         page.note(
-            "The bar is the 95 percent interval with the cause in the model, on a logarithmic scale around its estimate; the diamond is what the \
-             model without the cause had. Not determined: one of the two is known to no better than half of itself.",
+            "The bar is the 95 % interval of the stiffness in the extended model, on a logarithmic scale around the estimate. The diamond is the estimate without the causes. Not determined: the standard error of one of the two estimates exceeds half of its value.",
         );
     }
 
@@ -200,20 +215,19 @@ impl DiagnosisReport<'_> {
         page.detail("Residuals");
         let mut figures = vec![Figure::chart(
             &self.by_case(),
-            "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
+            "Rms of prediction minus reading in each case, divided by the standard deviation of the readings. A value of 1 is noise.",
         )?];
         figures.extend(study.by_case()?);
         if let Some(chart) = self.force() {
             figures.push(Figure::chart(
                 &chart,
-                "The residual that follows a force most closely, before and after.",
+                "The residual that correlates best with a force, for the identified and the extended model.",
             )?);
         }
         if let Some(found) = &self.outcome.diagnosis.unexplained.remainder {
             figures.push(Figure::chart(
-                &remainder(found),
-                "Fitted force at one place as a smooth function of one coordinate, with two standard errors. It reproduces most of the residual that \
-                 no cause explains, and shows where to look; do not use it as a force law.",
+                &remainder(found, self.loaded),
+                "Extra force at one place, fitted as a smooth function of one coordinate, with two standard errors. It reproduces most of the residual that no cause explains. It shows where to look and is not a force law.",
             )?);
         }
         page.figures(&figures);
@@ -223,7 +237,7 @@ impl DiagnosisReport<'_> {
                 (Role::Extended, self.map(true)),
             ] {
                 let caption = format!(
-                    "Largest coordinate of prediction minus reading, {}, in sigmas: case by mark.",
+                    "Prediction minus reading of each mark in each case, {} model, in standard deviations of the noise; largest of the three coordinates.",
                     role.name()
                 );
                 page.add(&Figure::map(&map, &caption));
@@ -239,9 +253,9 @@ impl DiagnosisReport<'_> {
 
     fn tolerances(&self) -> Table {
         let mut table = Table::new(&[
-            ("what", Align::Left),
-            ("found", Align::Right),
-            ("usual or declared", Align::Right),
+            ("group", Align::Left),
+            ("sd, estimated", Align::Right),
+            ("sd, usual or declared", Align::Right),
             ("unit", Align::Left),
         ]);
         let diagnosis = &self.outcome.diagnosis;
@@ -281,12 +295,12 @@ impl DiagnosisReport<'_> {
         let scale = IntervalScale::over(widest, Role::Extended.class());
         let picture = scale.ends();
         let mut table = Table::new(&[
-            ("number", Align::Left),
+            ("parameter", Align::Left),
             ("unit", Align::Left),
-            (Role::Identified.name(), Align::Right),
-            (Role::Extended.name(), Align::Right),
+            ("identified model", Align::Right),
+            ("extended model", Align::Right),
             (picture.as_str(), Align::Left),
-            ("bias", Align::Right),
+            ("bias of identified model", Align::Right),
         ]);
         for own in all {
             let (before, after) = (own.before, own.after);
@@ -355,7 +369,7 @@ impl DiagnosisReport<'_> {
         Chart {
             title: "Residuals by case".to_string(),
             x: "case, in the order of application".to_string(),
-            y: "rms residual [sigmas]".to_string(),
+            y: "rms residual / standard deviation".to_string(),
             series: vec![
                 series(Role::Identified, &self.outcome.baseline),
                 series(Role::Extended, &self.outcome.extended),
@@ -398,14 +412,14 @@ impl DiagnosisReport<'_> {
     fn gains(&self, scene: &Scene) -> Table {
         let length = self.loaded.model.units.length.word;
         let (before, after) = (
-            format!("error without it, {length}"),
-            format!("with it, {length}"),
+            format!("rms error of marks without it, {length}"),
+            format!("rms error of marks with it, {length}"),
         );
         let findings = &self.outcome.diagnosis.findings;
         let of_marks = findings
             .iter()
             .any(|f| f.gain.held_out_rms_before.is_some());
-        let mut columns = vec![("finding", Align::Left)];
+        let mut columns = vec![("cause", Align::Left)];
         if of_marks {
             columns.extend([
                 (before.as_str(), Align::Right),
@@ -413,8 +427,8 @@ impl DiagnosisReport<'_> {
             ]);
         }
         columns.extend([
-            ("chi-square per degree of freedom without", Align::Right),
-            ("with", Align::Right),
+            ("chi-square per degree of freedom without it", Align::Right),
+            ("chi-square per degree of freedom with it", Align::Right),
         ]);
         let mut table = Table::new(&columns);
         let rms = |value: Option<f64>| {
@@ -438,12 +452,12 @@ impl DiagnosisReport<'_> {
 
     fn structure(&self) -> Table {
         let mut table = Table::new(&[
-            ("where", Align::Left),
-            ("chi-square before", Align::Right),
-            ("dof", Align::Right),
-            ("p before", Align::Right),
-            ("chi-square after", Align::Right),
-            ("p after", Align::Right),
+            ("residuals tested", Align::Left),
+            ("chi-square, identified", Align::Right),
+            ("degrees of freedom", Align::Right),
+            ("p, identified", Align::Right),
+            ("chi-square, extended", Align::Right),
+            ("p, extended", Align::Right),
         ]);
         let [before, after] = &self.outcome.structure;
         for test in before.iter().take(16) {
@@ -512,7 +526,7 @@ impl DiagnosisReport<'_> {
             columns,
             values,
             limit: 6.0,
-            what: "residual, sigmas".to_string(),
+            what: "residual, standard deviations".to_string(),
         }
     }
 }

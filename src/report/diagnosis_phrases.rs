@@ -72,7 +72,7 @@ pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
     let decimals = Decimals::of_error(miss.noise);
     let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.format(x));
     format!(
-        "Channel {} is missed by {before}{unit} rms by the original model and by {after}{unit} by the extended one; its noise is {noise}{unit}.",
+        "The rms error of channel {} is {before}{unit} in the identified model and {after}{unit} in the extended model; its noise is {noise}{unit}.",
         miss.name,
         unit = miss.behind
     )
@@ -82,14 +82,14 @@ pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
 /// coordinate, in the length unit `unit`.
 pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str) -> String {
     let mut text = format!(
-        "With the fitted stiffnesses the solver of the study ({}) and the built-in one differ by {:.2e} {unit} rms per coordinate",
+        "With the fitted stiffnesses, mark positions from the solver of the study ({}) and from the built-in solver differ by {:.2e} {unit} rms per coordinate",
         solver.solver, solver.rms
     );
     if let Some(case) = &solver.case {
         text += &format!(", at most by {:.2e} {unit} in case {case}", solver.most);
     }
     text += if solver.is_negligible(sigma) {
-        ", which is small against the noise."
+        ", which is small compared with the noise."
     } else {
         ": the findings below may be due to this difference between the solvers."
     };
@@ -97,26 +97,26 @@ pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str)
     if let Some(both) = solver.residual_rms {
         let [own, other] = both.map(told);
         text += &format!(
-            " Without tolerances, the marks are missed by {own} {unit} with the built-in solver and by {other} {unit} with the other"
+            " Without tolerances, the rms error of the marks is {own} {unit} with the built-in solver and {other} {unit} with the solver of the study"
         );
         text += &match solver.held_out_rms {
             Some(both) => {
                 let [own, other] = both.map(told);
-                format!(", by {own} {unit} and {other} {unit} in the cases held out.")
+                format!("; in the cases held out, it is {own} {unit} and {other} {unit}.")
             }
             None => ".".to_string(),
         };
     }
     if let Some(rms) = solver.refitted_rms {
         text += &format!(
-            " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {} {unit}.",
+            " The parameters below, the extended deck and the gain are fitted with the solver of the study; its rms error of the marks is then {} {unit}.",
             told(rms)
         );
     }
     if !solver.unsolved.is_empty() {
         text += &format!(
-            " Only one of them solved case {}.",
-            solver.unsolved.join(", ")
+            " Only one of the two solvers found an equilibrium in {}.",
+            labels(&solver.unsolved)
         );
     }
     text

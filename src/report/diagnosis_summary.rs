@@ -33,12 +33,12 @@ pub fn diagnosis_summary(loaded: &LoadedStudy, outcome: &Outcome<'_>, study: &st
 fn verdict(outcome: &Outcome<'_>) -> String {
     let verdict = match outcome.diagnosis.verdict {
         Verdict::Consistent => format!(
-            "consistent: the model explains the data to their noise and tolerances; the probability that no cause acts is {}",
+            "consistent: the model explains the readings within their noise and tolerances; the probability that no cause acts is {}",
             percent(outcome.diagnosis.none_of_these)
         ),
         Verdict::Discrepancy => "discrepancy: the model lacks the following causes".to_string(),
         Verdict::Unexplained => {
-            "unexplained: structure remains that no known cause explains".to_string()
+            "unexplained: the residuals have structure that no known cause explains".to_string()
         }
     };
     let mut text = if outcome.is_stopped() {
@@ -53,7 +53,7 @@ fn verdict(outcome: &Outcome<'_>) -> String {
     if let Some(solver) = solver.filter(|solver| !solver.is_negligible(sigma)) {
         let length = outcome.subject.problem.model.units.length.word;
         text += &format!(
-            "; the solver of the study and the built-in one differ by {:.2e} {length} rms, and the findings may be due to this difference",
+            "; mark positions from the solver of the study and from the built-in solver differ by {:.2e} {length} rms, and the findings may be due to this difference",
             solver.rms
         );
     }
@@ -86,7 +86,7 @@ impl Text<'_> {
             return "no cause was found, so there is no gain".to_string();
         }
         let (Some(unseen), Some(found)) = (&self.outcome.unseen, &diagnosis.hold_out) else {
-            return "nothing was held out, so the gain is not known".to_string();
+            return "no case was held out, so the gain is not known".to_string();
         };
         let mut parts = Vec::new();
         let [before, after] = &unseen.tests;
@@ -131,7 +131,7 @@ impl Text<'_> {
             count => (count, "case"),
         };
         let end = if count == 1 { "" } else { "s" };
-        format!("rms in {count} {what}{end}: {}", parts.join(", "))
+        format!("rms error in {count} {what}{end}: {}", parts.join(", "))
     }
 
     /// Returns the recommended next step.
@@ -143,10 +143,10 @@ impl Text<'_> {
     pub(super) fn next_steps(&self, study: &str) -> Vec<String> {
         let diagnosis = &self.outcome.diagnosis;
         if self.outcome.is_stopped() {
-            return vec!["the same command without an interruption".to_string()];
+            return vec!["run the same command again without interrupting it".to_string()];
         }
         if self.outcome.is_late {
-            return vec!["the same command with a larger `--budget`".to_string()];
+            return vec!["run the same command again with a larger `--budget`".to_string()];
         }
         let mut steps = Vec::new();
         match (diagnosis.verdict, &diagnosis.unexplained.remainder) {
@@ -157,7 +157,7 @@ impl Text<'_> {
                 steps.push("continue with extended.adm, which contains these causes".to_string());
             }
             (Verdict::Unexplained, Some(remainder)) => steps.push(format!(
-                "look at {}, where an extra force explains most of what remains",
+                "look at {}: an extra force there explains most of the remaining residuals",
                 remainder.address
             )),
             (Verdict::Unexplained, None) => {}
@@ -167,7 +167,9 @@ impl Text<'_> {
                 steps.push(format!("measure {}", next_text(next)));
             }
             None if diagnosis.verdict == Verdict::Unexplained => {
-                steps.push(format!("`admire plan {study}` ranks what to measure"));
+                steps.push(format!(
+                    "run `admire plan {study}` to rank the possible measurements"
+                ));
             }
             None => {}
         }
@@ -181,27 +183,27 @@ impl Text<'_> {
             return Vec::new();
         }
         let (Some(unseen), Some(found)) = (&self.outcome.unseen, &diagnosis.hold_out) else {
-            return vec!["nothing was held out, so the gain is not known".to_string()];
+            return vec!["no case was held out, so the gain is not known".to_string()];
         };
         let [before, after] = &unseen.tests;
         let mut out = Vec::new();
         if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
             out.push(format!(
-                "error of the marks {} {}",
+                "rms error of the marks {} {}",
                 change(a, b),
                 self.length()
             ));
         }
         if let (Some(a), Some(b)) = (before.wheel_deg_rms, after.wheel_deg_rms) {
             for (what, k) in [("camber", 0), ("steer", 1)] {
-                out.push(format!("error of {what} {} deg", change(a[k], b[k])));
+                out.push(format!("rms error of {what} {} deg", change(a[k], b[k])));
             }
         }
         let channels = self.channel_gains().into_iter();
         out.extend(channels.map(|channel| {
             let [before, after] = channel.rms;
             format!(
-                "error of {} {}{}",
+                "rms error of {} {}{}",
                 channel.name,
                 change(before, after),
                 channel.behind
@@ -209,7 +211,9 @@ impl Text<'_> {
         }));
         if out.is_empty() {
             let change = change(found.rms_before, found.rms_after);
-            out.push(format!("error {change} times the noise"));
+            out.push(format!(
+                "rms error of the readings {change} times the noise"
+            ));
         }
         let count = found.cases.len().max(found.curves.len());
         let what = if found.cases.is_empty() {
@@ -218,7 +222,7 @@ impl Text<'_> {
             "load case"
         };
         let end = if count == 1 { "" } else { "s" };
-        out[0] += &format!(", in {count} {what}{end} that no fit saw");
+        out[0] += &format!(", in {count} {what}{end} held out of all fits");
         out
     }
 }

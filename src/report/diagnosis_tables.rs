@@ -21,14 +21,18 @@ pub(super) fn probability(p: f64) -> String {
 /// Creates the empty table for predictions of cases from other cases. `of` states the quantity of the errors (`mark` or `noise`), `length` is the
 /// length unit.
 fn predicted(of: &str, length: &str) -> Table {
-    let unit = if of == "mark" { length } else { "sigmas" };
+    let unit = if of == "mark" {
+        length
+    } else {
+        "standard deviations"
+    };
     let (before, after) = (
-        format!("rms without any cause, {unit}"),
-        format!("with the causes chosen, {unit}"),
+        format!("rms error without causes, {unit}"),
+        format!("rms error with the causes, {unit}"),
     );
     Table::new(&[
-        ("cases predicted from all others", Align::Left),
-        ("causes of the model", Align::Left),
+        ("cases predicted", Align::Left),
+        ("causes in the model", Align::Left),
         (before.as_str(), Align::Right),
         (after.as_str(), Align::Right),
     ])

@@ -3,10 +3,12 @@
 use admire_diagnosis::{HoldOutPrediction, LAW_MISFIT, Outcome, Over, RemainderPoint};
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
+use admire_syntax::units::short_unit;
 
 use super::diagnosis_phrases::{
     channel_sentence, chosen, fallen_by, labels, loads_text, next_text, percent, solver_sentence,
 };
+use super::ranking::is_rotation;
 
 /// Bias of a stiffness, in standard errors, above which a sentence states it.
 const NOTABLE_BIAS_SD: f64 = 2.0;
@@ -55,25 +57,30 @@ impl Text<'_> {
         out.extend(self.cross_validated());
         out.extend(self.biases());
         if let Some(next) = &self.outcome.diagnosis.next_measurement {
-            out.push(format!("To measure next: {}.", next_text(next)));
+            out.push(format!("Next measurement: {}.", next_text(next)));
         }
         let places = &self.outcome.diagnosis.unexplained.places;
         for place in places.iter().take(LISTED_TESTS) {
-            out.push(format!("What remains without a cause: {place}."));
+            out.push(format!("Unexplained structure in the residuals: {place}."));
         }
         if places.len() > LISTED_TESTS {
             let more = places.len() - LISTED_TESTS;
-            out.push(format!("{more} more tests of structure fail."));
+            let tests = if more == 1 {
+                "test of the residuals fails"
+            } else {
+                "tests of the residuals fail"
+            };
+            out.push(format!("{more} more {tests}."));
         }
         out.extend(self.remains());
         if self.outcome.is_stopped() {
-            out.push("The search was interrupted. Further causes, and rivals of those found, were not looked for.".to_string());
+            out.push("The search was interrupted. Further causes and alternatives to those found may exist.".to_string());
         } else if self.outcome.is_late {
-            out.push("The search was stopped by the time limit `--budget`. Further causes, and rivals of those found, were not looked for.".to_string());
+            out.push("The search was stopped by the time limit `--budget`. Further causes and alternatives to those found may exist.".to_string());
         } else if self.outcome.cut_short {
             let sweeps = self.outcome.subject.sweeps();
             out.push(format!(
-                "The search was stopped by its limit: all load cases had been solved {sweeps} times. Further causes, and rivals of those found, were not looked for."
+                "The search was stopped by its limit: all load cases had been solved {sweeps} times. Further causes and alternatives to those found may exist."
             ));
         }
         out
@@ -116,8 +123,15 @@ impl Text<'_> {
         let findings = self.outcome.diagnosis.findings.iter();
         let left = findings.filter_map(|finding| {
             let force = finding.parameters.get(LAW_MISFIT)?;
+            let units = &self.outcome.subject.problem.model.units;
+            let force_unit = short_unit(units.force.word);
+            let unit = if is_rotation(&finding.address) {
+                format!(" {force_unit} {}", units.length.word)
+            } else {
+                format!(" {force_unit}")
+            };
             Some(format!(
-                "The law of {} {} differs in detail: its force deviates by {force:.3} rms from the fitted one.",
+                "The fitted law of {} at {} is not exact: the force in the load cases deviates from the law by {force:.3}{unit} rms.",
                 finding.cause, finding.address
             ))
         });
@@ -151,7 +165,7 @@ impl Text<'_> {
         let rms = (sum / count).sqrt() * unit;
         let (decimals, length) = (self.decimals(), self.length());
         let mut text = format!(
-            "After its best fit, tolerances included, the model misses the marks by {} {length} rms per coordinate, where their noise is {} {length}",
+            "After the best fit, tolerances included, the rms error of the marks is {} {length} per coordinate; their noise is {} {length}",
             decimals.format(rms),
             decimals.format(sigma)
         );
@@ -161,7 +175,7 @@ impl Text<'_> {
             let read = measurement.cases[case].marks[reading];
             let part = &measurement.parts[read.part];
             text += &format!(
-                "; the worst is {} {} in {}, by {} {length}",
+                "; the largest error is that of mark {1} of {0} in {2}, {3} {length}",
                 part.name,
                 part.marks[read.mark].label,
                 self.case_text(case),
@@ -239,7 +253,7 @@ impl Text<'_> {
                 header.name.clone()
             };
             format!(
-                "The model turns {name} {angle:.3} deg differently from the extended model in {}.",
+                "The orientation of {name} differs by {angle:.3} deg between the identified and the extended model in {}.",
                 self.case_text(case)
             )
         })
@@ -252,20 +266,20 @@ impl Text<'_> {
         let mut out: Vec<String> = acting
             .map(|f| {
                 let minor = if f.minor {
-                    ", and its own effect is small"
+                    ", and its effect is small"
                 } else {
                     ""
                 };
                 let side = match f.form.as_deref() {
-                    Some("point") => " (moved for all parts that meet there)",
-                    Some("part") => " (one part only)",
+                    Some("point") => " (moved on all parts that meet there)",
+                    Some("part") => " (moved on one part only)",
                     _ => "",
                 };
                 let rivals = if f.indistinguishable_from.is_empty() {
                     String::new()
                 } else {
                     let group = percent(f.group_probability);
-                    format!("; that it or one of its rivals acts, {group}")
+                    format!("; with its alternatives, it is {group}")
                 };
                 format!(
                     "The probability of {} at {}{side} is {}{minor}{rivals}.",
@@ -293,22 +307,25 @@ impl Text<'_> {
         ) {
             let (decimals, length) = (self.decimals().finer(), self.length());
             out.push(format!(
-                "The study declares a noise of {} {length} for the marks; marks of rigid parts show {} {length}, which is used.",
+                "The study declares a noise of {} {length} for the marks, but marks on the same rigid part scatter by {} {length}; the scatter is used.",
                 decimals.format(declared),
                 decimals.format(estimated)
             ));
         }
         if let Some(dof) = noise.dof {
             out.push(format!(
-                "The noise has heavy tails, like Student's t with {dof} degrees of freedom; distant readings have less weight."
+                "The noise has heavy tails, like Student's t with {dof} degrees of freedom; outlying readings have less weight."
             ));
         }
         out.extend(self.misplaced_in_words());
         let count = self.outcome.subject.noise.outliers.len();
         if count > 0 {
-            out.push(format!(
-                "{count} readings of marks are plainly wrong and are left out."
-            ));
+            let readings = if count == 1 {
+                "1 reading of a mark is an outlier and is left out".to_string()
+            } else {
+                format!("{count} readings of marks are outliers and are left out")
+            };
+            out.push(format!("{readings}."));
         }
         out.extend(self.tolerances_in_words());
         out
@@ -331,7 +348,7 @@ impl Text<'_> {
                 None => String::new(),
             };
             parts.push(format!(
-                "the rms of the marks goes from {} to {} {}{by}",
+                "the rms error of the marks goes from {} to {} {}{by}",
                 decimals.format(a),
                 decimals.format(b),
                 self.length()
@@ -341,7 +358,7 @@ impl Text<'_> {
             (before.wheel_deg_rms, after.wheel_deg_rms)
         {
             parts.push(format!(
-                "camber from {camber:.4} to {camber_after:.4} deg, steer from {steer:.4} to {steer_after:.4} deg"
+                "the rms error of camber from {camber:.4} to {camber_after:.4} deg and of steer from {steer:.4} to {steer_after:.4} deg"
             ));
         }
         let held = match self.outcome.subject.cases_held_out().next() {
@@ -356,7 +373,7 @@ impl Text<'_> {
             after.p_value
         ));
         Some(format!(
-            "On the {held} held out, with {} {} without them, {}.",
+            "In the {held} held out, with {} {} without these {held}, {}.",
             chosen(&unseen.chosen.effects),
             if unseen.searched {
                 "chosen and fitted"
@@ -371,9 +388,17 @@ impl Text<'_> {
     fn remains(&self) -> Option<String> {
         let found = self.outcome.diagnosis.unexplained.remainder.as_ref()?;
         let over = match (&found.load, found.over) {
-            (Some(load), _) => format!("{load} changes"),
-            (None, Over::Order) => "the cases follow each other".to_string(),
-            (None, _) => "it deflects".to_string(),
+            (Some(load), _) => format!("the load {load}"),
+            (None, Over::Order) => "the order of the cases".to_string(),
+            (None, _) => "the deflection there".to_string(),
+        };
+        let units = &self.outcome.subject.problem.model.units;
+        let force = short_unit(units.force.word);
+        let (what, measure) = match found.address.split('.').nth(1) {
+            Some("K") => ("force", force),
+            Some("KT") => ("torque", format!("{force} {}", units.length.word)),
+            // The free axis of a joint is that of a translation or of a rotation.
+            _ => ("force or torque", "units of the deck".to_string()),
         };
         let by_force = |a: &&RemainderPoint, b: &&RemainderPoint| a.force.total_cmp(&b.force);
         let least = found.points.iter().min_by(by_force)?;
@@ -386,7 +411,7 @@ impl Text<'_> {
         };
         let rival = match &found.next {
             Some((address, behind)) if *behind < RIVAL_PLACE_NATS => {
-                format!("; {address} does nearly as well")
+                format!("; one at {address} explains nearly as much")
             }
             _ => String::new(),
         };
@@ -399,18 +424,17 @@ impl Text<'_> {
             let place = if held_out.address == found.address {
                 String::new()
             } else {
-                format!(" (then at {})", held_out.address)
+                format!(" (it is then at {})", held_out.address)
             };
             format!(
-                " Found without the cases held out{place}, it predicts them to {}{unit} ({}{unit} without it); {:.0} % of their readings lie within \
-                 their 95 % bands.",
+                " With the force found without the cases held out{place}, the rms error in these cases is {}{unit} ({}{unit} without the force); {:.0} % of the readings lie within their 95 % bands.",
                 decimals.format(held_out.rms_after),
                 decimals.format(held_out.rms_before),
                 100.0 * held_out.within95
             )
         });
         Some(format!(
-            "What remains is most like an extra force at {} that varies smoothly as {over}, from {} to {}: it explains {:.0} % of it{rival}.{predicts}",
+            "The remaining residuals look most like an extra {what} at {} that varies smoothly with {over}, from {} to {}, in {measure}: it explains {:.0} % of the unexplained chi-square{rival}.{predicts}",
             found.address,
             at(least),
             at(most),
@@ -424,8 +448,8 @@ impl Text<'_> {
             return Vec::new();
         };
         let what = match found.of {
-            "mark" => "the rms of the marks goes",
-            _ => "the rms of the readings goes",
+            "mark" => "the rms error of the marks goes",
+            _ => "the rms error of the readings goes",
         };
         let unit = match found.of {
             "mark" => self.length(),
@@ -436,9 +460,9 @@ impl Text<'_> {
             "In {} groups of cases, each predicted from the others with the causes {}, {what} from {} to {} {unit} ({}).",
             found.groups.len(),
             if found.searched {
-                "searched for again"
+                "searched for again in the others"
             } else {
-                "chosen again"
+                "chosen again in the others"
             },
             decimals.format(found.rms_before),
             decimals.format(found.rms_after),
@@ -454,7 +478,7 @@ impl Text<'_> {
                 )
             });
             out.push(format!(
-                "The gain depends on the cases that are held out: least {least}, most {most}."
+                "The gain depends on the group: the rms error goes {least} (least) and {most} (most)."
             ));
         }
         out
@@ -467,7 +491,7 @@ impl Text<'_> {
             let decimals = Decimals::of_error(channel.sigma);
             let [before, after] = channel.rms.map(|rms| decimals.format(rms));
             format!(
-                "{} from {before} to {after}{} rms",
+                "the rms error of {} from {before} to {after}{}",
                 channel.name, channel.behind
             )
         };
@@ -531,6 +555,7 @@ impl Text<'_> {
                 format!("{} {:.0} % too {word}", s.address, 100.0 * s.bias().abs())
             })
             .collect();
-        (!listed.is_empty()).then(|| format!("The wrong model had {}.", listed.join(", ")))
+        (!listed.is_empty())
+            .then(|| format!("Without the causes, the fit had {}.", listed.join(", ")))
     }
 }

@@ -79,8 +79,11 @@ pub(super) fn runs(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Vec<LoadRun> 
 pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let [before, after] =
         [&outcome.baseline, &outcome.extended].map(|fitted| fitted.posterior.chi_square_per_dof());
-    let tried = format!("{} hypotheses were tried.", outcome.places);
-    let sizes = "noise and tolerances are estimated in the same fit, so a value near 1 does not show that the model is right";
+    let tried = format!(
+        "{} combinations of cause and place were tried.",
+        outcome.places
+    );
+    let sizes = "noise and tolerances are estimated in the same fit, so a value near 1 does not prove the model";
     if outcome.extended.effects.is_empty() {
         return format!("Chi-square per degree of freedom is {before:.2}; {sizes}. {tried}");
     }
@@ -94,7 +97,7 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
         format!("{} times as probable", number(ratio, Some(ratio)))
     };
     format!(
-        "With the causes found the readings are {probable}. Chi-square per degree of freedom is {before:.2} without them and \
+        "With these causes, the readings are {probable} as without them. Chi-square per degree of freedom is {before:.2} without them and \
          {after:.2} with them; {sizes}. {tried}"
     )
 }
@@ -103,9 +106,9 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
 pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
     let diagnosis = &outcome.diagnosis;
     let stopped = if outcome.is_stopped() {
-        "Interrupted; this is what was found so far. "
+        "The diagnosis was interrupted; the result is preliminary. "
     } else if outcome.is_late {
-        "Stopped by the time limit; this is what was found so far. "
+        "The diagnosis reached its time limit; the result is preliminary. "
     } else {
         ""
     };
@@ -116,10 +119,10 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
         [] => {
             let answer = match diagnosis.verdict {
                 Verdict::Unexplained => {
-                    "The measurement contains an effect that the model lacks and that no known cause explains."
+                    "The measurement shows an effect that is not in the model and that no known cause explains."
                 }
                 Verdict::Consistent | Verdict::Discrepancy => {
-                    "The model explains what was measured; nothing in it needs to be changed."
+                    "The model explains the measurement within its noise and tolerances; nothing needs to be changed."
                 }
             };
             return format!("{stopped}{answer}");
@@ -129,11 +132,11 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
             format!("the causes are {} and {last}", few.join(", "))
         }
         [first, second, more @ ..] => format!(
-            "the causes are {first}, {second}, and {} more below",
+            "the causes are {first}, {second} and {} more, listed below",
             more.len()
         ),
     };
-    let mut text = format!("{stopped}The model does not behave like the car: {causes}.");
+    let mut text = format!("{stopped}The model does not behave like the axle: {causes}.");
     let unsure = main.iter().enumerate();
     let mut unsure = unsure.filter(|(_, finding)| !finding.indistinguishable_from.is_empty());
     if let Some((k, finding)) = unsure.next() {
@@ -156,23 +159,23 @@ pub(super) fn answer(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene)
     if let Some((before, after)) = of_marks {
         let what = if main.len() == 1 { "it" } else { "them" };
         text += &format!(
-            " With {what} in the model, the error on load cases that the fit did not see {} {}.",
+            " With {what} in the model, the rms error of the marks in the load cases held out {} {}.",
             change(before, after),
             loaded.model.units.length.word
         );
     } else if let Some(found) = &diagnosis.hold_out {
-        let what = match (found.cases.is_empty(), found.searched) {
-            (false, true) => "load cases that no fit saw",
-            (false, false) => "load cases that the fit did not see",
-            (true, _) => "curves that no fit saw",
+        let what = if found.cases.is_empty() {
+            "curves"
+        } else {
+            "load cases"
         };
         text += &format!(
-            " With these findings, the error on {what} {} times the noise of the readings.",
+            " With these causes, the rms error in the {what} held out {} times the noise of the readings.",
             change(found.rms_before, found.rms_after)
         );
     }
     if diagnosis.verdict == Verdict::Unexplained {
-        text += " Something remains that no known cause explains.";
+        text += " Part of the residuals is not explained by any known cause.";
     }
     text
 }
@@ -221,9 +224,13 @@ pub(super) fn found_lines(
                 format!("{}: {own}", scene.named(&finding.address))
             } else {
                 let rivals = finding.indistinguishable_from.len();
-                let word = if rivals == 1 { "rival" } else { "rivals" };
+                let word = if rivals == 1 {
+                    "alternative"
+                } else {
+                    "alternatives"
+                };
                 format!(
-                    "{}: {own}; with its {word}: {}",
+                    "{}: {own}; together with its {word}: {}",
                     scene.named(&finding.address),
                     percent(finding.group_probability)
                 )
@@ -247,8 +254,8 @@ pub(super) fn found_lines(
     let gains = text.gains().iter().map(|gain| capitalised(gain)).collect();
     vec![
         ("Found", found.collect()),
-        ("How sure", sure.collect()),
-        ("What it gains", gains),
+        ("Confidence", sure.collect()),
+        ("Improvement", gains),
         ("To do next", next),
     ]
 }

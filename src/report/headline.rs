@@ -1,4 +1,4 @@
-use super::number::{capitalised, change, rounded};
+use super::number::{capitalised, change, counted, rounded};
 use admire_identify::lack_of_fit::is_structured;
 use admire_identify::{Fit, FitTest, FitVerdict, LoadedStudy, ParameterFit, Status};
 
@@ -30,11 +30,11 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     let what = if fit.parameters.iter().all(is_stiffness) {
         "stiffnesses"
     } else {
-        "numbers"
+        "parameters"
     };
     if !fit.converged {
         return format!(
-            "The fit did not converge: the {all} {what} below are where it stopped, and should not be used yet."
+            "The fit did not converge: the {all} {what} below are those of the last iteration. Do not use them."
         );
     }
     let mut shares = known;
@@ -44,45 +44,44 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         .filter(|_| shares.len() == count);
     let precision = half.map_or_else(String::new, |share| {
         format!(
-            ", half of them to {} % or better",
+            ", half of them with a standard error of {} % or less",
             rounded(100.0 * share, 2)
         )
     });
     let mut text = if count == all {
-        format!("The measurement determines all {all} {what} that were sought{precision}.")
+        format!("The measurement determines all {all} unknown {what}{precision}.")
     } else {
-        format!(
-            "The measurement determines {count} of the {all} {what} that were sought{precision}."
-        )
+        format!("The measurement determines {count} of the {all} unknown {what}{precision}.")
     };
     let held = &fit.held_out;
     for curve in &held.curves {
-        let unit = curve.unit.as_deref().unwrap_or("");
+        let unit = curve.unit.as_deref().map(|unit| format!(" {unit}"));
+        let unit = unit.unwrap_or_default();
         text += &format!(
-            " Of {}, which the fit did not see, the error {} {unit}.",
+            " The rms error of the held-out curve {} {}{unit}.",
             curve.name,
             change(curve.rms_before, curve.rms_after)
         );
     }
     if let (Some(from), Some(to)) = (held.marks_rms_before, held.marks_rms_after) {
         text += &format!(
-            " On {} load cases that the fit did not see, the error of the model {} {length}.",
-            held.cases.len(),
+            " In {} held out, the rms error of the marks {} {length}.",
+            counted(held.cases.len(), "load case"),
             change(from, to)
         );
     } else if let Some(written) = &fit.written {
         text += &format!(
-            " With the identified values in the deck, its error at the marks {} {length}.",
+            " With the identified values in the deck, the rms error of the marks {} {length}.",
             change(written.marks_rms_before, written.marks_rms_after)
         );
     }
     if strained(fit).is_some() {
         return format!(
-            "Do not trust the intervals: the model lacks something, or axle and rig are far from their usual tolerances. {text}"
+            "Do not trust the intervals: the model lacks an effect, or axle and rig are far outside their usual tolerances. {text}"
         );
     }
     if fit.fit_test.as_ref().is_some_and(misfit) {
-        text += " The residuals are larger than the noise: the model lacks something, and `admire diagnose` looks for it.";
+        text += " The residuals are larger than the noise: the model lacks an effect. Run `admire diagnose` to find it.";
     }
     text
 }
@@ -98,7 +97,7 @@ pub(super) fn strained(fit: &Fit) -> Option<String> {
     let each = strained.iter().map(|(name, size)| {
         let times = rounded(size.sd / size.usual, 2);
         format!(
-            "{name} of {} {}, {times} times the usual size",
+            "{name} of {} {}, {times} times the usual standard deviation",
             rounded(size.sd, 2),
             size.unit
         )
@@ -106,8 +105,7 @@ pub(super) fn strained(fit: &Fit) -> Option<String> {
     let listed: Vec<String> = each.collect();
     (!listed.is_empty()).then(|| {
         format!(
-            "The model follows the readings only with {}: axle and rig are as far off as that, or the model lacks something. Do not trust the \
-             intervals.",
+            "The model fits the readings only with {}: axle or rig really deviates so far, or the model lacks an effect. Do not trust the intervals.",
             listed.join(", and ")
         )
     })
@@ -119,18 +117,18 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
     let is_identified = |parameter: &&ParameterFit| parameter.status == Status::Identified;
     let count = fit.parameters.iter().filter(is_identified).count();
     let found = format!(
-        "{count} of {} numbers, in the table below",
+        "{count} of {} parameters, in the table below",
         fit.parameters.len()
     );
     let strained = strained(fit);
     let sure = match fit.fit_test.as_ref().map(|test| test.verdict) {
-        _ if !fit.converged => "not at all: the fit did not converge",
+        _ if !fit.converged => "none: the fit did not converge",
         _ if strained.is_some() => strained.as_deref().unwrap_or_default(),
         Some(FitVerdict::Misfit) => {
             "the intervals cannot be trusted: the residuals are larger than the noise of the readings"
         }
         _ if is_structured(&fit.structure) => {
-            "the residuals have structure, so the model lacks something"
+            "the residuals have structure, so the model lacks an effect"
         }
         Some(FitVerdict::Noise) => "the residuals look like the noise of the readings",
         Some(FitVerdict::NoiseOverstated) => {
@@ -142,35 +140,39 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
     if let Some(written) = &fit.written {
         let change = change(written.marks_rms_before, written.marks_rms_after);
         gains.push(format!(
-            "error of the marks {change} {length}, in the cases of the fit"
+            "rms error of the marks {change} {length}, in the fitted cases"
         ));
     }
     if let Some(wheel) = &fit.wheel {
         let camber = change(wheel.camber_deg_rms_before, wheel.camber_deg_rms_after);
         let steer = change(wheel.steer_deg_rms_before, wheel.steer_deg_rms_after);
         gains.push(format!(
-            "error of camber {camber} deg, of steer {steer} deg"
+            "rms error of camber {camber} deg, of steer {steer} deg"
         ));
     }
     let held = &fit.held_out;
     if let (Some(before), Some(after)) = (held.marks_rms_before, held.marks_rms_after) {
         gains.push(format!(
-            "error of the marks {} {length}, in {} cases that the fit did not see",
+            "rms error of the marks {} {length}, in {} held out",
             change(before, after),
-            held.cases.len()
+            counted(held.cases.len(), "load case")
         ));
     }
     gains.extend(held.curves.iter().map(|curve| {
         format!(
-            "error of {} {} {}, a curve that the fit did not see",
+            "rms error of {} {}{}, a curve held out of the fit",
             curve.name,
             change(curve.rms_before, curve.rms_after),
-            curve.unit.as_deref().unwrap_or_default()
+            curve
+                .unit
+                .as_deref()
+                .map_or_else(String::new, |unit| format!(" {unit}"))
         )
     }));
     if held.cases.is_empty() && held.curves.is_empty() {
         gains.push(
-            "nothing was held out; `validate.hold_out` names cases that no fit sees".to_string(),
+            "no case was held out; list some in `validate.hold_out` to test the fit on them"
+                .to_string(),
         );
     }
     let mut remarks = fit.remarks.clone();
@@ -178,15 +180,15 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
         let affected = fit.affected.join(", ");
         remarks.insert(
             0,
-            format!("Interrupted before the end. Affected: {affected}."),
+            format!("The fit was interrupted. Parameters affected: {affected}."),
         );
     }
     let study = loaded.study.folder.display().to_string();
     let upper = |texts: Vec<String>| texts.iter().map(|text| capitalised(text)).collect();
     vec![
         ("Found", vec![found]),
-        ("How sure", upper(vec![sure.to_string()])),
-        ("What it gains", upper(gains)),
+        ("Confidence", upper(vec![sure.to_string()])),
+        ("Improvement", upper(gains)),
         ("To do next", upper(vec![next_step(fit, &study)])),
         ("Remarks", remarks),
     ]
@@ -195,15 +197,17 @@ pub(super) fn found_lines(loaded: &LoadedStudy, fit: &Fit) -> Vec<(&'static str,
 /// Returns the recommended next step.
 pub(super) fn next_step(fit: &Fit, study: &str) -> String {
     if fit.interrupted {
-        return "the same command without an interruption".to_string();
+        return "run the same command again without interrupting it".to_string();
     }
     if !fit.converged {
-        return format!("`admire check {study}` forecasts which numbers these loads determine");
+        return format!(
+            "run `admire check {study}`, which forecasts the parameters that these loads determine"
+        );
     }
     let misfit = |test: &admire_identify::FitTest| test.verdict == FitVerdict::Misfit;
     let strained = fit.tolerances.values().any(|size| size.strained);
     if fit.fit_test.as_ref().is_some_and(misfit) || strained || is_structured(&fit.structure) {
-        return format!("`admire diagnose {study}` looks for what the model lacks");
+        return format!("run `admire diagnose {study}` to find what the model lacks");
     }
     let is_identified = |parameter: &ParameterFit| parameter.status == Status::Identified;
     if fit.parameters.iter().all(is_identified) {
@@ -221,7 +225,7 @@ pub(super) fn next_step(fit: &Fit, study: &str) -> String {
         String::new()
     };
     format!(
-        "`admire plan {study}` ranks what to measure to determine {}{and}",
+        "run `admire plan {study}` to rank measurements that determine {}{and}",
         names.join(", ")
     )
 }
@@ -250,7 +254,7 @@ mod tests {
         };
         fit.tolerances.insert("pose-noise".to_string(), pose);
         let lead = lead(&fit);
-        let first = "The model follows the readings only with pose-noise of 0.06 mm, 20 times the usual size: axle and rig are";
+        let first = "The model fits the readings only with pose-noise of 0.06 mm, 20 times the usual standard deviation: axle or rig";
         assert!(lead.starts_with(first), "{lead}");
         assert!(!lead.contains("explain"), "{lead}");
         assert!(lead.contains("admire diagnose"), "{lead}");

@@ -71,7 +71,7 @@ impl HeatMap {
         }
         write!(
             out,
-            "<text x=\"{left}\" y=\"{}\" class=\"name\">{}; red above zero, blue below, full colour at {}</text>\n</svg>",
+            "<text x=\"{left}\" y=\"{}\" class=\"name\">{}; red is positive, blue is negative, full colour at {}</text>\n</svg>",
             height - 12,
             escape(&self.what),
             super::number(self.limit, Some(0.1 * self.limit))

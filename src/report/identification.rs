@@ -4,7 +4,7 @@ use super::convergence::convergence;
 use super::headline::{found_lines, strained};
 use super::interval::IntervalScale;
 use super::load_run;
-use super::number::{number, rounded, unbroken};
+use super::number::{counted, number, rounded, unbroken};
 use super::parameter_name::form_of;
 use super::repeats::repeats;
 use super::scene::Role;
@@ -56,13 +56,11 @@ impl IdentificationReport<'_> {
         page.scene(&study_scene(self.loaded, self.positions));
         page.found(&found_lines(self.loaded, self.fit));
         page.table(&self.parameters());
-        page.note("The bar is the 95 percent interval on a logarithmic scale around the number; a diamond is the reference.");
-        page.detail("The fit in words");
+        page.note("The bar is the 95 % interval on a logarithmic scale around the estimate; a diamond is the reference.");
+        page.detail("Summary of the fit");
         page.paragraph(&lead(self.fit));
         page.note(
-            "K in force per length, KT in torque per radian, as in the deck. Intervals hold the true value in 95 of 100 repetitions of \
-             the measurement if the model is right; the diagnosis shows whether it is. What is not determined is unidentifiable: the readings \
-             say too little about it.",
+            "If the model is right, the intervals contain the true value in 95 of 100 repetitions of the measurement; `admire diagnose` tests the model. Not determined: the readings contain too little information about the parameter.",
         );
         self.tolerances(&mut page);
         repeats(&mut page, self.fit, &|parameter| self.named(parameter));
@@ -70,18 +68,18 @@ impl IdentificationReport<'_> {
         self.quality(&mut page);
         page.figures(&figures.by_case()?.into_iter().collect::<Vec<_>>());
         if runs.len() > 2 && is_wheel {
-            page.detail("Curves over each load");
+            page.detail("Curves against each load");
             page.figures(&load_run::figures(&runs)?);
         }
         self.laws(&mut page, &figures)?;
         if !self.fit.unidentifiable_directions.is_empty() {
-            page.detail("What the data do not determine");
+            page.detail("Combinations that the readings do not determine");
             page.table(&self.directions());
         }
         if !self.fit.assembly_offsets.is_empty() {
             page.detail("Assembly offsets");
             page.table(&self.offsets());
-            page.note("Three lengths, three angles in radians, in the axes of each bushing's J marker; with their standard errors.");
+            page.note("Three displacements in the length unit of the deck and three angles in radians, in the axes of the J marker of the bushing, with standard errors.");
         }
         self.tests(&mut page);
         page.detail("Residuals by case and mark");
@@ -93,10 +91,10 @@ impl IdentificationReport<'_> {
             self.element_and_number(address)
         })?;
         if !convergence.is_empty() {
-            page.note("Every number over its reference where there is one, else over its final value, iteration by iteration.");
+            page.note("Each parameter at each iteration, divided by its reference, or by its final value if there is no reference.");
             page.figures(&convergence);
         }
-        page.detail("What changes in the deck");
+        page.detail("Changes to the deck");
         page.verbatim(self.diff);
         Ok(page.finish(&format!("admire {}", super::VERSION)))
     }
@@ -104,9 +102,9 @@ impl IdentificationReport<'_> {
     /// Tabulates the combinations of numbers that the readings do not determine.
     fn directions(&self) -> Table {
         let mut table = Table::new(&[
-            ("what can change together", Align::Wrap),
+            ("parameters that can change together", Align::Wrap),
             ("by a factor of", Align::Right),
-            ("standard deviation of ln K", Align::Right),
+            ("sd of the logarithm", Align::Right),
         ]);
         for direction in &self.fit.unidentifiable_directions {
             let mut terms: Vec<_> = direction.combination.iter().collect();
@@ -139,7 +137,7 @@ impl IdentificationReport<'_> {
         let scale = IntervalScale::over(ratios, Role::Identified.class());
         let picture = scale.ends();
         let mut columns = vec![
-            ("number", Align::Left),
+            ("parameter", Align::Left),
             ("unit", Align::Left),
             (Role::Given.name(), Align::Right),
             (Role::Identified.name(), Align::Right),
@@ -147,7 +145,10 @@ impl IdentificationReport<'_> {
             (picture.as_str(), Align::Left),
         ];
         if known {
-            columns.extend([("reference", Align::Right), ("ratio", Align::Right)]);
+            columns.extend([
+                ("reference", Align::Right),
+                ("identified / reference", Align::Right),
+            ]);
         }
         let mut table = Table::new(&columns);
         for (parameter, reference) in self.fit.parameters.iter().zip(reference) {
@@ -245,12 +246,12 @@ impl IdentificationReport<'_> {
             ),
             (
                 "Cases",
-                format!("{}, of which {held} held out", measurement.cases.len()),
+                format!("{}, {held} of them held out", measurement.cases.len()),
             ),
             (
                 "Units",
                 format!(
-                    "{}, {}, radians in the deck",
+                    "{}, {} and rad, as in the deck",
                     short_unit(units.force.word),
                     units.length.word
                 ),
@@ -273,8 +274,7 @@ impl IdentificationReport<'_> {
             if !begun {
                 page.detail("Force against deflection");
                 page.note(
-                    "Lines are the laws before and after; each point is a load case: the deflection that the marks show, and the force that the \
-                     fitted model has in that case. Points off the line are noise, or what the law lacks.",
+                    "The lines are the laws before and after the fit. Each point is a load case: the deflection measured by the marks, and the force of the fitted model. Points off the line are noise or errors of the law.",
                 );
                 begun = true;
             }
@@ -318,24 +318,28 @@ impl IdentificationReport<'_> {
         };
         let mut rows: Vec<(String, Option<f64>, Option<f64>)> = Vec::new();
         if let Some(written) = &self.fit.written {
-            let name = "marks, rms of one coordinate, deck as written".into();
+            let name = "marks, rms per coordinate, deck alone".into();
             let (before, after) = (written.marks_rms_before, written.marks_rms_after);
             rows.push((name, Some(before), Some(after)));
         }
         if let Some(marks) = &self.fit.marks {
-            let name = "marks, rms of one coordinate, with all other fitted effects";
+            let name = "marks, rms per coordinate, with the fitted tolerances";
             rows.push((name.into(), None, marks.rms));
             let name = "marks, chi-square per degree of freedom".into();
             rows.push((name, None, marks.chi2_per_dof));
         }
         let held = &self.fit.held_out;
         if !held.cases.is_empty() {
-            let name = format!("marks of the held-out cases {}", held.cases.join(", "));
+            let name = format!(
+                "marks, rms per coordinate, held-out cases {}",
+                held.cases.join(", ")
+            );
             rows.push((name, held.marks_rms_before, held.marks_rms_after));
         }
         for curve in &held.curves {
-            let unit = curve.unit.as_deref().unwrap_or("");
-            let name = format!("held-out curve {}, rms, {unit}", curve.name);
+            let unit = curve.unit.as_deref().map(|unit| format!(", {unit}"));
+            let unit = unit.unwrap_or_default();
+            let name = format!("held-out curve {}, rms{unit}", curve.name);
             rows.push((name, Some(curve.rms_before), Some(curve.rms_after)));
         }
         if let Some(wheel) = &self.fit.wheel {
@@ -346,7 +350,7 @@ impl IdentificationReport<'_> {
         }
         // The column of the initial model is shown only if it contains values.
         let compared = rows.iter().any(|(_, before, _)| before.is_some());
-        let mut columns = vec![("", Align::Left)];
+        let mut columns = vec![("error", Align::Left)];
         if compared {
             columns.push((Role::Given.name(), Align::Right));
         }
@@ -366,11 +370,11 @@ impl IdentificationReport<'_> {
         if self.fit.tolerances.is_empty() {
             return;
         }
-        page.detail("Tolerances the intervals allow for");
+        page.detail("Tolerances included in the intervals");
         let mut table = Table::new(&[
             ("group", Align::Left),
             ("standard deviation", Align::Right),
-            ("usual", Align::Right),
+            ("usual standard deviation", Align::Right),
             ("unit", Align::Left),
         ]);
         for (name, size) in &self.fit.tolerances {
@@ -379,10 +383,10 @@ impl IdentificationReport<'_> {
         }
         page.table(&table);
         page.note(
-            "Estimated from the readings around the usual values, or stated in [tolerances] of study.toml.",
+            "Estimated from the readings with the usual values as prior, or stated in `[tolerances]` of study.toml.",
         );
         let mut table = Table::new(&[
-            ("number", Align::Left),
+            ("parameter", Align::Left),
             ("share of the variance due to tolerances", Align::Right),
         ]);
         for parameter in &self.fit.parameters {
@@ -405,11 +409,11 @@ impl IdentificationReport<'_> {
         let Some(test) = &self.fit.fit_test else {
             return;
         };
-        page.detail("Are the residuals noise?");
+        page.detail("Test of the residuals against noise");
         let mut table = Table::new(&[
             ("readings", Align::Left),
-            ("number", Align::Right),
-            ("rms over their noise", Align::Right),
+            ("count", Align::Right),
+            ("rms residual / noise", Align::Right),
         ]);
         for kind in &test.readings {
             let rms = format!("{:.3}", kind.rms_over_sigma);
@@ -417,7 +421,7 @@ impl IdentificationReport<'_> {
         }
         page.table(&table);
         page.note(&format!(
-            "Chi-square is {:.1} with {:.1} degrees of freedom; noise of the stated size gives as much or more with probability {}.",
+            "Chi-square is {:.1} with {:.1} degrees of freedom. Noise of the stated size gives this value or more with a probability of {}.",
             test.chi2,
             test.dof,
             probability(test.p_value)
@@ -426,7 +430,7 @@ impl IdentificationReport<'_> {
             return;
         }
         let mut table = Table::new(&[
-            ("structure in the residuals", Align::Wrap),
+            ("pattern tested in the residuals", Align::Wrap),
             ("probability from noise alone", Align::Right),
         ]);
         let mut tests: Vec<_> = self.fit.structure.iter().collect();
@@ -436,7 +440,7 @@ impl IdentificationReport<'_> {
         }
         page.table(&table);
         page.note(&format!(
-            "The smallest of {} tests; noise alone gives one below {:.0e} in a thousandth of all studies.",
+            "The smallest probabilities of {} tests. With noise alone, one of them is below {:.0e} in one study of a thousand.",
             tests.len(),
             1e-3 / tests.len() as f64
         ));
@@ -454,14 +458,24 @@ pub fn lead(fit: &Fit) -> String {
     let ending = if fit.converged {
         ""
     } else {
-        " without converging"
+        ", without converging,"
+    };
+    let are = if of(Status::Identified) == 1 {
+        "is"
+    } else {
+        "are"
+    };
+    let equilibria = if fit.solver_runs == 1 {
+        "equilibrium"
+    } else {
+        "equilibria"
     };
     let found = format!(
-        "{} of {} numbers are identified by {} after {} iterations{ending} ({} equilibria).",
+        "{} of {} parameters {are} identified by {} after {}{ending} ({} {equilibria}).",
         of(Status::Identified),
         fit.parameters.len(),
         fit.method,
-        fit.iterations,
+        counted(fit.iterations, "iteration"),
         fit.solver_runs,
     );
     let explained = explained(fit);
@@ -483,7 +497,7 @@ pub fn lead(fit: &Fit) -> String {
     };
     if fit.interrupted {
         let interrupted = format!(
-            "Interrupted before the end: {} of {} numbers are affected.",
+            "The fit was interrupted: {} of {} parameters are affected.",
             fit.affected.len(),
             fit.parameters.len()
         );
@@ -491,12 +505,12 @@ pub fn lead(fit: &Fit) -> String {
     }
     if let Some(worst) = structured {
         sentences.push(format!(
-            "The residuals have structure, most in \"{}\" (p = {}): `admire diagnose` looks for its cause.",
+            "The residuals have structure, most clearly in \"{}\" (p = {}). Run `admire diagnose` to find the cause.",
             worst.what,
             probability(worst.p_value)
         ));
     } else if misfit || fit.tolerances.values().any(|size| size.strained) {
-        sentences.push("`admire diagnose` looks for what the model lacks.".to_string());
+        sentences.push("Run `admire diagnose` to find what the model lacks.".to_string());
     }
     sentences.retain(|sentence| !sentence.is_empty());
     sentences.join(" ")
@@ -507,14 +521,13 @@ fn explained(fit: &Fit) -> String {
     let Some(test) = &fit.fit_test else {
         let rms = fit.marks.and_then(|marks| marks.rms);
         return rms.map_or_else(String::new, |rms| {
-            format!("The model then explains the marks to {rms:.2e} rms.")
+            format!("The rms error of the marks is then {rms:.2e}, in the length unit of the deck.")
         });
     };
     let (p, factor) = (probability(test.p_value), test.noise_factor());
     match test.verdict {
         FitVerdict::Misfit => format!(
-            "The model does not explain the readings within their noise: chi-square is {:.0} with {:.0} degrees of freedom (p = {p}), as \
-             if the noise were {factor:.2} times what is stated. Do not trust the intervals.",
+            "The model does not explain the readings within their noise: chi-square is {:.0} with {:.0} degrees of freedom (p = {p}), as if the noise were {factor:.2} times the stated noise. Do not trust the intervals.",
             test.chi2, test.dof,
         ),
         FitVerdict::Noise => format!(
@@ -522,8 +535,7 @@ fn explained(fit: &Fit) -> String {
             test.chi2 / test.dof,
         ),
         FitVerdict::NoiseOverstated => format!(
-            "The model then explains the readings better than their stated noise allows (chi-square {:.2} per degree of freedom): the noise is \
-             {factor:.2} times what is stated, and the intervals are too wide.",
+            "The model then explains the readings better than their stated noise allows (chi-square {:.2} per degree of freedom): the noise is {factor:.2} times the stated noise, and the intervals are too wide.",
             test.chi2 / test.dof,
         ),
     }

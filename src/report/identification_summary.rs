@@ -3,6 +3,7 @@
 use admire_identify::{Fit, LoadedStudy, ParameterFit, Status};
 
 use super::headline::next_step;
+use super::number::counted;
 use super::parameter_name::parameter_name;
 use super::summary::{Summary, fall};
 use super::{lead, number, short_unit};
@@ -63,7 +64,7 @@ fn held_out(loaded: &LoadedStudy, fit: &Fit) -> String {
     let measurement = &loaded.measurement;
     let mut parts = Vec::new();
     if let (Some(before), Some(after)) = (held.marks_rms_before, held.marks_rms_after) {
-        let what = format!("marks of {} cases", held.cases.len());
+        let what = format!("marks of {}", counted(held.cases.len(), "case"));
         let length = loaded.model.units.length.word;
         parts.push(fall(&what, [before, after], length, measurement.sigma));
     }
@@ -75,7 +76,7 @@ fn held_out(loaded: &LoadedStudy, fit: &Fit) -> String {
         parts.push(fall(&curve.name, rms, unit, channel.sigma));
     }
     if parts.is_empty() {
-        return "nothing; `validate.hold_out` names cases that no fit sees".to_string();
+        return "no cases; list some in `validate.hold_out` to test the fit on them".to_string();
     }
-    format!("rms of {}", parts.join(", "))
+    format!("rms error: {}", parts.join(", "))
 }

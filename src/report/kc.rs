@@ -216,16 +216,15 @@ impl KcReport<'_> {
             self.units,
         ));
         page.note(
-            "Values at ride height, of the left wheel if one value is given; slopes are tangents. Toe + is toe-in, camber + is top outboard, on \
-             both sides. Definitions: `admire guide kc`.",
+            "Values at ride height; a single value is that of the left wheel. Slopes are tangents. Positive toe is toe-in and positive camber is top outboard, on both sides. Definitions: `admire guide kc`.",
         );
         for test in &self.run.tests {
             self.test(&mut page, test)?;
         }
-        page.detail("Ride height under the names of Adams/Car");
+        page.detail("Characteristics at ride height, with the names of Adams/Car");
         page.table(&self.ride_height());
         page.note(
-            "Angles in degrees. Definitions, signs and their evidence: `admire guide kc`. Anti effects are those of this axle, see Vehicle.",
+            "Angles are in degrees. Definitions and signs: `admire guide kc`. Anti-dive, anti-lift and anti-squat are those of this axle.",
         );
         Ok(page.finish(footer))
     }
@@ -312,7 +311,7 @@ impl KcReport<'_> {
             .all(|g| g.hysteresis <= 1e-6 * g.tangent.abs() * settings.window);
         let both = test.samples.iter().any(|s| s.branch == Branch::Down);
         page.paragraph(&format!(
-            "Driven: {} from {} to {} {}; loads at the {}, {} held. {}",
+            "Input: {} from {} to {} {}. Loads act at the {}; {} held constant. {}",
             test.kind.variable(),
             settings.range[0],
             settings.range[1],
@@ -323,14 +322,14 @@ impl KcReport<'_> {
                 "wheel centre"
             },
             match (settings.hold, test.kind) {
-                (admire_kc::Hold::Height, _) => "height of the wheel centres",
-                (_, TestKind::Roll) => "load of the axle",
-                _ => "vertical loads",
+                (admire_kc::Hold::Height, _) => "wheel centre height is",
+                (_, TestKind::Roll) => "axle load is",
+                _ => "vertical loads are",
             },
             match (both, same) {
-                (false, _) => "Driven in one direction.",
-                (true, true) => "Both branches are one curve: there is no friction in the deck.",
-                (true, false) => "The branches differ because of friction in the joints. The half widths are below.",
+                (false, _) => "The input is applied in one direction.",
+                (true, true) => "Both branches coincide: the deck has no friction.",
+                (true, false) => "The branches differ because of friction; the table below has the half width of each loop.",
             }
         ));
         let mut figures = Vec::new();
@@ -350,8 +349,7 @@ impl KcReport<'_> {
         page.subheading("Gradients at ride height")
             .table(&self.gradients(test));
         page.note(
-            "Tangent: the exact derivative. Fitted: the least-squares line within the window, mean of both branches. Linear range: up to the last \
-             point that deviates from the tangent by less than 5 percent of the whole change or 10 percent of its own.",
+            "Tangent: the exact derivative at ride height. Fitted: slope of the least-squares line within the window, mean of both branches. Linear range: the range in which the curve deviates from the tangent by less than 5 % of the whole change, or 10 % of the change up to that point.",
         );
         Ok(())
     }
@@ -480,7 +478,10 @@ impl KcReport<'_> {
         if loops {
             heads.push(("half width of loop", Align::Right));
         }
-        heads.extend(["linear from", "to", "left against right"].map(|name| (name, Align::Right)));
+        heads.extend(
+            ["linear from", "linear to", "asymmetry, left to right"]
+                .map(|name| (name, Align::Right)),
+        );
         let names: Vec<&str> = self.others.iter().map(|(name, _)| name.as_str()).collect();
         heads.extend(names.iter().map(|name| (*name, Align::Right)));
         let measured = self
@@ -488,8 +489,8 @@ impl KcReport<'_> {
             .iter()
             .any(|curve| curve.test == test.kind.name());
         if measured {
-            heads.push(("measured, fitted", Align::Right));
-            heads.push(("measured, half width", Align::Right));
+            heads.push(("measured, fitted slope", Align::Right));
+            heads.push(("measured, half width of loop", Align::Right));
         }
         let mut table = Table::new(&heads);
         for gradient in &test.gradients {

@@ -11,7 +11,7 @@ const HIGHER: [&str; 3] = ["quadratic", "hardening", "growth"];
 /// Tabulates the detection limits of the hardpoints.
 pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     let mut table = Table::new(&[
-        ("point", Align::Left),
+        ("hardpoint", Align::Left),
         ("x, mm", Align::Right),
         ("y, mm", Align::Right),
         ("z, mm", Align::Right),
@@ -29,12 +29,12 @@ pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
 pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
-        ("number", Align::Left),
+        ("parameter", Align::Left),
         ("unit", Align::Left),
-        ("best limit", Align::Right),
-        ("at", Align::Left),
-        ("worst limit", Align::Right),
-        ("at", Align::Left),
+        ("smallest limit", Align::Right),
+        ("place of smallest limit", Align::Left),
+        ("largest limit", Align::Right),
+        ("place of largest limit", Align::Left),
         ("places not detected", Align::Right),
     ]);
     let all = &diagnosis.cause_limits;

@@ -35,7 +35,7 @@ impl LoadRun {
         let is_word = load.chars().all(|c| c.is_ascii_lowercase());
         let end = if is_word { " load" } else { "" };
         Chart {
-            title: capitalised(&format!("{} over {load}{end}", self.what)),
+            title: capitalised(&format!("{} against {load}{end}", self.what)),
             x: self.load.clone(),
             y,
             series: self.series.clone(),
@@ -79,7 +79,7 @@ pub(super) fn figures(runs: &[LoadRun]) -> Result<Vec<Figure>, DrawingError> {
     Chart::equalise(&mut charts);
     let drawn = charts.iter().zip(runs).map(|(chart, run)| {
         let caption = if run.unseen {
-            "The other loads are constant. No fit used these readings."
+            "The other loads are constant. These readings are held out of the fit."
         } else {
             "The other loads are constant."
         };
@@ -160,8 +160,8 @@ mod tests {
             let chosen = telling(runs);
             chosen.iter().map(|run| run.chart().title).collect()
         };
-        assert_eq!(names(&runs), ["Toe over Fy", "Camber over Fy"]);
-        assert_eq!(names(&runs[..1]), ["Travel over Fz"]);
+        assert_eq!(names(&runs), ["Toe against Fy", "Camber against Fy"]);
+        assert_eq!(names(&runs[..1]), ["Travel against Fz"]);
         assert_eq!(runs[1].chart().y, "toe [deg], + toe-in");
     }
 }

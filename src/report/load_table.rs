@@ -56,7 +56,7 @@ fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, Str
         let name = &loaded.programme.loads[*load].name;
         if together < AGAINST {
             let why = format!(
-                "marks move against the model with {name}: does its sign agree with the deck's?"
+                "under load {name}, the marks move against the model: check the sign of {name} in the table of loads"
             );
             out.push((Verdict::Doubtful, why));
         } else if together > -AGAINST {
@@ -64,7 +64,7 @@ fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, Str
             if times > THOUSAND.0 && times < THOUSAND.1 {
                 let than = if longer > 1.0 { "less" } else { "more" };
                 let why = format!(
-                    "with {name} marks move {times:.0} times {than} than the model: newtons and kilonewtons?"
+                    "under load {name}, the marks move {times:.0} times {than} than the model: were newtons and kilonewtons confused?"
                 );
                 out.push((Verdict::Doubtful, why));
             }
@@ -105,7 +105,7 @@ fn exchanged(loaded: &LoadedStudy) -> Option<String> {
     let (after, a, b) = best?;
     (after < EXCHANGED * before).then(|| {
         let [a, b] = [a, b].map(|case| &to[case].label);
-        format!("marks of cases {a} and {b} fit each other's loads: were they exchanged?")
+        format!("the marks of case {a} fit the loads of case {b}, and those of case {b} the loads of case {a}: were the cases exchanged?")
     })
 }
 

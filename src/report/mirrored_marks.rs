@@ -38,7 +38,7 @@ pub(super) fn mirrored(loaded: &LoadedStudy) -> Option<String> {
         };
         look(
             mends(&flipped),
-            format!("column `{}` with the other sign", NAMES[axis]),
+            format!("changing the sign of column `{}`", NAMES[axis]),
         );
         let others = ((axis + 1) % 3, (axis + 2) % 3);
         let exchanged = |x: &Vec3| {
@@ -49,12 +49,12 @@ pub(super) fn mirrored(loaded: &LoadedStudy) -> Option<String> {
         let (a, b) = (others.0.min(others.1), others.0.max(others.1));
         look(
             mends(&exchanged),
-            format!("columns `{}` and `{}` exchanged", NAMES[a], NAMES[b]),
+            format!("exchanging columns `{}` and `{}`", NAMES[a], NAMES[b]),
         );
     }
     let (_, what) = best?;
     Some(format!(
-        "the measured marks are a mirror image of the parts; with {what} they are not"
+        "the measured marks are a mirror image of the parts; {what} corrects this"
     ))
 }
 

@@ -49,6 +49,12 @@ pub(super) fn rounded(value: f64, digits: i32) -> String {
     format!("{:.0}", (value / unit).round() * unit)
 }
 
+/// Returns a count with its noun: `1 case`, `3 cases`.
+pub(super) fn counted(count: usize, what: &str) -> String {
+    let end = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{end}")
+}
+
 /// Makes the first letter of a text a capital.
 pub(super) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();

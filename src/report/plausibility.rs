@@ -7,6 +7,7 @@ use super::check::{Check, Verdict};
 use super::frame_place::odd_frame;
 use super::load_table::odd_loads;
 use super::mark_scatter::{repeats, rigidity};
+use super::number::counted;
 use super::short_unit;
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
@@ -16,7 +17,6 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::PartKind;
 use admire_solver::model::lint::implausible_units;
 use admire_study::settings::BackendChoice;
-use admire_syntax::diagnostic::Severity;
 
 /// Plausibility table of a study.
 #[derive(Clone, Default, PartialEq, Debug)]
@@ -121,7 +121,7 @@ impl Plausibility {
             "load cases",
             format!("{}: {}", cases.len(), ranges.join(", ")),
             verdict,
-            "no load ever changes",
+            "all cases have the same loads",
         );
     }
 
@@ -132,7 +132,7 @@ impl Plausibility {
             let read: usize = to.cases.iter().map(|case| case.marks.len()).sum();
             self.counted(
                 "marks",
-                format!("{marks} on {} parts", to.parts.len()),
+                format!("{marks} on {}", counted(to.parts.len(), "part")),
                 read,
                 marks * to.cases.len(),
             );
@@ -196,7 +196,7 @@ impl Plausibility {
             "gradients, widths",
             told.join("; "),
             verdict,
-            "a row without a value is not a reading",
+            "rows without a value are not used",
         );
     }
 
@@ -235,14 +235,10 @@ impl Plausibility {
         if !units.stated {
             found += " (not stated)";
             verdict = Verdict::Doubtful;
-            why = "the deck states no UNITS; these are assumed".to_string();
+            why = "the deck has no UNITS statement; these units are assumed".to_string();
         }
         if let Some(complaint) = implausible_units(&loaded.dataset, &loaded.model) {
-            verdict = if complaint.severity == Severity::Error {
-                Verdict::Impossible
-            } else {
-                Verdict::Doubtful
-            };
+            verdict = Verdict::Doubtful;
             why = complaint.message;
         }
         self.add("units", found, verdict, why);
@@ -284,7 +280,7 @@ impl Plausibility {
                 "moving mass",
                 format!("{} {}", short(mass), units.mass.word),
                 judge(kilograms, MASS),
-                "is the mass unit right?",
+                "no axle has this mass: is the mass unit right?",
             );
         }
         let of_deck: Vec<f64> = model
@@ -324,16 +320,20 @@ impl Plausibility {
         let shown = rigidity(loaded);
         let repeats = repeats(loaded);
         let stated = if to.sigma_estimated {
-            format!("{} {length}, taken from the marks", short(to.sigma))
+            format!("{} {length}, estimated from the marks", short(to.sigma))
         } else {
             format!("{} {length} stated", short(to.sigma))
         };
         let mut found = stated;
         if let Some(shown) = shown {
-            found += &format!("; parts that stay rigid show {}", short(shown));
+            found += &format!("; on rigid parts {} {length}", short(shown));
         }
         if let Some((repeats, count)) = repeats {
-            found += &format!("; {count} repeated loads show {}", short(repeats));
+            let pairs = if count == 1 { "pair" } else { "pairs" };
+            found += &format!(
+                "; in repeated cases {} {length} ({count} {pairs})",
+                short(repeats)
+            );
         }
         let ratio = shown
             .filter(|_| !to.sigma_estimated && to.sigma > 0.0)
@@ -342,18 +342,20 @@ impl Plausibility {
             (
                 Verdict::Impossible,
                 format!(
-                    "the marks scatter {ratio:.0} times as much as marks.sigma says: remove the key, or correct it"
+                    "the marks scatter {ratio:.0} times as much as marks.sigma states: correct the key or remove it"
                 ),
             )
         } else if ratio > NOISE_DOUBTFUL {
             (
                 Verdict::Doubtful,
-                format!("the marks scatter {ratio:.1} times as much as marks.sigma says"),
+                format!(
+                    "the marks scatter {ratio:.1} times as much as marks.sigma states: correct the key or remove it"
+                ),
             )
         } else if ratio < 1.0 / NOISE_DOUBTFUL && to.sigma > 1e-3 {
             (
                 Verdict::Doubtful,
-                "the marks scatter much less than marks.sigma says".to_string(),
+                "the marks scatter less than half as much as marks.sigma states: correct the key or remove it".to_string(),
             )
         } else {
             (Verdict::Plausible, String::new())
@@ -397,7 +399,7 @@ impl Plausibility {
                 loaded.model.units.length.word
             ),
             verdict,
-            "no mark moves more than its noise: are the load cases those of the readings?",
+            "no mark moves clearly more than its noise: do the readings belong to these load cases?",
         );
     }
 
@@ -426,9 +428,9 @@ impl Plausibility {
         else {
             self.add(
                 "forecast",
-                "the start values give no equilibrium in some load case".to_string(),
+                "at least one load case has no equilibrium with the start values".to_string(),
                 Verdict::Doubtful,
-                "other start values may: identify.initial",
+                "set other start values in identify.initial",
             );
             return;
         };
@@ -448,7 +450,7 @@ impl Plausibility {
                 Verdict::Doubtful
             };
             let found = format!(
-                "{alike} of {} channels move as the model does",
+                "channels that move as the model does: {alike} of {}",
                 loaded.measurement.channels.len()
             );
             self.add("agreement", found, verdict, odd.join("; "));
@@ -463,7 +465,7 @@ impl Plausibility {
             .map(|(_, unknown)| unknown.address.to_string())
             .collect();
         let mut found = format!(
-            "{} of {count} numbers can be identified",
+            "{} of {count} parameters can be identified",
             count - open.len()
         );
         if !open.is_empty() {
@@ -473,7 +475,7 @@ impl Plausibility {
             } else {
                 String::new()
             };
-            found += &format!("; not {shown}{more}");
+            found += &format!("; not identifiable: {shown}{more}");
         }
         let verdict = if open.len() == count {
             Verdict::Doubtful
@@ -484,7 +486,7 @@ impl Plausibility {
             "forecast",
             found,
             verdict,
-            "at the start values, the readings determine none of them",
+            "at the start values, the readings determine none of the parameters",
         );
     }
 }

@@ -16,10 +16,10 @@ const SIZE: (f64, f64) = (150.0, 14.0);
 pub(super) fn ranking(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
-        ("where", Align::Left),
+        ("place", Align::Left),
         ("probability", Align::Left),
         ("", Align::Right),
-        ("how large", Align::Wrap),
+        ("size", Align::Wrap),
     ]);
     for finding in &diagnosis.findings {
         let place = scene.named(&finding.address);
@@ -51,7 +51,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene
     if !diagnosis.findings.is_empty() {
         line(
             &mut table,
-            "none of the catalogue".to_string(),
+            "no cause of the catalogue".to_string(),
             String::new(),
             diagnosis.none_of_these,
             String::new(),

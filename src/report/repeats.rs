@@ -9,9 +9,9 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
     if bootstrap.is_none() && posterior.is_none() {
         return;
     }
-    page.detail("Intervals by repetition");
+    page.detail("Intervals by bootstrap and sampling");
     let mut columns = vec![
-        ("number", Align::Left),
+        ("parameter", Align::Left),
         ("profile likelihood", Align::Right),
     ];
     if bootstrap.is_some() {
@@ -21,7 +21,7 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
         columns.extend([
             ("posterior", Align::Right),
             ("width ratio", Align::Right),
-            ("effective draws", Align::Right),
+            ("effective sample size", Align::Right),
             ("R-hat", Align::Right),
         ]);
     }
@@ -55,19 +55,18 @@ pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) 
     page.table(&table);
     if let Some(made) = bootstrap {
         page.note(&format!(
-            "Bootstrap: {} fits to resampled readings, seed {}; the residuals that are drawn are {:.2} times as large as noise and \
-             tolerances say. A load case is not drawn as a whole: cases are designed, and share their tolerances.",
+            "Bootstrap: {} fits to resampled readings, seed {}. The resampled residuals are {:.2} times as large as noise and tolerances predict. Readings are resampled one by one, not as whole load cases, because the cases share their tolerances.",
             made.replicates, made.seed, made.noise_ratio
         ));
     }
     if let Some(made) = posterior {
         page.note(&format!(
-            "Posterior: {} draws of {} chains by Hamiltonian Monte Carlo, seed {}, {:.0} % of the trajectories accepted.",
+            "Posterior: {} samples in {} chains by Hamiltonian Monte Carlo, seed {}, acceptance rate {:.0} %.",
             made.draws,
             made.chains,
             made.seed,
             100.0 * made.acceptance
         ));
     }
-    page.note("Width ratio: width of the interval of ln K divided by that of the profile likelihood. Profile likelihood, bootstrap and posterior all marginalise the tolerances.");
+    page.note("Width ratio: width of the interval divided by that of the profile likelihood, both of the logarithm of the parameter. All three methods marginalise the tolerances.");
 }

@@ -94,8 +94,8 @@ impl ReproductionReport<'_> {
     pub fn html(&self) -> Result<String, DrawingError> {
         let mut page = Page::new(
             "Reproduction",
-            "The paper's validations, run again",
-            "The paper's three validations, repeated: its tables and figures beside those of admire.",
+            "Validation cases of the paper, recomputed",
+            "The three validation cases of the paper, recomputed: tables and figures of the paper and of admire side by side.",
         );
         page.origin(&[
             (

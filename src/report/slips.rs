@@ -41,14 +41,14 @@ impl Plausibility {
             return found.is_explained;
         };
         let as_it_is = match slip.left.0 {
-            Some(left) => format!("{left:.1} times the noise is left"),
-            None => "there is no equilibrium".to_string(),
+            Some(left) => format!("the residuals are {left:.1} times the noise"),
+            None => "the residuals are not defined, because a case has no equilibrium".to_string(),
         };
-        let what = "readings that no stiffness and no tolerance explains".to_string();
+        let what = "no stiffness and no tolerance explains the readings".to_string();
         let why = format!(
-            "{as_it_is}, and {:.1} times with {}",
-            slip.left.1,
-            slip.remedies.join(", or ")
+            "{as_it_is}; with {}, they are {:.1} times the noise",
+            slip.remedies.join(", or "),
+            slip.left.1
         );
         self.add("slip", what, refused_if(slip.is_sure), why);
         slip.is_sure || found.is_explained

@@ -80,21 +80,21 @@ impl StudyFigures<'_> {
         if !held.is_empty() {
             let role = self.positions[last].role;
             series.push(Series {
-                name: format!("{}, cases that no fit saw", role.name()),
+                name: format!("{}, held-out cases", role.name()),
                 mark: SeriesStyle::Points,
                 ..Series::of(role, held)
             });
         }
         let chart = Chart {
-            title: "Error of the model, case by case".to_string(),
+            title: "Error of the marks by case".to_string(),
             x: "case, in the order of application".to_string(),
-            y: axis_label("error of the marks, rms", self.length()),
+            y: axis_label("rms error per coordinate", self.length()),
             series,
             log_y: true,
             level: (measurement.sigma > 0.0).then_some(measurement.sigma),
             ..Chart::default()
         };
-        let caption = "Prediction minus reading of the marks, one coordinate. The dotted line is the noise of one reading.";
+        let caption = "Rms of prediction minus reading of the marks, per coordinate. The dotted line is the standard deviation of one reading.";
         Figure::chart(&chart, caption).map(Some)
     }
 
@@ -138,7 +138,7 @@ impl StudyFigures<'_> {
         }
         let sigma = measurement.sigma;
         let (unit, scale) = if sigma > 0.0 {
-            ("sigmas".to_string(), sigma)
+            ("standard deviations".to_string(), sigma)
         } else {
             (self.length().to_string(), 1.0)
         };
@@ -171,11 +171,11 @@ impl StudyFigures<'_> {
                 columns: columns.clone(),
                 values,
                 limit: if sigma > 0.0 { 6.0 } else { largest },
-                what: format!("prediction minus reading, worst coordinate, {unit}"),
+                what: format!("prediction minus reading, largest of three coordinates, {unit}"),
             };
             Figure::map(
                 &map,
-                "Blue is negative, red positive, blank is zero. Point at a cell for its value.",
+                "Blue is negative, red is positive, white is zero. Hover over a cell to see its value.",
             )
         };
         (0..self.positions.len()).map(map).collect()

@@ -25,8 +25,8 @@ impl Text<'_> {
         {
             let word = match points.sd / usual {
                 ratio if ratio < 2.0 => "usual for a production axle",
-                ratio if ratio < 4.0 => "much for a production axle",
-                _ => "more than a production axle has",
+                ratio if ratio < 4.0 => "large for a production axle",
+                _ => "too large for a production axle",
             };
             let stated = if libm::log(points.usual / usual).abs() < SEEN_LN {
                 String::new()
@@ -34,7 +34,7 @@ impl Text<'_> {
                 format!("; the study states {:.2} {}", points.usual, points.unit)
             };
             out.push(format!(
-                "The readings look as if hardpoints were {:.2} {} off, {word} ({usual:.1} mm{stated}).",
+                "The readings indicate hardpoint errors with a standard deviation of {:.2} {}, {word} (typical: {usual:.1} mm{stated}).",
                 points.sd, points.unit
             ));
         }
@@ -44,7 +44,7 @@ impl Text<'_> {
         for ((name, size), ln) in names.zip(sizes.each()).zip(&sizes.ln) {
             if *ln >= size.bounds.1 && self.outcome.diagnosis.tolerances.contains_key(name) {
                 out.push(format!(
-                    "Errors of the group {name} are at their upper limit, and may contain effects of another origin."
+                    "The standard deviation of group {name} is at its upper limit and may include effects of another origin."
                 ));
             }
         }
@@ -52,7 +52,7 @@ impl Text<'_> {
             let sigma = self.outcome.subject.mark_sigma() / self.outcome.subject.millimetre();
             if pose.sd > sigma {
                 out.push(format!(
-                    "Whole parts are read {:.3} {} off in each case, {:.1} times the noise of a mark.",
+                    "The measured positions of whole parts scatter by {:.3} {} from case to case, {:.1} times the noise of a mark.",
                     pose.sd,
                     pose.unit,
                     pose.sd / sigma
@@ -62,7 +62,7 @@ impl Text<'_> {
         let loads = EffectGroup::LoadRepeatability.as_str();
         if let Some(loads) = self.outcome.diagnosis.tolerances.get(loads) {
             out.push(format!(
-                "Loads scatter from case to case, by {:.2} % of the largest value of each. The loads that acted are not quite those of the table.",
+                "The loads scatter from case to case by {:.2} % of the largest value of each load: the applied loads differ from the table.",
                 100.0 * loads.sd
             ));
         }
@@ -73,7 +73,7 @@ impl Text<'_> {
             let six = &self.outcome.extended.x[own.first..own.first + 6];
             let [shift, turn] = [0, 3].map(|k| Vec3::from_column_slice(&six[k..k + 3]).norm());
             out.push(format!(
-                "The measuring frame seems to be {:.2} {} away from the deck's frame and turned by {:.3} deg, equally in all cases.",
+                "The measuring frame is offset by {:.2} {} and rotated by {:.3} deg from the deck's frame, equally in all cases.",
                 shift / self.outcome.subject.millimetre(),
                 found.unit,
                 (own.turn * turn).to_degrees()
@@ -81,7 +81,7 @@ impl Text<'_> {
         }
         if let Some(found) = of(EffectGroup::MountYield) {
             out.push(format!(
-                "The mounting of the axle is compliant: all marks move together with the loads, by {:.3} {} at the largest value of each.",
+                "The mounting of the axle is compliant: all marks move together, by {:.3} {} at the largest value of each load.",
                 found.sd, found.unit
             ));
         }
@@ -95,7 +95,7 @@ impl Text<'_> {
         let frame: Vec<String> = frame.collect();
         if !frame.is_empty() {
             out.push(format!(
-                "The measuring frame {}, the same for all marks.",
+                "The measuring frame {}, equally for all marks.",
                 frame.join(" and ")
             ));
         }
@@ -118,13 +118,13 @@ impl Text<'_> {
                 let case = &measurement.cases[misplaced.cases[0]].label;
                 let (count, read) = (misplaced.cases.len(), misplaced.read);
                 format!(
-                    "is loose: in {count} of {read} cases, case {case} first, it sits {off} from"
+                    "is loose: in {count} of {read} cases, first in case {case}, its reading is {off} from"
                 )
             } else {
-                format!("sits {off} from")
+                format!("is read {off} from")
             };
             format!(
-                "Mark {label} of {} {how} where the list of marks on parts has it. It is left out.",
+                "Mark {label} of {} {how} its position in the list of marks on parts. The mark is left out.",
                 part.name
             )
         };

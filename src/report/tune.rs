@@ -42,7 +42,7 @@ fn met(outcome: &Outcome) -> String {
 fn agreement(outcome: &Outcome) -> String {
     let all = outcome.starts.len();
     if all == 1 {
-        return "There was one start.".to_string();
+        return "The search had one start.".to_string();
     }
     let solved = outcome
         .starts
@@ -52,10 +52,15 @@ fn agreement(outcome: &Outcome) -> String {
     let without = if solved == all {
         String::new()
     } else {
-        format!("; at {} the axle has no equilibrium", all - solved)
+        format!("; the axle has no equilibrium at {} of them", all - solved)
+    };
+    let reach = if outcome.agreeing == 1 {
+        "start reaches"
+    } else {
+        "starts reach"
     };
     format!(
-        "{} of {all} starts end as well as the best{without}.",
+        "{} of {all} {reach} the best result{without}.",
         outcome.agreeing
     )
 }
@@ -64,14 +69,14 @@ fn agreement(outcome: &Outcome) -> String {
 pub fn tune_summary(outcome: &Outcome) -> Summary {
     let share = outcome.robust.as_ref().map_or_else(String::new, |robust| {
         format!(
-            "; with the tolerances, {:.0} % of axles meet them",
+            "; with the tolerances, {:.0} % of axles meet all goals",
             100.0 * robust.share
         )
     });
     let mut verdict = format!("{}{share}. {}", met(outcome), agreement(outcome));
     if !outcome.keeps_limits {
         verdict += &format!(
-            " Within the bounds, no numbers were found that keep all limits: one is missed by {} of its tolerance.",
+            " No values within the bounds keep all limits: the worst limit is missed by {} times its tolerance.",
             rounded(outcome.violation, 3)
         );
     } else if !outcome.converged {
@@ -101,9 +106,9 @@ pub fn tune_summary(outcome: &Outcome) -> Summary {
     let next = if outcome.met {
         "continue with tuned.adm; `admire diff` shows what changed".to_string()
     } else if bounds.is_empty() {
-        "more numbers that may move, or larger tolerances of the goals that conflict".to_string()
+        "free more numbers, or increase the tolerances of the goals that conflict".to_string()
     } else {
-        "wider bounds of the numbers that reached them, or more numbers that may move".to_string()
+        "widen the bounds that were reached, or free more numbers".to_string()
     };
     Summary {
         verdict,
@@ -141,30 +146,26 @@ impl TuneReport<'_> {
         page.meaning().figures(&figures);
         let lines = |all: Vec<String>| all.iter().map(|line| capitalised(line)).collect();
         page.found(&[
-            ("What it gains", lines(summary.items)),
-            ("How sure", lines(vec![agreement(outcome)])),
+            ("Improvement", lines(summary.items)),
+            ("Confidence", lines(vec![agreement(outcome)])),
             ("To do next", lines(vec![summary.next])),
         ]);
         page.table(&self.goals());
         page.note(
-            "A goal is met if no value misses it by more than its tolerance; a limit has no miss at all. Characteristics are in the axes of \
-             Adams/Car, forces in elements and places in the ground axes of the deck.",
+            "A goal is met if no value misses it by more than its tolerance. A limit is met if no value exceeds it. Characteristics are in the axes of Adams/Car; element forces and positions are in the ground axes of the deck.",
         );
         page.subheading("Changed numbers").table(&self.unknowns());
         page.note(
-            "Share: the change of the goals, in units of their tolerances, that the number's own move makes, as a part of the sum over all numbers. \
-             Pull: decrease of the cost per unit by which the bound is moved outwards; a goal that is missed by its tolerance costs 0.5.",
+            "Share: the part of the change of all goals, in units of their tolerances, that comes from the change of this number. Cost per unit of bound: decrease of the cost if the bound is moved outwards by one unit. A goal that is missed by its tolerance costs 0.5.",
         );
         if let Some(robust) = &outcome.robust {
             page.subheading("Tolerances").table(&goals(robust));
             page.note(
-                "Good: the share of axles within the tolerances that meet the goal. Linear: hardpoints, offsets, axes, springs and stiffnesses act \
-                 linearly, with Gaussian distributions. Monte Carlo: axles with drawn tolerances, each solved as a deck of its own.",
+                "Good: the share of axles within the tolerances that meet the goal. Linear: the goals depend linearly on the tolerances, which are Gaussian. Monte Carlo: decks with random deviations, each solved in full.",
             );
             page.table(&tolerances(robust));
             page.note(
-                "Good if halved: the share of axles that meet all goals with half this tolerance, of the linear model. The tolerance of a \
-                 hardpoint is that of each coordinate.",
+                "Good if halved: the share of axles that meet all goals if this tolerance is halved, by the linear model. The tolerance of a hardpoint applies to each coordinate.",
             );
         }
         page.detail("Sensitivities");
@@ -172,8 +173,7 @@ impl TuneReport<'_> {
         page.table(&self.sensitivities());
         page.add(&self.map());
         page.note(
-            "Change of each goal per unit of the number, at the tuned deck: root mean square over a curve, with its sign for a single value. \
-             A factor counts per percent.",
+            "Change of each goal per unit of the number, at the tuned deck: rms over a curve, signed for a single value. For a factor, per percent.",
         );
         page.detail("Goals that conflict");
         if outcome.conflicts.is_empty() {
@@ -183,8 +183,7 @@ impl TuneReport<'_> {
             page.list(&all);
         }
         page.detail("Starts").table(&self.starts());
-        page.detail("What changes in the deck")
-            .verbatim(self.changes);
+        page.detail("Changes to the deck").verbatim(self.changes);
         Ok(page.finish(footer))
     }
 
@@ -194,7 +193,7 @@ impl TuneReport<'_> {
             ("kind", Align::Left),
             ("rms miss before", Align::Right),
             ("rms miss now", Align::Right),
-            ("largest now", Align::Right),
+            ("largest miss now", Align::Right),
             ("tolerance", Align::Right),
             ("unit", Align::Left),
             ("met", Align::Left),
@@ -218,14 +217,14 @@ impl TuneReport<'_> {
     fn unknowns(&self) -> Table {
         let mut table = Table::new(&[
             ("number", Align::Left),
-            ("is a", Align::Left),
-            ("found", Align::Right),
+            ("form", Align::Left),
+            ("tuned", Align::Right),
             ("unit", Align::Left),
             ("lower bound", Align::Right),
             ("upper bound", Align::Right),
-            ("share", Align::Right),
+            ("share of change", Align::Right),
             ("at bound", Align::Left),
-            ("pull", Align::Right),
+            ("cost per unit of bound", Align::Right),
         ]);
         for unknown in &self.outcome.unknowns {
             let number = |value: f64| rounded(value, DIGITS);
@@ -272,7 +271,7 @@ impl TuneReport<'_> {
         };
         vec![Figure::bars(
             &bars,
-            "Shares of the moves, from the linear model at the tuned deck.",
+            "Shares by the linear model at the tuned deck.",
         )]
     }
 
@@ -291,7 +290,7 @@ impl TuneReport<'_> {
             .iter()
             .map(|goal| format!("{} [{}]", goal.name, short_unit(&goal.unit)))
             .collect();
-        let mut heads = vec![("number", Align::Left), ("per", Align::Left)];
+        let mut heads = vec![("number", Align::Left), ("unit of number", Align::Left)];
         heads.extend(names.iter().map(|name| (name.as_str(), Align::Right)));
         let mut table = Table::new(&heads);
         for (k, unknown) in self.outcome.unknowns.iter().enumerate() {
@@ -331,11 +330,11 @@ impl TuneReport<'_> {
                 .collect(),
             values,
             limit: if limit > 0.0 { limit } else { 1.0 },
-            what: "tolerances per unit of the number".to_string(),
+            what: "change / tolerance of the goal, per unit of the number".to_string(),
         };
         Figure::map(
             &map,
-            "Sensitivities in tolerances of the goal per unit of the number.",
+            "Change of each goal, divided by its tolerance, per unit of the number.",
         )
     }
 
@@ -343,16 +342,16 @@ impl TuneReport<'_> {
         let mut table = Table::new(&[
             ("start", Align::Left),
             ("cost", Align::Right),
-            ("miss of limits", Align::Right),
+            ("largest limit miss / tolerance", Align::Right),
             ("evaluations", Align::Right),
             ("converged", Align::Left),
             ("goals met", Align::Left),
-            ("as good as the best", Align::Left),
+            ("same result as the best", Align::Left),
         ]);
         let yes = |is: bool| if is { "yes" } else { "no" }.to_string();
         for (k, start) in self.outcome.starts.iter().enumerate() {
             let name = if k == 0 {
-                "of the study".to_string()
+                "values of the study".to_string()
             } else {
                 format!("Sobol point {k}")
             };
@@ -393,7 +392,7 @@ fn curve(goal: &GoalOutcome) -> Result<Figure, DrawingError> {
         series.push(bound("upper limit", points(&|row| row.most)));
         series.retain(|series| !series.points.is_empty());
     } else {
-        series.push(bound("wanted", points(&|row| row.least)));
+        series.push(bound("target", points(&|row| row.least)));
     }
     let chart = Chart {
         title: goal.name.clone(),

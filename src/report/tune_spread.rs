@@ -20,10 +20,10 @@ fn drawn(robust: &Robust) -> Option<String> {
     let drawn = robust.drawn.as_ref()?;
     let failed = match drawn.failed {
         0 => String::new(),
-        count => format!("; {count} have no equilibrium"),
+        count => format!("; {count} without equilibrium"),
     };
     Some(format!(
-        "{:.1} ± {:.1} % of {} drawn axles do{failed}",
+        "{:.1} ± {:.1} % of {} Monte Carlo axles do{failed}",
         100.0 * drawn.share,
         100.0 * drawn.share_sd,
         drawn.count
@@ -58,15 +58,15 @@ fn tighten(robust: &Robust) -> Option<String> {
     let first = robust.tolerances.first()?;
     Some(if first.share_if_halved > robust.share {
         format!(
-            "to tighten first: {}; half its tolerance of {} makes {} good",
+            "to tighten first: {}; half its tolerance of {} lets {} of axles meet all goals",
             first.name(),
             with_unit(&rounded(first.sd, DIGITS), &first.unit),
             percent(first.share_if_halved)
         )
     } else if robust.share > 0.5 {
-        "tightening any single tolerance makes no more axles good".to_string()
+        "halving a single tolerance lets no more axles meet all goals".to_string()
     } else {
-        "tightening any single tolerance makes no more axles good: the mean itself is off"
+        "halving a single tolerance lets no more axles meet all goals: the mean misses a goal"
             .to_string()
     })
 }
@@ -79,7 +79,7 @@ pub(super) fn goals(robust: &Robust) -> Table {
         ("good, Monte Carlo", Align::Right),
         ("largest sd, linear", Align::Right),
         ("largest sd, Monte Carlo", Align::Right),
-        ("miss of mean and two sd", Align::Right),
+        ("miss of mean plus two sd", Align::Right),
         ("met", Align::Left),
     ]);
     let missing = String::new;
@@ -157,7 +157,7 @@ pub(super) fn front_chart(front: &Front) -> Result<Figure, DrawingError> {
 
 /// Returns a Pareto front as a short table for the terminal.
 pub fn front_table(front: &Front) -> String {
-    let mut text = "Pareto front, misses:\n".to_string();
+    let mut text = "Pareto front, miss of each goal:\n".to_string();
     for (k, letter) in ["A", "B"].into_iter().enumerate() {
         let unit = short_unit(&front.units[k]);
         let (goal, measure) = (&front.goals[k], front.measures[k]);
@@ -188,7 +188,7 @@ pub fn front_table(front: &Front) -> String {
         });
         if most - least < FLAT_FRONT_SHARE * front.tolerances[k] {
             text += &format!(
-                "  {letter} differs by less than a tenth of its tolerance: the goals hardly conflict\n"
+                "  {letter} varies by less than a tenth of its tolerance: the goals hardly conflict\n"
             );
             break;
         }

@@ -168,7 +168,7 @@ fn with_id(
     let Ok(id) = id.parse::<u32>() else {
         return Err(error(
             Code::BadNumber,
-            format!("{id} is not an id of a {}", def.name),
+            format!("{id} is not a valid id of {}", def.name),
             text,
             format!("write {}/id", def.name),
         ));
@@ -187,7 +187,7 @@ fn with_id(
             text,
             match (near, ids.as_slice()) {
                 (Some(near), _) => format!("did you mean {}/{near}?", def.name),
-                (None, []) => format!("it has no {} at all", def.name),
+                (None, []) => format!("this dataset has no {}", def.name),
                 (None, [first, ..]) => format!("the first one is {}/{first}", def.name),
             },
         ));
@@ -289,7 +289,10 @@ pub(super) fn argument(
                 text,
                 match nearest(name, names()) {
                     Some(near) => format!("did you mean {near}?"),
-                    None => format!("it has {}", names().collect::<Vec<_>>().join(", ")),
+                    None => format!(
+                        "its arguments are {}",
+                        names().collect::<Vec<_>>().join(", ")
+                    ),
                 },
             ));
         }
@@ -300,7 +303,7 @@ pub(super) fn argument(
             _ => {
                 return Err(error(
                     Code::BadNumber,
-                    format!("{index} is not the index of a value"),
+                    format!("{index} is not a valid index"),
                     text,
                     "values are counted from 1".into(),
                 ));

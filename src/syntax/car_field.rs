@@ -87,17 +87,17 @@ impl CarAxis {
             ));
         };
         if let Some(kind) = [kind, damping_kind].iter().find(|kind| kind.fract() != 0.0) {
-            return Err(format!("has the type {kind}, which is not a whole number"));
+            return Err(format!("has type {kind}, which is not a whole number"));
         }
         if value != 0.0 {
             return Err(format!(
-                "has both a stiffness of {value} and a curve, and it is not known which of them applies"
+                "has both a stiffness of {value} and a curve; which of them applies is unknown"
             ));
         }
         let damping = damping * damping_scale * velocity_scale;
         if damping != 0.0 && velocity_offset != 0.0 {
             return Err(format!(
-                "has a velocity offset of {velocity_offset}, whose sign convention is not known"
+                "has a velocity offset of {velocity_offset}; its sign convention is unknown"
             ));
         }
         if !numbers.iter().all(|number| number.is_finite()) {
@@ -184,7 +184,7 @@ impl CarField {
         let parent = own.rsplit_once('.').map_or("", |(parent, _)| parent);
         if !same(own) && !same(parent) {
             return Err(format!(
-                "its parameters name objects of `{bushing}`, and it is called `{own}`"
+                "its parameters name objects of `{bushing}`, but the FIELD is called `{own}`"
             ));
         }
         let object = |kind: &'static str, axis: usize| {
@@ -239,11 +239,11 @@ impl CarField {
             }
             let (x, y) = curve(self.curves[axis])?;
             if x.len() < 2 || x.len() != y.len() {
-                return Some(format!("the SPLINE of `{name}` is not a curve"));
+                return Some(format!("the SPLINE of `{name}` needs at least two points, and as many y values as x values"));
             }
             let is_odd = opposite(&x) && opposite(&y);
             (axis < 2 && !is_odd).then(|| {
-                format!("the curve of `{name}` is not odd; only odd curves are known to be coupled")
+                format!("the curve of `{name}` is not an odd function; the coupling of x and y is known only for odd curves")
             })
         })
     }
@@ -294,7 +294,7 @@ pub fn reading(count: usize, others: &[f64]) -> (String, String) {
         _ => format!("{count} FIELDs are read as bushings"),
     };
     let message = format!(
-        "{subject} of Adams/Car: F = preload - scale C(scale d - offset), C an Akima curve, x and y coupled cylindrically"
+        "{subject} of Adams/Car: F = preload - force scale * C(displacement scale * d - offset), with an Akima curve C; x and y are coupled radially"
     );
     let mut listed: Vec<String> = others.iter().map(f64::to_string).collect();
     listed.dedup();

@@ -31,7 +31,7 @@ pub fn statement(def: &StatementDef) -> String {
         match def.role {
             Role::Dataset => "  Used in a dataset.",
             Role::Command => "  Used in a command file.",
-            Role::Both => "  Used in a dataset, and in a command file to redefine.",
+            Role::Both => "  Used in a dataset; in a command file, it redefines the object.",
         },
     );
     line(out, &format!("  {}", solved(def.solved)));
@@ -65,7 +65,10 @@ pub fn statement(def: &StatementDef) -> String {
     }
     line(out, &format!("\n  Source: {}", def.source));
     if !def.unchecked.is_empty() {
-        let unchecked = format!("  Not compared with the documentation: {}.", def.unchecked);
+        let unchecked = format!(
+            "  Not verified against the documentation: {}.",
+            def.unchecked
+        );
         line(out, &unchecked);
     }
     text
@@ -92,7 +95,9 @@ pub fn solved(solved: Solved) -> String {
     match solved {
         Solved::Native(what) => format!("Solved by the built-in solver ({what})."),
         Solved::NoEffect(why) => format!("No effect on statics: {why}."),
-        Solved::External(why) | Solved::Subroutine(why) => format!("Only real ADAMS: {why}."),
+        Solved::External(why) | Solved::Subroutine(why) => {
+            format!("Solved only by real ADAMS: {why}.")
+        }
     }
 }
 

@@ -143,7 +143,7 @@ impl Dataset {
         if !value.is_finite() {
             return Err(self.refuse(
                 Code::OutOfRange,
-                format!("{address} cannot be {value}: it is not a number"),
+                format!("{address} must be a finite number, not {value}"),
                 place,
             ));
         }
@@ -155,7 +155,7 @@ impl Dataset {
             if def.is_some_and(is_whole) && value.fract() != 0.0 {
                 return Err(self.refuse(
                     Code::WrongType,
-                    format!("{address} is a whole number, it cannot be {value}"),
+                    format!("{address} must be a whole number, not {value}"),
                     number.span,
                 ));
             }
@@ -173,7 +173,7 @@ impl Dataset {
             if is_id(statement, address) && (value < 0.0 || value.fract() != 0.0) {
                 return Err(self.refuse(
                     Code::WrongType,
-                    format!("{address} is an id, it cannot be {value}"),
+                    format!("{address} must be an id, not {value}"),
                     number.span,
                 ));
             }
@@ -223,7 +223,7 @@ impl Dataset {
         let Some(def) = def else {
             return Err(self.refuse(
                 Code::WrongType,
-                format!("{address} is not the address of a whole value"),
+                format!("{address} does not name an argument with a value"),
                 statement.keyword,
             ));
         };
@@ -339,10 +339,20 @@ impl Dataset {
         let too_far = def.count.max.is_some_and(|max| index > max) || index > numbers.len() + 36;
         let unreadable = written.is_some_and(|_| numbers.is_empty());
         let unclear = address.index.is_none() && (numbers.len() > 1 || def.count.min > 1);
-        if too_far || unreadable || unclear || (is_whole(def) && value.fract() != 0.0) {
+        let is_fraction = is_whole(def) && value.fract() != 0.0;
+        if too_far || unreadable || unclear || is_fraction {
+            let message = if unreadable {
+                format!("the present value of {address} is not a list of numbers")
+            } else if unclear {
+                format!("{address} has several values: add an index, such as {address}.1")
+            } else if too_far {
+                format!("the index of {address} is too large")
+            } else {
+                format!("{address} must be a whole number, not {value}")
+            };
             return Err(self.refuse(
                 Code::OutOfRange,
-                format!("no single number can be written at {address}"),
+                message,
                 written.map_or(statement.keyword, |argument| argument.span),
             ));
         }

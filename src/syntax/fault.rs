@@ -257,13 +257,23 @@ impl Fault<'_> {
                     (min, Some(max)) => format!("{min} to {max}"),
                     (min, None) => format!("at least {min}"),
                 };
-                let message = format!("{} of {title} takes {wanted} values, not {given}", def.name);
+                let values = match (def.count.min, def.count.max) {
+                    (_, Some(1)) | (1, None) => "value",
+                    _ => "values",
+                };
+                let message = format!(
+                    "{} of {title} takes {wanted} {values}, not {given}",
+                    def.name
+                );
                 (message, of_argument(def))
             }
             Wrong::Undefined(space, id) => {
                 let object = format!("{}/{id}", space.to_uppercase());
                 let message = format!("{title} names {object}, which is not in {dataset}");
-                (message, format!("add {object}, or name an existing one"))
+                (
+                    message,
+                    format!("add {object}, or refer to an existing one"),
+                )
             }
             Wrong::Nothing(def, space) => {
                 let kind = space.to_uppercase();

@@ -36,14 +36,14 @@ pub fn floating_faults(
             let (is, should, help) = if needed {
                 (
                     "fixed on its part",
-                    "FLOATING: the solver moves it",
-                    "add FLOATING to a marker that nothing else uses, and name that marker",
+                    "FLOATING, because the solver moves it",
+                    "use a marker with FLOATING that nothing else refers to",
                 )
             } else {
                 (
                     "FLOATING and has no fixed position",
                     "fixed on its part",
-                    "name a marker with a fixed position, or remove FLOATING",
+                    "use a marker with a fixed position, or remove FLOATING",
                 )
             };
             let message = format!(

@@ -101,9 +101,7 @@ pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnosti
         }
     }
     let Some(statements) = json.get("statements").and_then(Json::as_array) else {
-        return Err(vec![refused(
-            "the JSON has no list named statements".into(),
-        )]);
+        return Err(vec![refused("the JSON has no list `statements`".into())]);
     };
     // Repeated statements are paired in their order of appearance.
     let mut places: BTreeMap<(&str, Option<u32>), VecDeque<usize>> = BTreeMap::new();
@@ -236,7 +234,7 @@ fn agree(wanted: &Json, is: &Json) -> bool {
 fn address_of(object: &Json) -> Result<(&'static str, Address), Diagnostic> {
     let kind = object.get("kind").and_then(Json::as_str);
     let Some(kind) = kind.filter(|kind| !kind.is_empty()) else {
-        return Err(refused("a statement has no kind".into()));
+        return Err(refused("a statement in the JSON has no `kind`".into()));
     };
     let Some(def) = STATEMENTS.iter().find(|def| def.name == kind) else {
         let names = STATEMENTS.iter().map(|def| def.name);
@@ -251,7 +249,7 @@ fn address_of(object: &Json) -> Result<(&'static str, Address), Diagnostic> {
         Some(id) => Some(
             id.as_u64()
                 .and_then(|id| u32::try_from(id).ok())
-                .ok_or_else(|| refused(format!("{id} is not an id of a {kind}")))?,
+                .ok_or_else(|| refused(format!("{id} is not a valid id of {kind}")))?,
         ),
     };
     if def.id.is_some() != id.is_some() {
@@ -260,7 +258,7 @@ fn address_of(object: &Json) -> Result<(&'static str, Address), Diagnostic> {
         } else {
             "needs an id"
         };
-        return Err(refused(format!("a {kind} {needs}")));
+        return Err(refused(format!("{kind} {needs}")));
     }
     let address = Address {
         kind: kind.to_string(),
@@ -313,7 +311,8 @@ fn change(
         match has.get(name) {
             Some(old) if same(old, json) => {}
             Some(_) if !first => {
-                let message = format!("{object} occurs twice; only the first one can be changed");
+                let message =
+                    format!("{object} is defined twice; only the first definition can be changed");
                 return Err(refused(message));
             }
             Some(old) => edits.extend(change_value(dataset, statement, &address, old, json)?),
@@ -404,7 +403,7 @@ fn change_value(
     };
     match text {
         Some(text) => dataset.set_text(address, &text),
-        None => Err(refused(format!("{address} cannot be {new}"))),
+        None => Err(refused(format!("{address} cannot have the value {new}"))),
     }
 }
 
@@ -417,9 +416,10 @@ fn new_value(
     let name = def.name;
     let text = match json {
         Json::Bool(true) if def.kind == ValueKind::Flag => None,
-        json => {
-            Some(new_text(def, json).ok_or_else(|| refused(format!("{name} cannot be {json}")))?)
-        }
+        json => Some(
+            new_text(def, json)
+                .ok_or_else(|| refused(format!("{name} cannot have the value {json}")))?,
+        ),
     };
     Ok(dataset.new_argument(statement, name, text.as_deref()))
 }
@@ -438,7 +438,11 @@ fn new_statement(object: &Json, address: &Address) -> Result<NewStatement, Diagn
             Json::Bool(true) if def.kind == ValueKind::Flag => arguments.push((name.clone(), None)),
             json => match new_text(def, json) {
                 Some(text) => arguments.push((name.clone(), Some(text))),
-                None => return Err(refused(format!("{address}.{name} cannot be {json}"))),
+                None => {
+                    return Err(refused(format!(
+                        "{address}.{name} cannot have the value {json}"
+                    )));
+                }
             },
         }
     }
@@ -448,7 +452,7 @@ fn new_statement(object: &Json, address: &Address) -> Result<NewStatement, Diagn
     let view_name = object.get("name").and_then(Json::as_str);
     if view_name.is_some_and(|name| name.contains(['\n', '\r', '\''])) {
         return Err(refused(format!(
-            "the name of {address} cannot be written in a comment"
+            "the name of {address} must not contain a line break or an apostrophe"
         )));
     }
     Ok(NewStatement {

@@ -102,7 +102,9 @@ impl MarkerPoints {
             found.push(if points.iter().zip(old_points).all(follows) {
                 Diagnostic::note(
                     Code::MarkerPoints,
-                    format!("MARKER/{id} keeps its axes: its points moved along with QP"),
+                    format!(
+                        "MARKER/{id} keeps its orientation: ZP and XP were moved along with QP"
+                    ),
                 )
             } else {
                 Diagnostic::warning(

@@ -57,7 +57,7 @@ impl Dataset {
         self.refuse(
             Code::MissingArgument,
             format!(
-                "MARKER/{id} is on {address} only because it follows it: remove the marker first, or write its body, such as PART=id"
+                "MARKER/{id} names no body and belongs to {address} by its position: remove the marker first, or add its body, such as PART=id"
             ),
             marker.keyword,
         )

@@ -240,14 +240,20 @@ fn one_warning(places: &[(Arc<str>, Span)]) -> Vec<Diagnostic> {
     let Some((file, first)) = places.first() else {
         return Vec::new();
     };
-    let message = format!(
-        "numbers of {} USER calls or arrays may be ids that change; they were left as they are",
-        places.len()
-    );
+    let message = match places.len() {
+        1 => "a USER call or array may contain ids that change; its numbers are left unchanged"
+            .to_string(),
+        count => format!(
+            "{count} USER calls or arrays may contain ids that change; their numbers are left unchanged"
+        ),
+    };
     let mut diagnostic =
         Diagnostic::warning(Code::UserSubroutine, message).label(file.clone(), *first, "");
     for (file, span) in places.iter().take(SHOWN).skip(1) {
         diagnostic = diagnostic.label(file.clone(), *span, "");
     }
-    vec![diagnostic.help("check them: only the author of the subroutine knows what they mean")]
+    vec![
+        diagnostic
+            .help("check these numbers by hand: their meaning is defined in the user subroutine"),
+    ]
 }

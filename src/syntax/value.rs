@@ -106,9 +106,13 @@ impl StatementParser<'_> {
             (None, None) => rest,
         };
         let mut whole = first.map_or(span, |token| token.span.join(span));
+        let is_one = def.count.max == Some(1);
         let wanted = match def.kind {
+            ValueKind::Integer if is_one => "a whole number".to_string(),
             ValueKind::Integer => "whole numbers".to_string(),
-            ValueKind::Reference(space) => format!("ids of a {space}"),
+            ValueKind::Reference(space) if is_one => format!("the id of one {space}"),
+            ValueKind::Reference(space) => format!("ids of kind {space}"),
+            _ if is_one => "a number".to_string(),
             _ => "numbers".to_string(),
         };
         let code = match first {
@@ -118,12 +122,12 @@ impl StatementParser<'_> {
         let mut diagnostic = Diagnostic::error(code, format!("{} takes {wanted}", def.name));
         if has_d_exponent(self.source.slice(span)) {
             diagnostic =
-                diagnostic.help("D after a number means degrees here; write a power of ten with E");
+                diagnostic.help("D after a number means degrees; write a power of ten with E");
         }
         let blanks = self.source.text(span);
         let mut separate = blanks.split_ascii_whitespace();
         if blanks.contains(' ') && separate.all(|word| parse_number(word.as_bytes()).is_some()) {
-            diagnostic = diagnostic.help("commas separate values");
+            diagnostic = diagnostic.help("separate the values with commas");
         }
         self.complain(diagnostic, span, "");
         // Numbers after the fault still belong to the value; they must not be parsed as arguments or reported again.
@@ -286,7 +290,7 @@ impl StatementParser<'_> {
                     let diagnostic = Diagnostic::warning(
                         Code::SyntaxError,
                         format!(
-                            "a backslash must end {} when another argument follows",
+                            "{} must end with a backslash, because another argument follows",
                             def.name
                         ),
                     )

@@ -109,7 +109,7 @@ fn chain_diagnosed(
 
 fn have_rivals(sentences: &[String]) -> bool {
     let mut each = sentences.iter();
-    each.any(|text| text.contains("or one of its rivals acts"))
+    each.any(|text| text.contains("with its alternatives, it is"))
 }
 
 /// Checks that an effect counts as important although a refit would absorb it. A rate of 0.6 moves the last body by 1.3 mm, 130 times the noise.

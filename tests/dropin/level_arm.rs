@@ -40,7 +40,7 @@ fn a_stated_limit_ends_its_way() {
     let (_, ran) = arm(1000.0, "equi/maxit=20", "sim/stat");
     for said in [
         "the iteration reached MAXIT=20",
-        "the weight of PART/2 drives it; if this is only so at the start, start from other positions",
+        "this motion is driven by the weight of PART/2; if this is so only at the start, change the start positions",
     ] {
         assert!(ran.stdout.contains(said), "{}", ran.stdout);
     }
@@ -64,7 +64,7 @@ fn a_transfer_function_of_ids_says_that_it_wants_coefficients() {
                    tfsiso/1,x=2,u=1,y=3,num=4,den=5";
     let (_, ran) = arm(300.0, control, "sim/stat");
     for said in [
-        "TFSISO/1 has no states: the order of its denominator must be at least 1",
+        "TFSISO/1 has no states: the order of DENOMINATOR must be at least 1",
         "they are not ids of ARRAYs",
     ] {
         assert!(ran.stdout.contains(said), "{}", ran.stdout);

@@ -188,13 +188,19 @@ fn others_are_refused_by_name() {
         ("VX(20)-ACCX(20)", "reads a velocity or an acceleration"),
         ("VX(20)*VARVAL(9)", "is not linear in the velocities"),
         ("VX(20)-VARVAL(8)", "reads a variable that reads itself"),
-        ("VX(20)-DIF(9)", "reads a dynamic state of accelerations"),
-        ("DX(20)-DIF(8)", "reads a dynamic state of velocities"),
-        ("DX(20)-DIF(7)", "reads a dynamic state of forces"),
         (
-            "DX(20)-DIF(6)",
-            "reads a dynamic state that is given implicitly",
+            "VX(20)-DIF(9)",
+            "reads a dynamic state that depends on accelerations",
         ),
+        (
+            "DX(20)-DIF(8)",
+            "reads a dynamic state that depends on velocities",
+        ),
+        (
+            "DX(20)-DIF(7)",
+            "reads a dynamic state that depends on forces",
+        ),
+        ("DX(20)-DIF(6)", "reads an implicit dynamic state"),
         ("DX(20)-DIF1(8)", "reads the rate of a dynamic state"),
         ("VX(20)-SFORCE(1,0,3,0)", "reads a force"),
     ] {

@@ -21,9 +21,13 @@ fn what_is_not_solved_ends_the_simulation_by_name() {
     let tyre = "TIRE/3, I=20, J=1\n";
     let user = "SFORCE/7, TRANSLATIONAL, I=21, J=11, FUNCTION=USER(1)\n";
     for (statements, names, effect) in [
-        (CONTACT, "CONTACT/7 'stop'", "push the parts apart"),
-        (tyre, "TIRE/3", "carry its wheel"),
-        (user, "SFORCE/7", "exert a force"),
+        (
+            CONTACT,
+            "CONTACT/7 'stop'",
+            "the contact forces are missing",
+        ),
+        (tyre, "TIRE/3", "the tyre force is missing"),
+        (user, "SFORCE/7", "a force is missing"),
     ] {
         let acf =
             "\nfile/model=slider\nSFORCE/1, FUNCTION=5\nSIM/STAT\nSIM/STAT, END=1, STEPS=2\nSTOP\n";

@@ -91,7 +91,7 @@ fn a_refused_value_is_shown_in_the_text_as_it_would_be() {
     assert!(err.contains("1 │ 2*AZ(20"), "{err}");
     let (code, _, err) = folder.said(&["set", "a.adm", "PART/2.QG=1 2 3"]);
     assert_eq!(code, 1);
-    assert!(err.contains("commas separate values"), "{err}");
+    assert!(err.contains("separate the values with commas"), "{err}");
     let (code, _, err) = folder.said(&["set", "a.adm", "PART/2.QG=1,2"]);
     assert_eq!(code, 1);
     assert!(err.contains("QG = 1,2"), "{err}");
@@ -216,13 +216,13 @@ fn a_field_is_turned_from_its_length_and_a_picture_carries_no_load() {
     folder.write("turned.adm", deck("0", "30D").as_bytes());
     let (_, out, _) = folder.said(&["check", "turned.adm"]);
     assert!(
-        out.contains("I of FIELD/1 is turned by -30.0") && out.contains("orientation of J"),
+        out.contains("I of FIELD/1 is rotated by -30.0") && out.contains("orientation of J"),
         "{out}"
     );
     folder.write("wrong.adm", deck("30D", "30D").as_bytes());
     let (_, out, _) = folder.said(&["check", "wrong.adm"]);
     assert!(
-        out.contains("-60.0") && out.contains("from LENGTH"),
+        out.contains("-60.0") && out.contains("from the angles of LENGTH"),
         "{out}"
     );
 }
@@ -467,7 +467,7 @@ fn a_body_goes_from_json_only_with_the_markers_that_stand_on_it_unnamed() {
     let (code, out, err) = without(&[1]);
     assert_eq!((code, out.as_str()), (1, ""));
     assert!(
-        err.contains("MARKER/20 is on PART/2 only because it follows it"),
+        err.contains("MARKER/20 names no body and belongs to PART/2 by its position"),
         "{err}"
     );
     let (_, out, err) = without(&[2, 1]);

@@ -336,11 +336,11 @@ fn what_is_no_address_is_refused_with_a_suggestion() {
     );
     assert_eq!(
         refused("BUSHING/7.K.0"),
-        "bad-number: 0 is not the index of a value; values are counted from 1"
+        "bad-number: 0 is not a valid index; values are counted from 1"
     );
     assert_eq!(
         refused("BEAM/1"),
-        "undefined-id: BEAM/1 is not in this dataset; it has no BEAM at all"
+        "undefined-id: BEAM/1 is not in this dataset; this dataset has no BEAM"
     );
 }
 

@@ -153,7 +153,7 @@ fn an_interrupted_diagnosis_writes_what_it_has() {
     let json = std::fs::read_to_string(out.join("diagnosis.json")).unwrap();
     assert!(json.contains("\"interrupted\": true"), "{json}");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("Interrupted; this is what was found so far."));
+    assert!(page.contains("The diagnosis was interrupted; the result is preliminary."));
     assert!(out.join("extended.adm").exists());
 }
 
@@ -182,7 +182,7 @@ fn a_diagnosis_keeps_its_budget_of_time() {
     let json = std::fs::read_to_string(out.join("diagnosis.json")).unwrap();
     assert!(json.contains("\"interrupted\": true"), "{json}");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("Stopped by the time limit; this is what was found so far."));
+    assert!(page.contains("The diagnosis reached its time limit; the result is preliminary."));
     for wrong in ["soon", "-1"] {
         assert_eq!(run(wrong).status.code(), Some(2), "{wrong}");
     }

@@ -153,7 +153,7 @@ fn check_says_what_is_ignored() {
         let text = String::from_utf8(both).unwrap();
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(name), "{text}");
-        assert!(text.contains("repeated loads show 0.05"), "{text}");
+        assert!(text.contains("in repeated cases 0.05"), "{text}");
     }
 }
 

@@ -153,6 +153,6 @@ fn the_fit_with_tolerances_says_whether_its_numbers_can_be_used() {
         assert_eq!(fit.converged, !interrupted);
         let told = fit.remarks.iter().any(|remark| remark == NOT_CONVERGED);
         assert_eq!(told, interrupted, "{:?}", fit.remarks);
-        assert!(!lead(&fit).contains("should not be used"));
+        assert!(!lead(&fit).contains("Do not use them"));
     }
 }

@@ -220,7 +220,7 @@ fn what_does_not_fit_is_refused_by_name() {
             "NUMBERS = 2.0, 120.0,",
             "has both a stiffness of 120 and a curve",
         ),
-        ("NUMBERS = 2.0,", "NUMBERS = 2.5,", "has the type 2.5"),
+        ("NUMBERS = 2.0,", "NUMBERS = 2.5,", "has type 2.5"),
         (
             "0.0, 1.0\n! adams_view_name='axle.bkl_arm_outer.ty_d",
             "0.3, 1.0\n! adams_view_name='axle.bkl_arm_outer.ty_d",
@@ -239,7 +239,7 @@ fn what_does_not_fit_is_refused_by_name() {
         (
             "bkl_arm_outer.field",
             "bkr_arm_outer.field",
-            "it is called `axle.bkr_arm_outer.field`",
+            "the FIELD is called `axle.bkr_arm_outer.field`",
         ),
     ] {
         let (refused, messages) = changed(from, to);
@@ -252,7 +252,7 @@ fn what_does_not_fit_is_refused_by_name() {
     // A subroutine whose parameters name no bushing objects is refused, like any other subroutine.
     let (refused, messages) = compiled_messages(&[part([0.0; 6]), field("902, 7")].concat());
     assert!(refused);
-    let plain = "its values come from a user subroutine; it would exert a force";
+    let plain = "its values come from a user subroutine; without it, a force is missing";
     assert!(messages.iter().any(|m| m.ends_with(plain)), "{messages:?}");
 }
 

@@ -249,7 +249,7 @@ fn a_force_that_reads_itself() {
     assert_eq!(said.message, "the function of GFORCE/1 reads its own force");
     assert_eq!(
         said.help.as_deref(),
-        Some("define the force by a VARIABLE, which is solved for")
+        Some("define the force in a VARIABLE, which may depend on itself")
     );
     // F = 20 + F / 2 gives 40 N, on a spring of 10 N/mm with length 25.
     let carried = format!("{}VARIABLE/1, FUNCTION=GFORCE(1,0,4,0)", force("VARVAL(1)"));
@@ -286,7 +286,9 @@ fn user_subroutines_are_refused_by_name() {
     let help = compiled.diagnostics.last().unwrap().help.as_deref();
     assert_eq!(
         help,
-        Some("the command backend runs them with real ADAMS and the library")
+        Some(
+            "use the command backend, which runs real ADAMS with the library of these subroutines"
+        )
     );
 }
 
@@ -324,26 +326,38 @@ fn matrices_and_arrays_of_other_sizes_are_told() {
         (
             "X, SIZE=2",
             "X, SIZE=3",
-            "the array of X has 3 elements, but there are 2 states of A",
+            "the size of the array X is 3, but there are 2 states of A",
         ),
         (
             "NUMBERS=0.5,-0.25",
             "NUMBERS=0.5",
-            "the array of IC has 1 elements",
+            "the size of the array IC is 1",
         ),
-        ("B=2", "B=3", "B has 1 rows, but there are 2 states"),
+        (
+            "B=2",
+            "B=3",
+            "the number of rows of B is 1, not 2, the number of states",
+        ),
         (
             "B=2",
             "B=1",
-            "B has 2 columns, but there are 1 elements in U",
+            "the number of columns of B is 2, not 1, the number of elements in U",
         ),
-        ("C=3", "C=4", "C has 1 columns, but there are 2 states"),
-        ("D=4", "D=2", "D has 2 rows, but there are 1 elements in Y"),
+        (
+            "C=3",
+            "C=4",
+            "the number of columns of C is 1, not 2, the number of states",
+        ),
+        (
+            "D=4",
+            "D=2",
+            "the number of rows of D is 2, not 1, the number of elements in Y",
+        ),
         ("U=2, ", "", "B of LSE/1 needs U"),
         (
             "U, SIZE=1, VARIABLES=1",
             "U",
-            "B needs the size of U, the array of inputs",
+            "the size of U, the array of inputs, is unknown; B needs it",
         ),
         (
             "VALUES=-2,1,0,-4",
@@ -365,15 +379,15 @@ fn matrices_and_arrays_of_other_sizes_are_told() {
     );
     assert_eq!(
         messages(&sparse),
-        ["MATRIX/1: I names 3, but there are only 2"]
+        ["MATRIX/1: I contains 3, but must be between 1 and 2"]
     );
     let transfer = "VARIABLE/1, FUNCTION=3\nVARIABLE/2, FUNCTION=3\nARRAY/1, X, SIZE=2\nARRAY/2, U, VARIABLES=1,2\n\
         ARRAY/3, Y, SIZE=1\nTFSISO/1, X=1, U=2, Y=3, NUMERATOR=1, DENOMINATOR=1,2";
     assert_eq!(
         messages(transfer),
         [
-            "TFSISO/1: the array of X has 2 elements, but there is 1 state of the denominator",
-            "TFSISO/1: the array of U has 2 elements, but there is 1 signal of a transfer function"
+            "TFSISO/1: the size of the array X is 2, but there is 1 state of the denominator",
+            "TFSISO/1: the size of the array U is 2, but there is 1 signal of a transfer function"
         ]
     );
 }

@@ -149,7 +149,7 @@ fn a_stop_acts_only_beyond_its_clearance() {
     assert_eq!(
         told,
         [
-            "SFORCE/6 keeps its subroutine: the length at which `stop.bum` begins to act is in its parameters"
+            "SFORCE/6 keeps its subroutine: `stop.bum` does not state the length at which the force begins"
         ]
     );
     let (text, told) = guided(stop, &[(force(6), 85.0)]);
@@ -181,7 +181,7 @@ fn a_stop_with_a_block_of_its_own_keeps_its_subroutine() {
     let told = |text: &str| done.diagnostics.iter().any(|d| d.message == text);
     assert!(
         told(
-            "SFORCE/6 keeps its subroutine: `stop.bum` has a block [DAMPING], whose effect on the force is not known"
+            "SFORCE/6 keeps its subroutine: `stop.bum` has a block [DAMPING], whose effect on the force is unknown"
         ),
         "{:?}",
         done.diagnostics
@@ -199,7 +199,7 @@ fn other_parameters_keep_the_subroutine() {
     assert_eq!(
         told,
         [format!(
-            "GFORCE/1 keeps its subroutine: its parameters hold 7, 1.5 besides the id of `{name}`, which may be a preload, an offset or a scale"
+            "GFORCE/1 keeps its subroutine: its parameters contain 7, 1.5 besides the id of `{name}`; these may include a preload, an offset or a scale"
         )]
     );
     let plain = [crate::reference::address("GFORCE", 1)];
@@ -221,9 +221,9 @@ fn other_subroutines_stay() {
     assert_eq!(
         told,
         [
-            "SFORCE/6 keeps its subroutine: its parameters lead to no property file that was read",
+            "SFORCE/6 keeps its subroutine: none of its parameters refers to a property file that was read",
             "SFORCE/7 keeps its subroutine: `mdids://acar_shared/bushings.tbl/arm.bus` does not describe a SFORCE",
-            "SFORCE/8 keeps its subroutine: it reads `coil.spr` and `stop.bum`",
+            "SFORCE/8 keeps its subroutine: it reads two property files, `coil.spr` and `stop.bum`",
         ]
     );
 }

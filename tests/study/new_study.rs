@@ -216,7 +216,7 @@ fn a_study_that_cannot_be_meant_is_refused_before_the_fit() {
     let said = fit(&[]);
     assert_eq!(said.code, 1, "{}", said.out);
     assert!(
-        said.err.contains("times as much as marks.sigma says") && said.err.contains("--force"),
+        said.err.contains("times as much as marks.sigma states") && said.err.contains("--force"),
         "{}",
         said.err
     );
@@ -362,7 +362,7 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
     std::fs::write(&marks, lines.join("\n") + "\n").unwrap();
     let said = told();
     assert!(
-        said.contains(&format!("marks of cases {a} and {b} fit")),
+        said.contains(&format!("the marks of case {a} fit the loads of case {b}")),
         "{said}"
     );
 }

@@ -178,8 +178,8 @@ fn a_contact_point_on_the_other_side_is_refused() {
 #[test]
 fn marks_that_are_a_mirror_image_are_refused() {
     for (mirror, wanted) in [
-        (0, "with column `y` with the other sign they are not"),
-        (1, "with columns `x` and `y` exchanged they are not"),
+        (0, "changing the sign of column `y` corrects this"),
+        (1, "exchanging columns `x` and `y` corrects this"),
     ] {
         let (folder, study) = copied("pseudo-mcpherson");
         let marks = study.join("marks_measured.csv");
@@ -197,7 +197,7 @@ fn marks_that_are_a_mirror_image_are_refused() {
         std::fs::write(&marks, lines.join("\n") + "\n").unwrap();
         let (said, code) = told(folder.path());
         assert!(code == 1 && said.contains(wanted), "{said}");
-        assert!(!said.contains("marks.sigma says"), "{said}");
+        assert!(!said.contains("marks.sigma states"), "{said}");
     }
 }
 

@@ -18,7 +18,7 @@ fn what_is_wrong_is_told_with_its_place_before_anything_runs() {
         (
             "\"MARKER/2.QP.3\"",
             "\"MARKER/2.PART\"",
-            "is a whole number",
+            "must be a whole number",
             "sweep.toml:35",
         ),
         (

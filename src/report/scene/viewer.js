@@ -145,7 +145,7 @@ function start(root) {
       ...frames.map((frame) => element("option", {}, `${scene.per} ${frame.label}`)));
     slider = element("input", { type: "range", min: 0, max: frames.length - 1, value: 0, class: "scene-steps",
       "aria-label": scene.per, oninput: () => show(Number(slider.value)) });
-    play = button("\u25B6 Play", "Play or stop (space)", toggle);
+    play = button("\u25B6 Play", "Play or stop (space bar)", toggle);
     bar.append(group(play, select, slider));
   }
   if (frames.length) {
@@ -156,7 +156,7 @@ function start(root) {
         shown.textContent = "\u00D7" + (state.factor < 10 ? state.factor.toFixed(1).replace(/\.0$/, "") : Math.round(state.factor));
         draw();
       } });
-    const what = element("select", { "aria-label": "What is enlarged", onchange: () => { state.mode = what.value; draw(); } },
+    const what = element("select", { "aria-label": "Displacement that is enlarged", onchange: () => { state.mode = what.value; draw(); } },
       element("option", { value: "design" }, "motion from the design position"),
       ...(measured >= 0 && main !== measured ? [element("option", { value: "measured" }, "difference from the measurement")] : []));
     bar.append(group(element("label", {}, "Enlarge ", ...(what.options.length > 1 ? [what] : ["motion"]), " ", range), shown));
@@ -171,7 +171,7 @@ function start(root) {
   boxes.push(check("labels", state.labels, (on) => { state.labels = on; }));
   if (scene.parts.some((part) => part.lines.length)) boxes.push(check("graphics", true, (on) => { state.shapes = on; }));
   bar.append(group(...boxes));
-  if (culprits.size) bar.append(button("Show what was found", "Turn to the highlighted object", () => { state.zoom = 2.2; aim([...culprits.keys()][0]); draw(); }));
+  if (culprits.size) bar.append(button("Show findings", "Zoom to the highlighted object", () => { state.zoom = 2.2; aim([...culprits.keys()][0]); draw(); }));
   const moving = scene.parts.filter((part) => !part.ground);
   const list = element("details", { class: "scene-list" }, element("summary", {}, `${moving.length} parts, ${scene.objects.length} joints and forces`),
     element("div", {}, ...moving.map((part) => {
@@ -184,7 +184,7 @@ function start(root) {
       return item;
     })));
   const help = element("p", { class: "note scene-help" },
-    "Drag to turn, shift-drag or right button to move, wheel or pinch to zoom. Keys: arrows turn, shift-arrows move, + and \u2212 zoom, [ and ] step, space plays, 0 resets.");
+    "Drag to rotate, shift-drag or right-drag to pan, wheel or pinch to zoom. Keys: arrows rotate, shift-arrows pan, + and \u2212 zoom, [ and ] step, space plays, 0 resets.");
   root.append(bar, stage, help, list);
   scene.notes.forEach((note) => root.append(element("p", { class: "note" }, note)));
 
@@ -196,7 +196,7 @@ function start(root) {
   function describe() {
     const frame = frames[state.frame];
     const count = (word, n) => `${n} ${word}${n === 1 ? "" : "s"}`;
-    return `${scene.title}: ${count("part", scene.parts.filter((p) => !p.ground).length)}, ${count("joint or force", scene.objects.length)}` +
+    return `${scene.title}: ${count("part", scene.parts.filter((p) => !p.ground).length)}, ${scene.objects.length} joints and forces` +
       (frame ? `; ${scene.per} ${frame.label}` : "");
   }
   function show(k) {
@@ -544,7 +544,7 @@ function start(root) {
     triad(g, view, height);
     const frame = frames[state.frame];
     caption.textContent = frame
-      ? `${scene.per} ${frame.label}${frame.note ? ": " + frame.note : ""}${frame.poses[main].some((p, k) => !p && !scene.parts[k].ground && scene.sets[main] !== "measured") ? " (no position of the model)" : ""}`
+      ? `${scene.per} ${frame.label}${frame.note ? ": " + frame.note : ""}${frame.poses[main].some((p, k) => !p && !scene.parts[k].ground && scene.sets[main] !== "measured") ? " (the model has no equilibrium)" : ""}`
       : "design position";
     bench(g, scale, width, height);
   }

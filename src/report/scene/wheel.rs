@@ -39,7 +39,7 @@ impl Scene {
             if patch.is_none() {
                 let length = &self.length;
                 let note = format!(
-                    "The deck states no tyre: wheels are drawn with a radius of {} {length}.",
+                    "The deck has no tyre: wheels are drawn with a radius of {} {length}.",
                     USUAL_RADIUS * metre
                 );
                 if !self.notes.contains(&note) {

@@ -7,7 +7,7 @@ pub enum Degenerate {
     #[error("the I and J origins coincide: the line between them has no direction")]
     ZeroLengthLine,
     /// Both arguments of the arctangent of a projected angle vanish, so the angle is undefined.
-    #[error("the projected angle A{} of I about J is undefined at 90 degrees of another angle", ["X", "Y", "Z"][*axis])]
+    #[error("the projected angle A{} of I about J is undefined, because another of the three angles is 90 degrees", ["X", "Y", "Z"][*axis])]
     UndefinedAngle {
         /// Index of the undefined angle: 0, 1 or 2 for AX, AY or AZ, about the x, y or z axis of J.
         axis: usize,

@@ -129,7 +129,7 @@ impl Build<'_> {
         if !(1..=count).contains(&component) {
             return Err(wrong(
                 function,
-                format!("component {component} is not one of 1 to {count}"),
+                format!("component {component} is outside 1 to {count}"),
             ));
         }
         let which = component as usize - 1;
@@ -201,7 +201,7 @@ impl Build<'_> {
         let Some(curve) = self.compiler.curve(spline, CurveForm::By(method)) else {
             return Err(wrong(
                 function,
-                format!("SPLINE/{id} has no strictly increasing x values with one y each"),
+                format!("SPLINE/{id} needs strictly increasing x values with one y for each x"),
             ));
         };
         if order > 2 {
@@ -213,7 +213,9 @@ impl Build<'_> {
         if order > 0 && self.compiler.model.splines[spline].is_surface() {
             return Err(wrong(
                 function,
-                format!("SPLINE/{id} is a surface, which has no derivatives here"),
+                format!(
+                    "SPLINE/{id} is a surface, whose derivatives the built-in solver does not evaluate"
+                ),
             ));
         }
         self.lookups.push(Lookup { curve, order });
@@ -236,7 +238,7 @@ impl Build<'_> {
             return Err(wrong(
                 function,
                 format!(
-                    "ARRAY/{} has {size} elements, not {component}",
+                    "element {component} is outside ARRAY/{}, whose size is {size}",
                     data.header.id
                 ),
             ));
@@ -268,7 +270,7 @@ impl Build<'_> {
         if !(1..=FRICTION_NUMBERS).contains(&index) {
             return Err(wrong(
                 function,
-                format!("index {index} is not one of 1 to {FRICTION_NUMBERS}"),
+                format!("index {index} is outside 1 to {FRICTION_NUMBERS}"),
             ));
         }
         let which = index as usize - 1;
@@ -292,7 +294,7 @@ impl Build<'_> {
             return Err(wrong(
                 function,
                 format!(
-                    "{}/{} has {} variables, not {component}",
+                    "component {component} is outside {}/{}, whose number of variables is {}",
                     list.kind,
                     list.header.id,
                     list.variables.len()
@@ -386,7 +388,7 @@ impl Build<'_> {
         else {
             return Err(wrong(
                 function,
-                format!("component {component} is not one of 1 to 8"),
+                format!("component {component} is outside 1 to 8"),
             ));
         };
         let measure = ForceMeasure::Element {
@@ -425,7 +427,7 @@ impl Build<'_> {
         at: usize,
     ) -> Result<MarkerIx, Diagnostic> {
         self.marker(function, arguments, at)?
-            .ok_or_else(|| wrong(function, "a marker is needed here, not 0"))
+            .ok_or_else(|| wrong(function, "an argument is 0, but must be the id of a marker"))
     }
 
     fn object(
@@ -499,12 +501,12 @@ pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
     if function.name == "USER" {
         return Diagnostic::error(
             Code::UserSubroutine,
-            "USER calls a user-written subroutine, and only as the whole of a FUNCTION",
+            "USER calls a user-written subroutine; it must be the whole FUNCTION, not a part of an expression",
         );
     }
     let why = match function.solved {
         Solved::External(why) | Solved::Subroutine(why) | Solved::NoEffect(why) => why,
-        Solved::Native(_) => "the built-in solver does not evaluate it",
+        Solved::Native(_) => "not evaluated by the built-in solver",
     };
     Diagnostic::error(Code::NotSolvedNatively, format!("{}: {why}", function.name))
         .help("use a command backend that runs ADAMS, or replace the function")

@@ -13,7 +13,7 @@ pub enum Fault {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{function} {}", match fault {
     Fault::NotDefined => "is not defined for its arguments",
-    Fault::TooLarge => "is too large to be a number",
+    Fault::TooLarge => "exceeds the range of floating-point numbers",
     Fault::EqualEnds => "has x0 equal to x1",
 })]
 pub struct EvalError {

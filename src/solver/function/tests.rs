@@ -401,7 +401,7 @@ fn what_cannot_be_evaluated_is_refused_by_name() {
         ("VARVAL(9)", Code::UndefinedId, "VARIABLE/9"),
         ("DX(1+1)", Code::WrongType, "DX(i[,j][,k])"),
         ("DX(1.5)", Code::WrongType, "whole number"),
-        ("FX(0)", Code::BadExpression, "a marker is needed"),
+        ("FX(0)", Code::BadExpression, "must be the id of a marker"),
         ("BUSH(7,2,1,0)", Code::BadExpression, "jflag"),
         ("BUSH(7,0,9,0)", Code::BadExpression, "1 to 8"),
         ("BUSH(8,0,1,0)", Code::UndefinedId, "BUSHING/8"),

@@ -90,14 +90,13 @@ impl Conversion<'_> {
             let span = dataset.title_span();
             self.refuse(
                 span,
-                "the dataset states no units: it cannot be converted".to_string(),
+                "the dataset has no UNITS statement, so its units cannot be converted".to_string(),
             );
             return;
         };
         if units.has("SYSTEM") || units.has("UCF") {
             let span = units.span;
-            let message =
-                "UNITS with SYSTEM or UCF is not converted: state FORCE, MASS, LENGTH and TIME";
+            let message = "UNITS with SYSTEM or UCF is not converted: use FORCE, MASS, LENGTH and TIME instead";
             self.refuse(span, message.to_string());
             return;
         }
@@ -129,7 +128,7 @@ impl Conversion<'_> {
         };
         if refused {
             let message = format!(
-                "{} is not converted: its numbers have no unit of their own",
+                "{} is not converted: the units of its values are unknown",
                 self.title(statement)
             );
             self.refuse(statement.keyword, message);
@@ -156,7 +155,7 @@ impl Conversion<'_> {
                 }
                 Value::User(span) => {
                     let message = format!(
-                        "{} is not converted: what the numbers of its subroutine mean is not known",
+                        "{} is not converted: the meaning of its USER parameters is unknown",
                         self.title(statement)
                     );
                     self.refuse(*span, message);
@@ -425,7 +424,7 @@ fn measured(
             Solved::Native("measure" | "force measure")
             | Solved::External(_)
             | Solved::Subroutine(_) => {
-                return Err(format!("the dimension of {name} is not known"));
+                return Err(format!("the dimension of {name} is unknown"));
             }
             _ => Dimension::NONE,
         },

@@ -26,7 +26,10 @@ pub fn extract(
 ) -> Result<Checked<Vec<Edit>>, Diagnostic> {
     let statements = dataset.statements();
     let ground = model.ground().ok_or_else(|| {
-        Diagnostic::error(Code::NoGround, "the dataset has no ground to hold the rest")
+        Diagnostic::error(
+            Code::NoGround,
+            "the dataset has no ground part to attach the extract to",
+        )
     })?;
     let ground: ObjectId = ("part", model.parts[ground.0].header.id);
     let topology = Topology::of(dataset);
@@ -213,7 +216,7 @@ impl Chosen<'_> {
 
     fn refuse(&self, statement: &Statement, named: &Statement) -> Diagnostic {
         let message = format!(
-            "{} needs {}, which is not attached to what is extracted",
+            "{} needs {}, which is not attached to the extracted bodies",
             title(self.dataset, statement),
             title(self.dataset, named)
         );
@@ -274,12 +277,12 @@ fn on_ground(
     let (Some(marker), Some(part)) = (found, part.filter(|part| part.kind != PartKind::External))
     else {
         let message = format!(
-            "only ADAMS knows the position of {}",
+            "the position of {} is computed only by ADAMS",
             title(dataset, statement)
         );
         return Err(Diagnostic::error(Code::UnknownTarget, message)
             .label(dataset.source().name(), statement.keyword, "")
-            .help("extract the body it is on, too"));
+            .help("extract the body of this marker, too"));
     };
     let mut arguments = vec![("PART".to_string(), Some(ground.to_string()))];
     if marker.floating {

@@ -39,19 +39,19 @@ pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "CLEARANCE" | "CONTROL" | "CURVE" | "FEMDATA" | "FE_NODE" | "LINEAR" | "MREQUEST"
         | "SECTION" | "SURFACE" => return None,
-        "CBKSUB" => "its subroutine may change anything between iterations",
-        "CONTACT" => "it would push the parts apart where they touch",
-        "COUPLER" | "CVCV" | "GCON" | "PTCV" | "UCON" => "it would constrain the parts",
-        "FE_LOAD" => "it would load a flexible beam",
-        "FE_PART" | "FLEX_BODY" => "it would deform under its loads",
-        "FRICTION" => "it would hold or brake its joint",
-        "GSE" => "its outputs would feed functions",
-        "MARKER" => "it would move with what hangs on it",
-        "MFORCE" => "it would load the modes of a flexible body",
-        "MOTION" => "it would move its joint",
-        "SPLINE" => "functions read its points",
-        "TIRE" => "it would carry its wheel on the road",
-        _ => "it would exert a force",
+        "CBKSUB" => "without it, the changes that its subroutine makes are missing",
+        "CONTACT" => "without it, the contact forces are missing",
+        "COUPLER" | "CVCV" | "GCON" | "PTCV" | "UCON" => "without it, a constraint is missing",
+        "FE_LOAD" => "without it, a load on a flexible beam is missing",
+        "FE_PART" | "FLEX_BODY" => "without it, a flexible body is missing",
+        "FRICTION" => "without it, the friction in its joint is missing",
+        "GSE" => "without it, functions that read its outputs have no value",
+        "MARKER" => "without it, the objects attached to it have no position",
+        "MFORCE" => "without it, a load on a flexible body is missing",
+        "MOTION" => "without it, the driven motion is missing",
+        "SPLINE" => "without it, functions that read it have no value",
+        "TIRE" => "without it, the tyre force is missing",
+        _ => "without it, a force is missing",
     })
 }
 

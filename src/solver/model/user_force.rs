@@ -119,7 +119,7 @@ impl Work<'_> {
         let others = self.others(user, &name);
         if !others.is_empty() && !self.plain.contains(address) {
             let message = format!(
-                "its parameters hold {} besides the id of `{name}`, which may be a preload, an offset or a scale",
+                "its parameters contain {} besides the id of `{name}`; these may include a preload, an offset or a scale",
                 others.join(", ")
             );
             let help = format!(
@@ -140,9 +140,9 @@ impl Work<'_> {
                     (None, Some(length)) if file.kind == PropertyKind::Spring => length,
                     _ => {
                         return Err(stays(format!(
-                            "the length at which `{name}` begins to act is in its parameters"
+                            "`{name}` does not state the length at which the force begins"
                         ))
-                        .help(format!("give it: --length {address}=VALUE")));
+                        .help(format!("state the length with --length {address}=VALUE")));
                     }
                 };
                 self.spring(statement, &file, &name, length).map_err(stays)
@@ -185,11 +185,15 @@ impl Work<'_> {
                 continue;
             }
             if let Some((other, _)) = &found {
-                return Err(format!("it reads `{other}` and `{name}`"));
+                return Err(format!(
+                    "it reads two property files, `{other}` and `{name}`"
+                ));
             }
             found = Some((name, PropertyFile::parse(source.clone()).value));
         }
-        found.ok_or_else(|| "its parameters lead to no property file that was read".to_string())
+        found.ok_or_else(|| {
+            "none of its parameters refers to a property file that was read".to_string()
+        })
     }
 
     fn bushing(
@@ -205,7 +209,7 @@ impl Work<'_> {
         let (i, rm) = (marker("I"), marker("RM"));
         if self.part_of(rm).is_none() || self.part_of(rm) != self.part_of(marker("JFLOAT")) {
             return Err(
-                "its RM is not on the part of JFLOAT, so that there is no deformation to measure"
+                "RM is not on the same part as JFLOAT, so the deformation cannot be measured"
                     .into(),
             );
         }
@@ -256,7 +260,7 @@ impl Work<'_> {
         if let Some(other) = other {
             let block = &other.name;
             return Err(format!(
-                "`{name}` has a block [{block}], whose effect on the force is not known"
+                "`{name}` has a block [{block}], whose effect on the force is unknown"
             ));
         }
         let (x, y) = curve.in_units(file.units.as_ref(), &self.units);

@@ -17,7 +17,9 @@ pub enum MotionFailure {
     #[error(transparent)]
     NoValue(#[from] NoValue),
     /// The constraints cannot be satisfied at the start.
-    #[error("the initial conditions are inconsistent: {equation} is violated by {violation:.3e}")]
+    #[error(
+        "the initial conditions are inconsistent: {equation} is violated by {violation:.3e}, in length units of the deck or rad"
+    )]
     Inconsistent {
         /// Name of the equation with the largest violation.
         equation: String,
@@ -26,7 +28,7 @@ pub enum MotionFailure {
     },
     /// No velocities satisfy the constraints.
     #[error(
-        "no velocities satisfy the constraints: {equation} is violated by {violation:.3e} per time"
+        "no velocities satisfy the constraints: {equation} is violated by {violation:.3e}, in length units of the deck or rad, per unit of time"
     )]
     VelocityConflict {
         /// Name of the equation with the largest violation.
@@ -35,7 +37,9 @@ pub enum MotionFailure {
         violation: f64,
     },
     /// A constraint equation that was removed as redundant is violated.
-    #[error("{equation} was removed as redundant but is now violated by {violation:.3e}")]
+    #[error(
+        "{equation} was removed as redundant but is now violated by {violation:.3e}, in length units of the deck or rad"
+    )]
     RedundantViolated {
         /// Name of the removed equation.
         equation: String,
@@ -44,7 +48,7 @@ pub enum MotionFailure {
     },
     /// A massless motion is not determined by constraints, stiffness or damping.
     #[error(
-        "the mass matrix is singular: {freedom} has no inertia and nothing determines its acceleration"
+        "the mass matrix is singular: the motion of {freedom} has no inertia, and no joint, spring or damper determines it"
     )]
     MassSingular {
         /// Name of the part and direction of the motion.
@@ -52,7 +56,7 @@ pub enum MotionFailure {
     },
     /// A VARIABLE or the rate of an implicit DIFF is not determined by its equation.
     #[error(
-        "{what} is not determined: its equation is not satisfied, and does not depend on it in this state"
+        "{what} is undetermined: its equation is not satisfied, and does not depend on its value in this state"
     )]
     Undetermined {
         /// Name of the VARIABLE or DIFF.
@@ -73,7 +77,7 @@ pub enum MotionFailure {
         what: String,
     },
     /// The eigenvalue iteration does not converge.
-    #[error("the eigenvalues of small motions are not found: the iteration does not converge")]
+    #[error("the eigenvalue iteration does not converge")]
     NoEigenvalues,
     /// The step size became smaller than HMIN.
     #[error("the integration step {step:.3e} is smaller than HMIN; {worst}")]
@@ -85,7 +89,7 @@ pub enum MotionFailure {
     },
     /// A piecewise function switches between its pieces too often.
     #[error(
-        "the function of {function} switches more than {count} times between two outputs: an IMPACT, an IF or the like in it chatters, or DTOUT is too long"
+        "the function of {function} switches more than {count} times between two outputs: an IMPACT or IF in it chatters, or DTOUT is too long"
     )]
     Chatter {
         /// Name of the statement that contains the function.
@@ -95,7 +99,7 @@ pub enum MotionFailure {
     },
     /// The constraints leave degrees of freedom, so they do not determine the positions in a kinematic analysis.
     #[error(
-        "the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone"
+        "a kinematic simulation needs a model with zero degrees of freedom, but this model has {freedoms}"
     )]
     NotKinematic {
         /// Number of remaining degrees of freedom.
@@ -110,7 +114,9 @@ pub enum MotionFailure {
         equation: String,
     },
     /// No positions that satisfy the constraints were found.
-    #[error("no positions satisfy the constraints: {equation} is violated by {violation:.3e}")]
+    #[error(
+        "no positions satisfy the constraints: {equation} is violated by {violation:.3e}, in length units of the deck or rad"
+    )]
     NoPosition {
         /// Name of the equation with the largest violation.
         equation: String,

@@ -120,7 +120,7 @@ impl Integrator<'_> {
             return Ok(iteration);
         }
         Err(NotSettled::at(&format!(
-            "the iteration does not converge {}",
+            "the iteration does not converge; the largest correction is that of {}",
             self.report_error(worst)
         )))
     }

@@ -166,17 +166,12 @@ impl Balance {
 
 impl fmt::Display for Balance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let size = |left: &Option<Left>| left.as_ref().map_or(0.0, |left| left.size);
-        let part =
-            |left: &Option<Left>| left.as_ref().map_or(String::new(), |l| l.part.to_string());
-        write!(
-            f,
-            "a force of {:.3e} on {}, a torque of {:.3e} on {}",
-            size(&self.force),
-            part(&self.force),
-            size(&self.torque),
-            part(&self.torque)
-        )
+        let kinds = [("a force", &self.force), ("a torque", &self.torque)];
+        let told = kinds.into_iter().filter_map(|(what, left)| {
+            let left = left.as_ref()?;
+            Some(format!("{what} of {:.3e} on {}", left.size, left.part))
+        });
+        f.write_str(&told.collect::<Vec<_>>().join(", "))
     }
 }
 

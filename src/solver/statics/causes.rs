@@ -51,8 +51,13 @@ impl Ended<'_> {
         }
         self.open_joints(scratch, &mut out);
         if self.limited > 0 {
+            let steps = if self.limited == 1 {
+                "step was"
+            } else {
+                "steps were"
+            };
             out.push(format!(
-                "{} steps were cut to TLIMIT={} or ALIMIT={} degrees: the start is far from equilibrium",
+                "{} {steps} cut to TLIMIT={} or ALIMIT={} degrees: the start is far from equilibrium",
                 self.limited,
                 self.settings.tlimit,
                 self.settings.alimit.to_degrees().round()
@@ -92,14 +97,14 @@ impl Ended<'_> {
                 } else {
                     None
                 };
-                let by = drivers.unwrap_or_else(|| "something drives it".to_string());
+                let by = drivers.unwrap_or_else(|| "an unidentified load".to_string());
                 // An arm that starts horizontal has no stiffness there, but gains some as soon as it has fallen a little.
                 let level = if by.contains(WEIGHT) && motion.motion.starts_with(FREE.about) {
-                    "; if this is only so at the start, start from other positions"
+                    "; if this is so only at the start, change the start positions"
                 } else {
                     ""
                 };
-                told.push(format!("{motion}, and {by}{level}"));
+                told.push(format!("{motion}; this motion is driven by {by}{level}"));
             }
         }
         some(told, out);
@@ -131,11 +136,11 @@ impl Ended<'_> {
         let names: Vec<&str> = powers.keys().map(String::as_str).collect();
         Some(match names.as_slice() {
             [] => return None,
-            [one] => format!("{one} drives it"),
+            [one] => (*one).to_string(),
             [all @ .., last] if all.len() < TOLD => {
-                format!("{} and {last} drive it", all.join(", "))
+                format!("{} and {last}", all.join(", "))
             }
-            [first, ..] => format!("{first} and {} others drive it", names.len() - 1),
+            [first, ..] => format!("{first} and {} others", names.len() - 1),
         })
     }
 
@@ -153,7 +158,7 @@ impl Ended<'_> {
             let gap = g[system.first_equation + k];
             if self.start.redundant.get(k) != Some(&true) && gap.abs() > OPEN * system.length {
                 let equation = system.constraint_equation_name(k);
-                told.push(format!("{equation} is violated by {gap:.3} at the start"));
+                told.push(format!("{equation} is violated by {gap:.3} at the start, in length units of the deck or rad"));
             }
         }
         some(told, out);
@@ -173,7 +178,7 @@ impl Ended<'_> {
             let worst = angles.x.abs().max(angles.y.abs());
             if worst > 1.0 {
                 told.push(format!(
-                    "{} is turned by {:.0} degrees about x or y of its J marker, where its angles lose their meaning",
+                    "I of {} is rotated by {:.0} degrees about x or y of J: the projected angles of its force law are not valid there",
                     element.name,
                     worst.to_degrees()
                 ));
@@ -193,7 +198,7 @@ impl Ended<'_> {
         let steady = states.filter(|&row| !depends[row] && self.g[row] != 0.0);
         let told = steady.map(|row| {
             format!(
-                "the rate of {} is a constant {:.4e} here: the state never comes to rest; STATIC_HOLD keeps it at its value in statics",
+                "the rate of {} is constant here, {:.4e} per unit of time: the state has no equilibrium; STATIC_HOLD keeps it at its value in statics",
                 system.equation_name(row),
                 self.g[row]
             )
@@ -210,7 +215,7 @@ impl Ended<'_> {
             .filter(|f| f.program.as_ref().is_some_and(Program::has_branches))
             .map(|f| {
                 format!(
-                    "the function of {} has an IF: its derivative is not valid across the jump",
+                    "the function of {} has an IF: the iteration may fail at a jump or kink of the function",
                     f.owner
                 )
             })

@@ -27,8 +27,7 @@ fn chain(links: u32) -> Matrix {
         .expect("text is written");
         let before = id - 1;
         if id % 7 == 0 && id <= links {
-            writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}1, J={before}2")
-                .expect("a matrix that has factors");
+            writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}1, J={before}2").expect("text is written");
         } else {
             writeln!(
                 deck,
@@ -60,7 +59,7 @@ fn chain(links: u32) -> Matrix {
             &mut g,
             &mut matrix,
         )
-        .expect("text is written");
+        .expect("the functions have values");
     matrix.finish();
     matrix
 }

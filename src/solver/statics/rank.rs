@@ -47,23 +47,23 @@ pub(super) struct Words {
 }
 
 pub(super) const FREE: Words = Words {
-    along: "is held by nothing along",
+    along: "is free to translate along",
     about: "spins freely about",
-    screw: "is free in a screw motion about",
+    screw: "is free to perform a screw motion along",
     share: 1e-6,
 };
 
 const WEAK: Words = Words {
-    along: "is held only weakly along",
-    about: "is held only weakly about",
-    screw: "is held only weakly in a screw motion about",
+    along: "has almost no stiffness along",
+    about: "has almost no stiffness about",
+    screw: "has almost no stiffness in a screw motion along",
     share: 1e-6,
 };
 
 const SOFT: Words = Words {
     along: "moves along",
     about: "turns about",
-    screw: "moves in a screw motion about",
+    screw: "moves in a screw motion along",
     share: 0.1,
 };
 
@@ -351,7 +351,7 @@ fn direction(axis: &Vec3) -> String {
         }
     }
     format!(
-        "the direction ({:.4}, {:.4}, {:.4})",
+        "the ground direction ({:.4}, {:.4}, {:.4})",
         axis.x, axis.y, axis.z
     )
 }

@@ -67,8 +67,8 @@ pub struct Weak {
 impl FreeMotion {
     fn lacks(&self) -> &'static str {
         match self.weak {
-            Some(_) => "it has no mass there either",
-            None => "it has neither stiffness nor mass there",
+            Some(_) => "this motion has no mass either",
+            None => "this motion has neither stiffness nor mass",
         }
     }
 }
@@ -86,8 +86,7 @@ impl fmt::Display for FreeMotion {
         if let Some(Weak { stiffness, share }) = self.weak {
             write!(
                 f,
-                " (the stiffness of {stiffness:.1e} there is {share:.0e} of its largest and is lost in round-off; replace the stiffest \
-                 element by a joint)"
+                " (its stiffness of {stiffness:.1e}, in units of the deck, is {share:.0e} of the largest stiffness of the part and is lost in round-off; replace the stiffest element by a joint)"
             )?;
         }
         Ok(())
@@ -170,8 +169,9 @@ pub enum Continuation {
 pub enum SolveError {
     /// The iteration did not reach the tolerances.
     #[error(
-        "no equilibrium after {} iterations: largest imbalance {imbalance:.3e} at {worst}",
-        history.len()
+        "no equilibrium after {} {}: the largest imbalance is {imbalance:.3e}, in units of the deck, at {worst}",
+        history.len(),
+        if history.len() == 1 { "iteration" } else { "iterations" }
     )]
     NotConverged {
         /// Name of the equation with the largest imbalance, for example `PART/4 'KNUCKLE' force along z`.
@@ -187,7 +187,9 @@ pub enum SolveError {
     #[error("{0}: {lacks}", lacks = .0.lacks())]
     FreeMotion(Box<FreeMotion>),
     /// A removed constraint equation is violated although the others hold.
-    #[error("{equation} contradicts the other constraints: it is violated by {violation:.3e}")]
+    #[error(
+        "{equation} contradicts the other constraints: it is violated by {violation:.3e}, in units of the deck"
+    )]
     Inconsistent {
         /// Name of the equation, for example `Zi.Xj in JOINT/4`.
         equation: String,
@@ -195,7 +197,9 @@ pub enum SolveError {
         violation: f64,
     },
     /// The iteration converged, but the forces do not cancel when they are summed again.
-    #[error("the recomputed forces of this equilibrium do not balance: {0} remains")]
+    #[error(
+        "the forces recomputed at this equilibrium do not balance; remaining: {0}, in units of the deck"
+    )]
     Unbalanced(Box<Balance>),
     /// An element has no value in this configuration.
     #[error(transparent)]

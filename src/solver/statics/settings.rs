@@ -65,7 +65,7 @@ impl StaticSettings {
     /// Returns a warning if MAXIT exceeds [`MOST_ITERATIONS`].
     pub fn limited(e: &EquilibriumSettings) -> Option<Diagnostic> {
         (e.maxit > MOST_ITERATIONS).then(|| {
-            let message = format!("MAXIT = {} is limited to {MOST_ITERATIONS}", e.maxit);
+            let message = format!("MAXIT = {} is reduced to {MOST_ITERATIONS}", e.maxit);
             Diagnostic::warning(Code::LimitExceeded, message)
         })
     }

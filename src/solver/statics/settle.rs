@@ -28,18 +28,18 @@ pub struct StabilisedEquilibrium {
 
 /// Error: neither direction leads to a stable equilibrium. Contains the reason for each of the two directions.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
-#[error("no stable equilibrium was found: in one direction {0}, in the other {1}")]
+#[error("no stable equilibrium was found: in one direction, {0}; in the other, {1}")]
 pub struct NoStableEquilibrium(pub String, pub String);
 
 impl From<NoValue> for Descent {
     fn from(reason: NoValue) -> Self {
-        Self(format!("ends where {reason}"))
+        Self(format!("the descent ends because of this error: {reason}"))
     }
 }
 
 impl From<SolveError> for Descent {
     fn from(reason: SolveError) -> Self {
-        Self(format!("ends where {reason}"))
+        Self(format!("the descent ends because of this error: {reason}"))
     }
 }
 
@@ -134,10 +134,12 @@ impl Solver {
             self.flow(system, parameters, state, settings, -softness)?;
             let moved = distance(system, &start, state);
             if !moved.is_finite() || moved > FAR * system.length.max(settings.tlimit) {
-                return Err(Descent("the parts move further and further".to_string()));
+                return Err(Descent("the parts move away without limit".to_string()));
             }
         }
-        Err(Descent(format!("none is found in {STEPS} steps")))
+        Err(Descent(format!(
+            "the search reaches its limit of {STEPS} steps"
+        )))
     }
 
     /// Displaces the parts along the softest motion: in its direction if `way` is 1, and in the opposite direction if `way` is -1.

@@ -65,7 +65,7 @@ codes! {
     InactiveInStatics = "inactive-in-statics",
     /// A user-written subroutine is used, which only real ADAMS can run.
     UserSubroutine = "user-subroutine",
-    /// A FIELD with a user subroutine is read as a bushing of Adams/Car, or names parts of one and does not fit.
+    /// A FIELD with a user subroutine is read as a bushing of Adams/Car, or refers to objects of such a bushing but cannot be read as one.
     /// It is recognised by the curves `X.tx_spline` to `X.rz_spline` and the arrays `X.tx_data_array` to `X.rz_data_array` among its
     /// parameters. With q the displacement times its scale minus its offset: F = preload - scale C(q), C an Akima curve, linear
     /// beyond its ends. The radial axes x and y share r = sqrt(qx^2 + qy^2): Fx = preload - scale X(r) qx/r.
@@ -73,7 +73,7 @@ codes! {
     // Lint: problems of a dataset that was parsed without errors.
     /// Two arguments exclude each other, for example REULER and ZP of a MARKER, or two types of a JOINT.
     ConflictingArguments = "conflicting-arguments",
-    /// A MARKER was moved whose axes are given by the points ZP and XP.
+    /// A MARKER whose axes are given by the points ZP and XP was moved.
     /// An edit that sets only QP moves ZP and XP along, so that the marker keeps its orientation.
     /// If the edit sets ZP or XP too, the marker may rotate.
     MarkerPoints = "marker-points",
@@ -140,9 +140,9 @@ codes! {
     MalformedResults = "malformed-results",
     /// A results file, or a part of it, has an unknown layout.
     UnsupportedResults = "unsupported-results",
-    /// A file was found under a name that differs from the given name in upper and lower case.
+    /// A file was found under a name that differs from the given name only in upper and lower case.
     FileNameCase = "file-name-case",
-    /// A path comes from another computer; the file was looked up on this computer by its base name.
+    /// A path comes from another computer; the file with this name was looked up in the local folders.
     ForeignPath = "foreign-path",
     /// A deck or command file names a file outside of the folders from which `admire` reads.
     /// It may name files in its own folder and in the working directory, with their subfolders.
@@ -152,7 +152,7 @@ codes! {
     /// These are its own folder, the folder of its model and the working directory; the variable ADMIRE_ALLOW_PATH adds folders.
     WriteOutside = "write-outside",
     // Running a command file.
-    /// An option of OUTPUT or RESULTS requests a file or a number format that ADAMS writes and this solver does not.
+    /// An option of OUTPUT or RESULTS requests a file or a number format that only real ADAMS writes.
     OutputNotWritten = "output-not-written",
     /// A word of the launcher's command line is not understood and is skipped.
     LauncherWord = "launcher-word",

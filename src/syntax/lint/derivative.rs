@@ -32,14 +32,14 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 continue;
             };
             let message = format!(
-                "{} of {} has no derivative everywhere: {name} depends on the motion",
+                "{} of {} is not differentiable everywhere: {name} depends on the motion",
                 def.name,
                 context.title(statement)
             );
             found.push(
                 context
                     .note(Code::NoDerivative, span, message)
-                    .help("if equilibrium is not found, use STEP or a SPLINE instead"),
+                    .help("if no equilibrium is found, use STEP or a SPLINE instead"),
             );
         }
     }

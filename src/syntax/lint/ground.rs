@@ -12,9 +12,9 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                     .error(
                         Code::NoGround,
                         part.head(),
-                        "no PART of this dataset is the GROUND".to_string(),
+                        "this dataset has no ground part".to_string(),
                     )
-                    .help("add PART/1, GROUND with an id that is free"),
+                    .help("add a ground part with a free id, such as PART/1, GROUND"),
             );
         }
         return;

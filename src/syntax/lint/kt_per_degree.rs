@@ -32,14 +32,14 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             .argument("KT")
             .map_or(bushing.keyword, Argument::value_span);
         let message = format!(
-            "KT of {} looks like a stiffness per degree: with K it means a lever arm of {:.2} mm",
+            "KT of {} looks like a stiffness per degree: sqrt(KT/K) is only {:.2} mm",
             context.title(bushing),
             lever * 1e3
         );
         found.push(
             context
                 .warning(Code::KtPerDegree, place, message)
-                .help("KT is per radian: stiffness per degree times 57.29578"),
+                .help("KT is per radian: multiply a stiffness per degree by 57.29578"),
         );
     }
 }

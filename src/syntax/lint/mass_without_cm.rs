@@ -14,9 +14,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                         .error(
                             Code::MassWithoutCm,
                             mass.value_span(),
-                            format!("{title} has mass and no CM: where its weight acts is unknown"),
+                            format!(
+                                "{title} has a mass but no CM marker: its centre of mass is unknown"
+                            ),
                         )
-                        .help("add a MARKER at the centre of mass and name it with CM="),
+                        .help("add a MARKER at the centre of mass and refer to it with CM="),
                 );
             }
             continue;
@@ -35,7 +37,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             found.push(
                 context
                     .error(Code::MassWithoutCm, cm.value_span(), message)
-                    .help("name a marker of the part itself"),
+                    .help("use a marker of this part as CM"),
             );
         }
     }

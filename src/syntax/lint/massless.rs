@@ -42,19 +42,19 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             (
                 Severity::Note,
                 format!(
-                    "{title} has no mass and only forces hold it: its motion over time is not defined"
+                    "{title} has no mass and is held only by forces: its acceleration is undefined"
                 ),
             )
         } else {
             (
                 Severity::Warning,
-                format!("{title} has no mass and nothing holds it"),
+                format!("{title} has no mass and is not attached to anything"),
             )
         };
         found.push(
             context
                 .complain(severity, Code::FreeWithoutMass, part.head(), message)
-                .help("give it a mass with CM and IP, hold it with a joint, or remove it"),
+                .help("give the part a mass with CM and IP, attach it with a joint, or remove it"),
         );
     }
 }

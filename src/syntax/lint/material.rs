@@ -22,14 +22,14 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         };
         if !known {
             let message = format!(
-                "{} is of the material {}, which is not in this dataset",
+                "{} refers to the material {}, which is not in this dataset",
                 context.title(part),
                 name.trim()
             );
             found.push(
                 context
                     .warning(Code::UndefinedId, argument.value_span(), message)
-                    .help("add a MATERIAL statement, or name an existing one"),
+                    .help("add this MATERIAL, or refer to an existing one"),
             );
         }
     }

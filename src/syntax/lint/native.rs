@@ -26,7 +26,10 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 bushings.insert(field.span.start());
             }
             Err(why) => {
-                let message = format!("{} is not solved: {why}", context.title(field));
+                let message = format!(
+                    "{} is not read as a bushing of Adams/Car: {why}",
+                    context.title(field)
+                );
                 found.push(context.warning(Code::CarBushing, field.head(), message));
             }
         }
@@ -75,31 +78,32 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         }
     }
     for (kind, (count, first, why)) in external {
-        let takes = if count == 1 { "takes" } else { "take" };
-        let message =
-            format!("{count} {kind} of this dataset {takes} no part in a built-in solution");
+        let message = format!("the built-in solver ignores {count} {kind} of this dataset");
+        let them = if count == 1 { "it" } else { "them" };
         found.push(
             context
                 .warning(Code::NotSolvedNatively, first.head(), message)
-                .help(format!("{why}; without them, the result differs")),
+                .help(format!(
+                    "{why}; without {them}, the result differs from that of ADAMS"
+                )),
         );
     }
     for (kind, (count, first)) in sticking {
-        let acts = if count == 1 { "acts" } else { "act" };
-        let message = format!("{count} {kind} of this dataset {acts} in statics too");
+        let message =
+            format!("the built-in solver ignores {count} {kind} of this dataset in statics");
         found.push(
             context
                 .warning(Code::NotSolvedInStatics, first.head(), message)
-                .help("the built-in solver uses it only in kinematic and dynamic simulations; in statics it exerts no force"),
+                .help("ADAMS applies this friction in statics; the built-in solver applies it only in kinematic and dynamic simulations"),
         );
     }
     for (kind, (count, first)) in inactive {
         let are = if count == 1 { "is" } else { "are" };
-        let message = format!("{count} {kind} of this dataset {are} off in statics");
+        let message = format!("{count} {kind} of this dataset {are} inactive in statics");
         found.push(
             context
                 .note(Code::InactiveInStatics, first.head(), message)
-                .help("as set by its INACTIVE or EFFECT"),
+                .help("as set by INACTIVE or EFFECT"),
         );
     }
     for (kind, (count, span)) in users {

@@ -32,7 +32,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 "it constrains nothing and its equations are singular",
             )
         } else {
-            (Severity::Warning, "it moves nothing")
+            (Severity::Warning, "it has no effect")
         };
         let place = statement
             .argument(second)
@@ -46,7 +46,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             context
                 .complain(severity, Code::MarkersOnOnePart, place, message)
-                .help("one of them must be a marker of the other part"),
+                .help("one of the two markers must be on the other part"),
         );
     }
 }

@@ -125,7 +125,7 @@ impl Walk<'_> {
                 Severity::Warning,
                 Code::MissingArgument,
                 place,
-                "the quasi-static simulation has no STEPS or DTOUT: it is one equilibrium at its end, reached in one step"
+                "the quasi-static simulation has no STEPS or DTOUT: it solves only the equilibrium at its end, in one step"
                     .to_string(),
                 "add STEPS= or DTOUT=, or remove END for an equilibrium at the current time",
             );
@@ -252,10 +252,10 @@ fn ids(kind: &str, deck: &Dataset) -> Vec<String> {
 fn in_deck(kind: &str, deck: &Dataset) -> String {
     const SHOWN: usize = 8;
     match ids(kind, deck).as_slice() {
-        [] => format!("it has no {kind} at all"),
-        all if all.len() <= SHOWN => format!("it has {kind}/{}", all.join(", ")),
+        [] => format!("the deck has no {kind}"),
+        all if all.len() <= SHOWN => format!("the deck has {kind}/{}", all.join(", ")),
         all => format!(
-            "it has {} of them, the first is {kind}/{}",
+            "the deck has {} objects of this kind, from {kind}/{}",
             all.len(),
             all[0]
         ),

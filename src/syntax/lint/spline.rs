@@ -42,7 +42,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                     found.push(
                         context
                             .error(Code::SplineNotIncreasing, z.span, message)
-                            .help("sort the curves by z, the first value of each Y"),
+                            .help("sort the Y arguments by z, their first value"),
                     );
                 }
                 before = z.value;

@@ -63,7 +63,7 @@ impl PropertyCurve {
         let pairs = table.rows.iter().filter(|row| row.len() == 2);
         for cell in pairs.flatten() {
             if let super::Cell::Text(span) = cell {
-                let message = format!("{} is a curve: a number is expected here", self.block);
+                let message = format!("{} is a curve, but this cell is not a number", self.block);
                 diagnostics.push(
                     Diagnostic::error(Code::BadNumber, message)
                         .label(source.name(), *span, "")

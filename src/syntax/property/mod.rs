@@ -120,8 +120,8 @@ impl PropertyFile {
         };
         if self.units.is_none() {
             complain(
-                "the file has no [UNITS]".to_string(),
-                "its numbers are taken to be in the units of the model",
+                "the file has no [UNITS] block".to_string(),
+                "its values are assumed to be in the units of the model",
             );
         }
         let wanted = match self.kind {
@@ -137,8 +137,8 @@ impl PropertyFile {
             .all(|name| curves.iter().all(|curve| curve.block != *name));
         if absent && !wanted.is_empty() {
             complain(
-                format!("the file has no {}", wanted.join(", ")),
-                "without a curve there is no force",
+                format!("the file has no block {}", wanted.join(" or ")),
+                "without a curve, the element exerts no force",
             );
         }
     }
@@ -249,7 +249,7 @@ fn no_header(source: &Source) -> Diagnostic {
         )
     } else {
         (
-            "the file has no [MDI_HEADER] with a FILE_TYPE",
+            "the file has no [MDI_HEADER] block with a FILE_TYPE",
             "a property file begins with [MDI_HEADER], FILE_TYPE = 'bus'",
         )
     };

@@ -91,7 +91,10 @@ impl Reader<'_> {
     fn block(&mut self, span: Span) -> Option<&mut Block> {
         if self.blocks.is_empty() {
             self.complain(
-                Diagnostic::error(Code::SyntaxError, "a [BLOCK] must begin before this line"),
+                Diagnostic::error(
+                    Code::SyntaxError,
+                    "this line is outside of any block: write a heading such as [UNITS] above it",
+                ),
                 span,
             );
         }
@@ -142,7 +145,7 @@ impl Reader<'_> {
             self.complain(
                 Diagnostic::error(
                     Code::WrongCount,
-                    format!("the row has {found} values, its table has {width} columns"),
+                    format!("the row has {found} values, but its table has {width} columns"),
                 ),
                 span,
             );

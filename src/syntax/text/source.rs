@@ -131,7 +131,7 @@ pub fn open_to_read(path: &Path) -> std::io::Result<std::fs::File> {
     if !there.is_file() && !there.is_dir() && path.canonicalize().is_ok() {
         return Err(std::io::Error::new(
             std::io::ErrorKind::InvalidInput,
-            "it is a named pipe or a device, which may never end",
+            "it is a named pipe or a device, not a file",
         ));
     }
     std::fs::File::open(path)

@@ -58,12 +58,15 @@ fn pair(
         return;
     }
     let (from, help) = if relaxed == Vec3::zeros() {
-        ("", "give I the orientation of J")
+        ("", "give marker I the orientation of J")
     } else {
-        (" from LENGTH", "give LENGTH the angles of I in J")
+        (
+            " from the angles of LENGTH",
+            "set the angles of LENGTH to those of I in J",
+        )
     };
     let message = format!(
-        "I of {} is turned by {:.1}, {:.1}, {:.1} degrees{from} about the axes of J at the design position",
+        "I of {} is rotated by {:.1}, {:.1}, {:.1} degrees{from} about the axes of J at the design position",
         design.title(kind, header),
         angles.x,
         angles.y,
@@ -73,7 +76,7 @@ fn pair(
         design
             .warning(Code::BushingAngle, header, message)
             .help(format!(
-                "angles about x and y must stay below 10 degrees; {help}"
+                "the angles about x and y must stay below 10 degrees; {help}"
             )),
     );
 }

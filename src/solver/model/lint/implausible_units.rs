@@ -37,7 +37,7 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     };
     let units = &model.units;
     let message = format!(
-        "in {}, {}, {} and {} {}",
+        "with UNITS in {}, {}, {} and {}, {}",
         units.force.word,
         units.mass.word,
         units.length.word,
@@ -56,7 +56,7 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     found.push(
         diagnostic
             .label(design.dataset.source().name(), stated.keyword, "")
-            .help("UNITS says what the numbers are in; it does not convert them"),
+            .help("UNITS states the units of the numbers; it does not convert them"),
     );
 }
 
@@ -69,7 +69,7 @@ fn reasons(design: &Design<'_>) -> Vec<String> {
     let length = metre * extent(design);
     if length > LONGEST || (length > LONG && mass > 0.0 && mass / length < LIGHTEST) {
         reasons.push(format!(
-            "the mechanism is {} m long and weighs {} kg",
+            "the mechanism has a length of {} m and a mass of {} kg",
             short(length),
             short(mass)
         ));
@@ -77,7 +77,7 @@ fn reasons(design: &Design<'_>) -> Vec<String> {
     let size = length.max(2.0 * metre * widest(model));
     if size > 0.0 && mass / size.powi(3) > DENSEST {
         reasons.push(format!(
-            "a mass of {} kg lies within {} m",
+            "a mass of {} kg is concentrated within {} m",
             short(mass),
             short(size)
         ));
@@ -91,7 +91,7 @@ fn reasons(design: &Design<'_>) -> Vec<String> {
         reasons.push(format!("a stiffness is {} N/m", short(stiffest)));
     }
     if mass > HEAVIEST {
-        reasons.push(format!("the parts weigh {} kg", short(mass)));
+        reasons.push(format!("the total mass is {} kg", short(mass)));
     }
     reasons
 }

@@ -192,7 +192,7 @@ fn pair(
         faults.join("; ")
     );
     found.push(design.warning(Code::JointNotAligned, header, message).help(
-        "the parts are moved when the model is assembled; correct QP and REULER of a marker",
+        "ADAMS moves the parts when it assembles the model; correct QP and REULER of one marker",
     ));
 }
 
@@ -212,7 +212,7 @@ fn faults(i: &Pose, j: &Pose, wanted: Alignment, size: f64, unit: &str) -> Vec<S
     let mut faults = Vec::new();
     let off = distance(i, j, wanted);
     if off.norm() > GAP * size {
-        faults.push(format!("I is {:.4} {unit} away", off.norm()));
+        faults.push(format!("I is {:.4} {unit} away from J", off.norm()));
     }
     let R_ji = j.R.transpose() * i.R;
     let between = |a: usize, b: usize| libm::acos(R_ji[(b, a)].clamp(-1.0, 1.0)).to_degrees();

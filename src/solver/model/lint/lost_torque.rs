@@ -50,7 +50,7 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
         found.push(
             design
                 .warning(Code::LostTorque, header, message)
-                .help("make the POINT_MASS a PART with IP, or let the element exert forces alone"),
+                .help("replace the POINT_MASS by a PART with IP, or remove the torque"),
         );
     }
 }

@@ -59,11 +59,11 @@ pub(super) fn activate(
         model.each_list(&mut Model::default(), &mut turn);
         if turn.found == 0 && !matches!(kind, "FRICTION" | "CLEARANCE" | "FEMDATA") {
             diagnostics.push(
-                Diagnostic::warning(Code::UndefinedId, format!("no {kind} has such an id")).label(
-                    source.name(),
-                    command.span,
-                    "",
-                ),
+                Diagnostic::warning(
+                    Code::UndefinedId,
+                    format!("no {kind} has an id that this command selects"),
+                )
+                .label(source.name(), command.span, ""),
             );
         }
     }

@@ -45,8 +45,9 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
             let message = format!(
                 "the initial displacement of {owner} is not applied in statics, which starts from the positions of the parts; kinematic and dynamic simulations use it"
             );
-            Diagnostic::warning(Code::InactiveInStatics, message)
-                .help("place the parts where statics is to start, or hold the joint with a MOTION")
+            Diagnostic::warning(Code::InactiveInStatics, message).help(
+                "place the parts in the intended start positions, or hold the joint with a MOTION",
+            )
         } else {
             continue;
         };
@@ -103,7 +104,7 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
         let diagnostic = Diagnostic::error(
             Code::WrongCount,
             format!(
-                "{} has {} joints and {} scales",
+                "{} needs one of the SCALES for each joint; joints: {}, scales: {}",
                 reader.called(),
                 joints.len(),
                 scales.len()
@@ -182,12 +183,12 @@ fn refuse<T>(
         None => "",
     };
     let message = format!(
-        "{} takes {what}JOINT/{id}, which is {}",
+        "{} uses {what}JOINT/{id}, which is {}",
         reader.called(),
         kind.word()
     );
     let diagnostic = Diagnostic::error(Code::WrongType, message).help(
-        "it can take the rotation of a REVOLUTE or CYLINDRICAL joint, the translation of a TRANSLATIONAL or CYLINDRICAL one",
+        "allowed are the rotation of a REVOLUTE or CYLINDRICAL joint and the translation of a TRANSLATIONAL or CYLINDRICAL joint",
     );
     let (source, span) = reader.place(argument);
     reader.complain(diagnostic, source, span);

@@ -36,11 +36,11 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
         let denominator = reader.reals("DENOMINATOR")?;
         let Some(form) = controllable_form(&numerator, &denominator) else {
             let why = format!(
-                "{} has no states: the order of its denominator must be at least 1, and at least that of its numerator",
+                "{} has no states: the order of DENOMINATOR must be at least 1, and at least that of NUMERATOR",
                 reader.called()
             );
             let diagnostic = Diagnostic::error(Code::OutOfRange, why).help(
-                "NUMERATOR and DENOMINATOR list coefficients, the constant one first; they are not ids of ARRAYs",
+                "NUMERATOR and DENOMINATOR list coefficients, starting with the constant term; they are not ids of ARRAYs",
             );
             let (source, span) = reader.place("DENOMINATOR");
             reader.complain(diagnostic, source, span);
@@ -200,11 +200,14 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
     };
     let Some(curve) = curve else {
         let blocks: Vec<String> = file.curves().into_iter().map(|c| c.block).collect();
-        let diagnostic = Diagnostic::error(
-            Code::UndefinedId,
-            format!("`{name}` has no curve of that name"),
-        )
-        .help(format!("BLOCK may be one of {}", blocks.join(", ")));
+        let message = match reader.text("BLOCK") {
+            Some(block) => format!("`{name}` has no curve `{block}`"),
+            None => format!("`{name}` has no curve"),
+        };
+        let mut diagnostic = Diagnostic::error(Code::UndefinedId, message);
+        if !blocks.is_empty() {
+            diagnostic = diagnostic.help(format!("BLOCK may be one of {}", blocks.join(", ")));
+        }
         let (source, span) = reader.place("BLOCK");
         reader.complain(diagnostic, source, span);
         return None;
@@ -321,7 +324,7 @@ fn request_kind(reader: &mut Reader) -> Option<RequestKind> {
     match reader.marker("I") {
         Some(i) => Some(kind(i, reader.marker("J"), reader.marker("RM"))),
         None if reader.has("I") => None,
-        None => reader.missing("I, the marker that it measures"),
+        None => reader.missing("I, the marker whose motion or force it measures"),
     }
 }
 

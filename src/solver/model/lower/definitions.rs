@@ -232,7 +232,7 @@ impl Definitions {
         };
         if def.name == "PART" && is_ground(&fresh.parts) != is_ground(&model.parts) {
             let message = format!(
-                "a command cannot change whether {} is the ground",
+                "a command cannot change whether {} is the ground part",
                 reader.called()
             );
             let (source, span) = reader.latest_keyword();

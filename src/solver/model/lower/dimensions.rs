@@ -64,7 +64,7 @@ impl<'a> Sizes<'a> {
             for name in ["I", "J"] {
                 if count(name) != values {
                     let message = format!(
-                        "{}: {name} has {} values but VALUES has {values}; each value needs its row and column",
+                        "{}: {name} has {} values but VALUES has {values}; each value needs its row I and its column J",
                         self.called,
                         count(name)
                     );
@@ -79,7 +79,7 @@ impl<'a> Sizes<'a> {
                     .find(|n| n.value < 1.0 || n.value > most as f64);
                 if let Some(number) = beyond {
                     let message = format!(
-                        "{}: {name} names {}, but there are only {most}",
+                        "{}: {name} contains {}, but must be between 1 and {most}",
                         self.called, number.value
                     );
                     self.complain(name, message);
@@ -157,7 +157,12 @@ impl<'a> Sizes<'a> {
         }
         let states = rows;
         for name in ["X", "IC"] {
-            self.array_has(name, states, "states of A");
+            let of = if states == 1 {
+                "state of A"
+            } else {
+                "states of A"
+            };
+            self.array_has(name, states, of);
         }
         let (inputs, outputs) = (self.of_array("U"), self.of_array("Y"));
         let outputs = outputs.or_else(|| self.of_matrix("C").or(self.of_matrix("D")).map(|m| m.0));
@@ -176,7 +181,7 @@ impl<'a> Sizes<'a> {
             };
             if name != "C" && inputs.is_none() && self.statement.first("U").is_some() {
                 let message = format!(
-                    "{}: {name} needs the size of U, the array of inputs",
+                    "{}: the size of U, the array of inputs, is unknown; {name} needs it",
                     self.called
                 );
                 self.complain(name, message);
@@ -187,7 +192,7 @@ impl<'a> Sizes<'a> {
             ] {
                 if let Some(wanted) = wanted.filter(|wanted| *wanted != has) {
                     let message = format!(
-                        "{}: {name} has {has} {what}, but there are {wanted} {}",
+                        "{}: the number of {what} of {name} is {has}, not {wanted}, the number of {}",
                         self.called,
                         if of == "states" {
                             "states".to_string()
@@ -230,7 +235,7 @@ impl<'a> Sizes<'a> {
     fn array_has(&mut self, argument: &str, wanted: usize, of: &str) {
         if let Some(has) = self.of_array(argument).filter(|has| *has != wanted) {
             let message = format!(
-                "{}: the array of {argument} has {has} elements, but there {} {wanted} {of}",
+                "{}: the size of the array {argument} is {has}, but there {} {wanted} {of}",
                 self.called,
                 if wanted == 1 { "is" } else { "are" }
             );

@@ -56,8 +56,7 @@ pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Mark
         (None, _) if moves(reader) => PartIx(0),
         (None, Some(before)) => before,
         (None, None) => {
-            reader
-                .missing::<()>("the body it is on: PART=id, or a place in the file after its PART");
+            reader.missing::<()>("a body: PART=id, or a position in the file after its PART");
             PartIx(0)
         }
     };

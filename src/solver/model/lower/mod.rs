@@ -178,18 +178,18 @@ impl Lowering<'_> {
         for extra in grounds.iter().skip(1) {
             let keyword = self.dataset.statements()[*extra].keyword;
             self.diagnostics.push(
-                Diagnostic::error(Code::NoGround, "a dataset has one ground part only").label(
+                Diagnostic::error(Code::NoGround, "a dataset can have only one ground part").label(
                     source.name(),
                     keyword,
-                    "a second one",
+                    "a second ground part",
                 ),
             );
         }
         if grounds.is_empty() {
             self.diagnostics.push(
-                Diagnostic::error(Code::NoGround, "no part is the ground")
+                Diagnostic::error(Code::NoGround, "the dataset has no ground part")
                     .label(source.name(), self.dataset.title_span(), "in this dataset")
-                    .help("add a part at rest: PART/1, GROUND"),
+                    .help("add a ground part, such as PART/1, GROUND"),
             );
             // A ground part keeps every body index valid.
             self.model.parts.push(ground());

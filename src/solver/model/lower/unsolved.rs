@@ -34,7 +34,7 @@ pub(super) fn unsolved(statement: &Reader) -> Option<(Code, String)> {
         "FRICTION"
             if statement.has("MAX_FRICTION_FORCE") || statement.has("MAX_FRICTION_TORQUE") =>
         {
-            "how ADAMS limits its force is not published"
+            "the law by which ADAMS limits its force is not published"
         }
         "BEAM" if formulation == Some("STRING") => {
             "FORMULATION=STRING: its simplified non-linear law is not published"
@@ -43,7 +43,7 @@ pub(super) fn unsolved(statement: &Reader) -> Option<(Code, String)> {
             "FORMULATION=NONLINEAR: the discretisation of its Euler-Bernoulli law is not published"
         }
         "MARKER" if frame::moves(statement) => {
-            "it moves along a curve or on a surface, which the built-in solver does not follow"
+            "it moves along a curve or on a surface, which the built-in solver does not support"
         }
         "SPLINE" if statement.has("FILE") => "its points are in a file that was not read",
         "GFORCE" | "VFORCE" | "VTORQUE" if statement.has("FXYZ") || statement.has("TXYZ") => {

@@ -102,12 +102,17 @@ impl SystemCompiler<'_> {
         let mut curves = Vec::new();
         for (axis, id) in car.curves.into_iter().enumerate() {
             let curve = programs.bushing_curve(id);
-            let no = || format!("the SPLINE of `{}` is not a curve", car.axis(axis));
+            let no = || {
+                format!(
+                    "the SPLINE of `{}` needs strictly increasing x values with one y for each x",
+                    car.axis(axis)
+                )
+            };
             curves.push(curve.ok_or_else(no)?);
         }
         for array in car.arrays {
             if !self.car_arrays.insert(array) {
-                return Err(format!("ARRAY/{array} belongs to another FIELD too"));
+                return Err(format!("ARRAY/{array} is used by another FIELD, too"));
             }
         }
         curves

@@ -18,12 +18,12 @@ impl SystemCompiler<'_> {
                 Diagnostic::warning(
                     Code::InactiveInStatics,
                     format!(
-                        "{owner} constrains velocities, which are zero in statics: it is left out there"
+                        "{owner} constrains velocities and has no effect in statics, where velocities are zero"
                     ),
                 )
                 .about(owner.object())
                 .help(
-                    "slip that it prevents in a dynamic simulation is not prevented in statics",
+                    "in statics, parts can slip where this constraint prevents slip in dynamics",
                 ),
             );
         }

@@ -180,7 +180,10 @@ impl SystemCompiler<'_> {
                 self.diagnostics.push(
                     Diagnostic::warning(
                         Code::InactiveInStatics,
-                        format!("{owner} prescribes a velocity or acceleration, which has no meaning in statics: its displacement is held at {held}"),
+                        format!(
+                            "{owner} prescribes a velocity or acceleration, which has no meaning in statics: its displacement is held at {held} {}",
+                            self.model.units.name(dimension)
+                        ),
                     )
                     .about(owner.object())
                     .help("give the displacement as a function of TIME"),

@@ -45,7 +45,7 @@ impl SystemCompiler<'_> {
             if !whole {
                 let owner = name("NFORCE", &n.header);
                 let message = format!(
-                    "the arrays of {owner} do not have the size for its {} markers",
+                    "the matrices and vectors of {owner} do not fit its number of markers, {}",
                     n.i.len()
                 );
                 self.diagnostics

@@ -21,7 +21,7 @@ impl SystemCompiler<'_> {
                         format!("{owner} exerts no friction in statics: its surfaces are at rest, and its stiction is not deformed"),
                     )
                     .about(owner.object())
-                    .help("kinematic and dynamic simulations include it, and start with undeformed stiction after a static solution; what ADAMS does in statics is not documented; INACTIVE=STATIC turns it off there"),
+                    .help("kinematic and dynamic simulations include it and start with undeformed stiction after a static solution; the friction of ADAMS in statics is not documented; INACTIVE=STATIC switches it off there"),
                 );
             }
             let (i, j) = (joint.i.0, joint.j.0);

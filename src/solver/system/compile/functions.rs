@@ -42,7 +42,8 @@ impl SystemCompiler<'_> {
                 if !self.model.is_off(owner.kind, owner.id) {
                     self.users.push(owner.clone());
                 }
-                let effect = effect_of(owner.kind).unwrap_or("other functions read it");
+                let effect = effect_of(owner.kind)
+                    .unwrap_or("without it, functions that read it have no value");
                 let diagnostic = Diagnostic::error(
                     Code::UserSubroutine,
                     format!("{owner} calls a user-written subroutine: {text}; {effect}"),

@@ -405,7 +405,7 @@ impl<'a> SystemCompiler<'a> {
             );
             self.diagnostics.push(
                 Diagnostic::error(Code::UserSubroutine, message)
-                    .help("the command backend runs them with real ADAMS and the library"),
+                    .help("use the command backend, which runs real ADAMS with the library of these subroutines"),
             );
         }
     }

@@ -36,7 +36,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
             ParameterSource::Rate(drive) if !system.reads().only_time(drive.function) => refuse(
                 &joint.name,
                 format!(
-                    "{} prescribes a velocity or acceleration that depends on more than TIME, which is not integrated",
+                    "{} prescribes a velocity or acceleration that depends on more than TIME; the built-in solver does not integrate it",
                     joint.name
                 ),
             ),
@@ -58,7 +58,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
             refuse(
                 &condition.name,
                 format!(
-                    "the function of {} is not linear in the velocities",
+                    "the function of {} is not linear in the velocities; the built-in solver requires this",
                     condition.name
                 ),
             );
@@ -69,7 +69,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
 
 fn reading(owner: &Name, what: &str) -> String {
     format!(
-        "the function of {owner} reads {what}: in kinematic and dynamic simulations it may read only positions, TIME, and states and variables that depend on these; that of a GCON also velocities"
+        "the function of {owner} reads {what}: in kinematic and dynamic simulations it may read only positions, TIME, and states and variables that depend on these; the function of a GCON may also read velocities"
     )
 }
 
@@ -170,7 +170,7 @@ fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<
                 continue;
             }
             if equation.implicit {
-                return Some("a dynamic state that is given implicitly");
+                return Some("an implicit dynamic state");
             }
             match &equation.moving {
                 StateRhs::Held => {}
@@ -190,16 +190,18 @@ fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<
                 Source::Moved(measure) => {
                     if !of_velocities || measure.kind.is_second() {
                         return Some(if of_velocities {
-                            "a dynamic state of accelerations"
+                            "a dynamic state that depends on accelerations"
                         } else {
-                            "a dynamic state of velocities"
+                            "a dynamic state that depends on velocities"
                         });
                     }
                 }
                 Source::Force(_) | Source::Friction(..) => {
-                    return Some("a dynamic state of forces");
+                    return Some("a dynamic state that depends on forces");
                 }
-                Source::StateRate(..) => return Some("a dynamic state of the rate of another"),
+                Source::StateRate(..) => {
+                    return Some("a dynamic state that depends on the rate of another state");
+                }
                 Source::State(k) => states.push(*k),
                 Source::Output((by_state, by_variable)) => {
                     states.extend(by_state.iter().map(|(k, _)| *k));

@@ -61,7 +61,7 @@ impl SystemCompiler<'_> {
                     format!("the function of {owner} reads its own force"),
                 )
                 .about(owner.object())
-                .help("define the force by a VARIABLE, which is solved for")
+                .help("define the force in a VARIABLE, which may depend on itself")
             })
             .collect();
         let mut ranks = vec![0; self.functions.len()];
