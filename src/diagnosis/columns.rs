@@ -396,7 +396,7 @@ mod tests {
             );
         }
         for (k, bushing) in survey.model.bushings.iter().enumerate() {
-            let stiffness = bushing_stiffness(&survey, &none.thetas[0], k);
+            let stiffness = bushing_stiffness(&survey, k);
             let own = format!("BUSHING/{}.", bushing.header.id);
             let here = sites.all.iter().zip(&sites.compliance);
             for (site, compliance) in here.filter(|(site, _)| site.address.starts_with(&own)) {

@@ -3,7 +3,7 @@
 use super::candidate_effect::{FORCES, Parametrisation, Sensitivity, component};
 use super::operating_points::OperatingPoints;
 use admire_solver::model::{MarkerIx, PairForce};
-use admire_solver::system::{Parameters, Reading};
+use admire_solver::system::Reading;
 use admire_syntax::Address;
 
 /// Largest deflection in the deck's units below which a component does not move, except for round-off.
@@ -21,9 +21,6 @@ pub(super) struct ElasticElement {
     /// Stiffness of each component at the fit. For a FIELD it is the regression slope of the force over the deflection in all cases, because its law
     /// may be a curve.
     pub stiffness: [f64; 6],
-    /// Stiffness of each component in the study's deck, of the same kind as `stiffness`. Prior sizes are relative to it, because readings must not
-    /// decide a prior: the fit of a wrong model may give any stiffness.
-    pub deck_stiffness: [f64; 6],
     /// True if the forces along x and y are known to depend on the radial deflection, as in a bushing of Adams/Car.
     pub is_radial: bool,
 }
@@ -31,7 +28,6 @@ pub(super) struct ElasticElement {
 impl ElasticElement {
     /// Returns the active elastic elements of the study's own deck.
     pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<Self> {
-        let deck = survey.fitted.deck.prepared.system.parameters();
         let bushings = survey.model.bushings.iter().enumerate();
         let bushings = bushings.filter(|(_, bushing)| bushing.header.active);
         let bushings = bushings.map(|(k, bushing)| Self {
@@ -39,22 +35,19 @@ impl ElasticElement {
             id: bushing.header.id,
             pair: (bushing.i, bushing.j),
             deflections: survey.bushing_deflections(k),
-            stiffness: bushing_stiffness(survey, &survey.fitted.thetas[0], k),
-            deck_stiffness: bushing_stiffness(survey, &deck, k),
+            stiffness: bushing_stiffness(survey, k),
             is_radial: false,
         });
         let fields = survey.model.pair_forces.iter();
         let is_field = |force: &&PairForce| force.is_field() && force.header.active;
         let fields = fields.filter(is_field).map(|field| {
-            let id = field.header.id;
-            let [readings, of_deck] = [survey.element("FIELD", id), survey.deck_field(id)];
+            let readings = survey.element("FIELD", field.header.id);
             Self {
                 kind: "FIELD",
-                id,
+                id: field.header.id,
                 pair: (field.i, field.j),
                 deflections: readings.iter().map(Reading::deflections).collect(),
                 stiffness: std::array::from_fn(|axis| regression_stiffness(readings, axis)),
-                deck_stiffness: std::array::from_fn(|axis| regression_stiffness(of_deck, axis)),
                 is_radial: field.car.is_some(),
             }
         });
@@ -105,13 +98,10 @@ impl ElasticElement {
     }
 }
 
-/// Returns the six stiffnesses of a bushing for these parameters: three of K, then three of KT.
-pub(super) fn bushing_stiffness(
-    survey: &OperatingPoints<'_>,
-    theta: &Parameters,
-    bushing: usize,
-) -> [f64; 6] {
+/// Returns the six stiffnesses of a bushing at the fit: three of K, then three of KT.
+pub(super) fn bushing_stiffness(survey: &OperatingPoints<'_>, bushing: usize) -> [f64; 6] {
     let law = &survey.model.bushings[bushing];
+    let theta = &survey.fitted.thetas[0];
     let catalogue = survey.fitted.deck.prepared.system.catalogue();
     std::array::from_fn(|axis| {
         let word = ["K", "KT"][axis / 3];

@@ -28,8 +28,6 @@ pub(super) struct OperatingPoints<'a> {
     pub(super) subject: &'a DiagnosisProblem<'a>,
     pub(super) fitted: &'a FittedModel,
     readings: Vec<(&'static str, u32, Vec<Reading>)>,
-    /// State of each FIELD, given by its id, with the parameters of the deck at the motion of the fit.
-    deck_fields: Vec<(u32, Vec<Reading>)>,
 }
 
 impl<'a> OperatingPoints<'a> {
@@ -68,23 +66,12 @@ impl<'a> OperatingPoints<'a> {
         }
         // Elements that could not be evaluated in every case are not sites for candidates.
         readings.retain(|(_, _, read)| read.len() == fitted.states.len());
-        let deck = system.parameters();
-        let fields = elements.iter().filter(|(_, name)| name.kind == "FIELD");
-        let of_deck = fields.map(|(element, name)| {
-            let each = fitted.states.iter().filter_map(|state| {
-                let mut here = system.evaluate(&deck, state, &mut scratch).ok()?;
-                here.read_element(*element).ok()
-            });
-            (name.id, each.collect())
-        });
-        let deck_fields = of_deck.collect();
         Self {
             model,
             measurement: subject.problem.measurement,
             subject,
             fitted,
             readings,
-            deck_fields,
         }
     }
 
@@ -184,12 +171,6 @@ impl<'a> OperatingPoints<'a> {
             .iter()
             .find(|(k, i, _)| *k == kind && *i == id)
             .map_or(&[], |(_, _, readings)| readings)
-    }
-
-    /// Returns the state of a FIELD in each case, with the parameters of the deck at the motion of the fit. Empty if the FIELD does not exist.
-    pub(super) fn deck_field(&self, id: u32) -> &[Reading] {
-        let own = self.deck_fields.iter().find(|(own, _)| *own == id);
-        own.map_or(&[], |(_, readings)| readings)
     }
 
     /// Returns the name of every element and joint of the deck, with the magnitude of its force in each case. Elements that apply a load of

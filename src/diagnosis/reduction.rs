@@ -468,17 +468,19 @@ mod tests {
         let none = Arc::new(none);
         let sites = sites_of(&subject, &none);
         let model = EffectModel::new(&subject, &none, &sites, Vec::new());
-        // Only effects whose prior is the same in a fit and in the linear model are compared: neither compliances nor slip lengths.
+        // Only effects whose prior is the same in a fit and in the linear model are compared: neither compliances nor slip lengths. Of a law with memory
+        // the linear model has the force alone.
         let is_same = |k: &usize| {
-            let numbers = &model.effects[*k].numbers;
-            numbers.iter().all(|number| {
-                !matches!(
-                    number.unknown,
-                    Parametrisation::Compliance(_)
-                        | Parametrisation::Rate { .. }
-                        | Parametrisation::SlipLength { .. }
-                )
-            })
+            let effect = &model.effects[*k];
+            effect.memory.is_none()
+                && effect.numbers.iter().all(|number| {
+                    !matches!(
+                        number.unknown,
+                        Parametrisation::Compliance(_)
+                            | Parametrisation::Rate { .. }
+                            | Parametrisation::SlipLength { .. }
+                    )
+                })
         };
         let usable: Vec<usize> = (0..model.effects.len()).filter(is_same).collect();
         let picked: Vec<usize> = usable.iter().copied().step_by(usable.len() / 6).collect();

@@ -375,7 +375,7 @@ mod tests {
             .collect();
         assert_eq!(
             said,
-            ["`BUSHINGS MAP` of the formatted results file is not known and was left out"]
+            ["the block `BUSHINGS MAP` of the formatted results file is unknown and was left out"]
         );
     }
 

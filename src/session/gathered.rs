@@ -113,8 +113,8 @@ mod tests {
         assert_eq!(
             told,
             [
-                "CONTACT/1 'c1' is not solved: it would push; the same holds for 8 more: CONTACT/2 'c2', CONTACT/3 'c3', \
-                 CONTACT/4 'c4', CONTACT/5 'c5', CONTACT/6 'c6' and 3 others",
+                "CONTACT/1 'c1' is not solved: it would push; the same applies to 8 more: CONTACT/2 'c2', CONTACT/3 'c3', \
+                 CONTACT/4 'c4', CONTACT/5 'c5', CONTACT/6 'c6' and 3 more",
                 "PTCV/1 is not solved: it would push",
                 "PTCV/2 is not solved: it would push",
             ]

@@ -332,7 +332,7 @@ fn wrong_names_are_reported_at_their_place() {
         (
             ("value = 800", "gradient = 1"),
             table,
-            "a load case has `value`",
+            "a load case takes `value`",
         ),
         (
             ("value", "at = 3\nvalue"),

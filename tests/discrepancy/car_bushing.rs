@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use admire_diagnosis::{
-    Cause, Finding, GainCheck, LARGEST_DEFLECTION, Progress, STIFFNESS_RISES, Verdict,
+    Cause, Finding, GainCheck, LARGEST_RADIAL_DEFLECTION, Progress, STIFFNESS_RISES, Verdict,
     diagnose_watched, held_out, spline_terms,
 };
 use admire_identify::LoadedStudy;
@@ -108,7 +108,8 @@ fn rubber_that_stiffens_is_found_in_a_field_of_adams_car() {
     assert!(first.probability > 0.9, "{findings:?}");
 }
 
-/// Rubber whose stiffness falls to 60 percent within a band of deflections is no power law. The law that is found has the force of the real one.
+/// Rubber whose stiffness falls to 60 percent within a band of radial deflections is no power law. The law that is found has the force of the real
+/// one.
 #[test]
 fn rubber_that_softens_within_a_band_is_found_with_its_law() {
     // The stiffness falls as a cosine between 0.6 and 1.4 mm.
@@ -132,7 +133,7 @@ fn rubber_that_softens_within_a_band_is_found_with_its_law() {
         .find(|f| f.cause == Cause::ProgressiveStiffness && f.address == "FIELD/9.FY")
         .unwrap_or_else(|| panic!("{findings:?}"));
     assert!(found.probability > 0.9, "{findings:?}");
-    let largest = found.parameters[LARGEST_DEFLECTION];
+    let largest = found.parameters[LARGEST_RADIAL_DEFLECTION];
     let terms = spline_terms(largest, STIFFNESS_RISES.map(|name| found.parameters[name]));
     for k in 1..=6 {
         let u = largest * f64::from(k) / 6.0;

@@ -41,7 +41,7 @@ fn bad() -> Vec<Bad> {
         Bad {
             statements: "MOTION/1, JOINT=1, FUNCTION=1+TIME\nMOTION/2, I=20, J=1, Z, FUNCTION=1+2*TIME\n".into(),
             commands: plain,
-            told: &["time 0:", "MOTION/2", "no velocities satisfy", "per time"],
+            told: &["time 0:", "MOTION/2", "no velocities satisfy", "per unit of time"],
             ends: None,
         },
         // The two motions agree until 0.1 s.
@@ -61,13 +61,13 @@ fn bad() -> Vec<Bad> {
         Bad {
             statements: format!("VARIABLE/7, FUNCTION=VARVAL(7)+1\n{FORCE}VARVAL(7)\n"),
             commands: plain,
-            told: &["time 0:", "VARIABLE/7 is not determined"],
+            told: &["time 0:", "VARIABLE/7 is undetermined"],
             ends: None,
         },
         Bad {
             statements: "DIFF/7, IC=1, IMPLICIT, FUNCTION=DIF1(7)**2-4\n".into(),
             commands: plain,
-            told: &["time 0:", "DIFF/7 is not determined"],
+            told: &["time 0:", "DIFF/7 is undetermined"],
             ends: None,
         },
         // A frequency of 1,000 rad/s needs smaller steps than HMIN.
@@ -175,22 +175,22 @@ fn what_an_argument_cannot_be_is_an_input_error() {
         (
             "MOTION/1, JOINT=1, ROTATIONAL, FUNCTION=0\n",
             "",
-            "ball.adm:11:17: MOTION/1 takes the rotation of JOINT/1, which is TRANSLATIONAL",
+            "ball.adm:11:17: MOTION/1 uses the rotation of JOINT/1, which is TRANSLATIONAL",
         ),
         (
             "MARKER/21, PART=2\nJOINT/2, HOOKE, I=21, J=1\nMOTION/2, JOINT=2, FUNCTION=TIME\n",
             "",
-            "ball.adm:13:17: MOTION/2 takes JOINT/2, which is HOOKE",
+            "ball.adm:13:17: MOTION/2 uses JOINT/2, which is HOOKE",
         ),
         (
             "MARKER/21, PART=2\nJOINT/2, SPHERICAL, I=21, J=1\nGEAR/1, JOINTS=1,2, CV=1\n",
             "",
-            "ball.adm:13:16: GEAR/1 takes JOINT/2, which is SPHERICAL",
+            "ball.adm:13:16: GEAR/1 uses JOINT/2, which is SPHERICAL",
         ),
         (
             "MARKER/21, PART=2\nJOINT/2, REVOLUTE, I=21, J=1\nCOUPLER/1, JOINTS=1,2, TYPE=T:T, SCALES=1,1\n",
             "",
-            "ball.adm:13:29: COUPLER/1 takes the translation of JOINT/2, which is REVOLUTE",
+            "ball.adm:13:29: COUPLER/1 uses the translation of JOINT/2, which is REVOLUTE",
         ),
         (
             "",
@@ -253,7 +253,7 @@ fn many_steps_between_two_outputs_are_told_of() {
     let told = "20000 steps since time 0 without an output";
     assert_eq!(said.matches(told).count(), 1, "{said}");
     assert!(
-        said.contains("the next of 3.0e-6: the largest error is that of PART/2 along z."),
+        said.contains("the next step is 3.0e-6 long: the largest error is that of PART/2 along z."),
         "{said}"
     );
     let said = run("-0.1*VZ(20)");

@@ -151,7 +151,8 @@ fn kinematics_without_freedoms_and_nothing_else() {
 
     let (_folder, ran) = run("SIMULATE/KINEMATIC, END=2, STEPS=2");
     assert!(
-        ran.stdout.contains("1 degrees of freedom"),
+        ran.stdout
+            .contains("zero degrees of freedom, but this model has 1"),
         "{}",
         ran.stdout
     );

@@ -110,7 +110,7 @@ fn no_bad_run_is_taken_for_an_answer() {
     );
     says(
         after("sed 's/length=\"mm\"/length=\"meter\"/' run.res > x; mv x run.res"),
-        "are in meter",
+        "of the results is meter",
     );
     says(
         after("sed 's/^0.25 /nan /; s/ 0.25 / nan /; s/ 0.25$/ nan/' run.res > x; mv x run.res"),

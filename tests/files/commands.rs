@@ -415,7 +415,7 @@ fn property_files_without_what_they_are_for_are_told_of() {
             0,
             "no [UNITS]",
         ),
-        (format!("{head}{units}"), 0, "no CURVE"),
+        (format!("{head}{units}"), 0, "no block CURVE"),
     ] {
         folder.write("a.spr", text.as_bytes());
         let (found, out, _) = folder.said(&["check", "a.spr", "--format", "plain"]);

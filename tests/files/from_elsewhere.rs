@@ -80,7 +80,7 @@ fn commands_of_a_real_co_simulation_have_its_simulations() {
         out.lines().filter(|line| line.starts_with("var/7")).count(),
         29
     );
-    assert!(err.contains("28 of 28 simulations"), "{err}");
+    assert!(err.contains("28 of 28"), "{err}");
     // The inputs of each exchange are set before its simulation.
     let at = |text: &str| out.lines().position(|line| line == text).expect("there");
     assert!(at("simulate/initial_conditions") < at(simulated[0]));

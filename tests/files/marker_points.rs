@@ -64,7 +64,7 @@ fn a_marker_that_is_moved_keeps_its_axes() {
     let folder = Folder::with(DECK);
     let (code, whole, said) = folder.run(&["set", "d.adm", "MARKER/3.QP=111.5, 18.25, 31"]);
     assert_eq!(code, 0, "{said}");
-    assert!(said.contains("MARKER/3 keeps its axes"), "{said}");
+    assert!(said.contains("MARKER/3 keeps its orientation"), "{said}");
     let (code, one, _) = folder.run(&["set", "d.adm", "MARKER/3.QP.1+=1.5"]);
     assert_eq!(code, 0);
     for (text, place) in [

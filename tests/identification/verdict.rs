@@ -131,7 +131,7 @@ fn a_run_that_is_ended_early_names_what_it_left() {
     let fit = ended(true);
     assert!(fit.interrupted && !fit.converged);
     assert_eq!(fit.affected.len(), fit.parameters.len());
-    assert!(lead(&fit).starts_with("Interrupted"));
+    assert!(lead(&fit).starts_with("The fit was interrupted"));
     let fit = ended(false);
     assert!(fit.interrupted && fit.converged);
     assert!(!fit.affected.is_empty() && fit.affected.len() < fit.parameters.len());

@@ -365,7 +365,11 @@ fn faults_have_places() {
         ),
         ("z;toe\n1,5;2\n3;1.500\n4;5\n", "lab.csv:3:3", "decimal"),
         ("z;tow\n1;2\n3;4\n", "map.toml:6:1", "no column `toe`"),
-        ("z [m];toe\n1;2\n3;4\n", "lab.csv:1:1", "the mapping `mm`"),
+        (
+            "z [m];toe\n1;2\n3;4\n",
+            "lab.csv:1:1",
+            "the mapping states `mm`",
+        ),
         (
             "z,toe\n1,5,2,5\n3,5,4,5\n",
             "lab.csv:2:1",

@@ -80,7 +80,7 @@ fn what_is_no_file_can_be_edited_too() {
     assert!(
         answer["contents"]["value"]
             .as_str()
-            .is_some_and(|text| text.contains("PART/9: not defined")),
+            .is_some_and(|text| text.contains("PART/9 is not defined")),
         "{answer}"
     );
     // A command file that is recognised only by its language id.

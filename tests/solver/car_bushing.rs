@@ -229,7 +229,7 @@ fn what_does_not_fit_is_refused_by_name() {
         (
             "X = -6.0",
             "X = -6.5",
-            "curve of `axle.bkl_arm_outer.fx` is not odd",
+            "curve of `axle.bkl_arm_outer.fx` is not an odd function",
         ),
         (
             "bkl_arm_outer.ry_spline",

@@ -125,7 +125,7 @@ fn a_prescribed_speed_is_held() {
             .told
             .iter()
             .any(|t| t
-                == "MOTION/1 prescribes a velocity or acceleration, which has no meaning in statics: its displacement is held at 30"),
+                == "MOTION/1 prescribes a velocity or acceleration, which has no meaning in statics: its displacement is held at 30 mm"),
         "{:?}",
         solved.told
     );

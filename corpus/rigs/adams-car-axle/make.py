@@ -192,6 +192,7 @@ def main(source, target):
         + "".join(f'{name} = "{address}"\n' for name, address in loads.items())
         + '\n[marks]\non_parts = "marks_on_parts.csv"\nmeasured = "marks_measured.csv"\nsigma = 0.02\n'
         + f'\n[identify]\nbushings = [{", ".join(arms)}]\ninitial = "deck"\n'
+        + "prior_log_sd = 0.7                # the stiffness in the deck is right to a factor of two\n"
     )
     (target / "study.toml").write_text(study)
 

@@ -32,7 +32,7 @@ const PAIRS: [(usize, usize, &str); 15] = [
 /// Adds candidates for a coupling between every pair of components of every bushing or FIELD.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for element in ElasticElement::all(survey) {
-        let (stiffness, pair) = (element.deck_stiffness, element.pair);
+        let (stiffness, pair) = (element.stiffness, element.pair);
         let [i, j] = [pair.0, pair.1].map(|marker| survey.marker_id(marker).to_string());
         let field = survey.free_id("FIELD");
         for (a, b, form) in PAIRS {

@@ -20,7 +20,7 @@ const FORMS: [&str; 3] = ["slow", "middle", "fast"];
 /// Adds candidates for creep in every component of every elastic element.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for element in ElasticElement::all(survey) {
-        let (pair, stiffness) = (element.pair, element.deck_stiffness);
+        let (pair, stiffness) = (element.pair, element.stiffness);
         for axis in (0..6).filter(|axis| stiffness[*axis] > 0.0) {
             let (place, flow) = (survey.free_id("VARIABLE"), survey.free_id("VARIABLE") + 1);
             let law = format!("0.0*VARVAL({place})");

@@ -254,7 +254,7 @@ fn forms(stiffness: f64, largest: f64, usual: f64) -> [LawForm; 3] {
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let usual = survey.priors().progressive_stiffness;
     for element in ElasticElement::all(survey) {
-        let stiff = (0..6).filter(|axis| element.deck_stiffness[*axis] > 0.0);
+        let stiff = (0..6).filter(|axis| element.stiffness[*axis] > 0.0);
         for axis in stiff {
             let partner = (axis < 2).then(|| 1 - axis);
             let is_radial = partner.is_some() && element.is_radial;
@@ -264,7 +264,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 .map(|partner| LawSite::new(survey, &element, axis, Some(partner)));
             for site in [own, radial].into_iter().flatten().flatten() {
                 let is_further = site.measure.radial.is_some() && !is_radial;
-                let forms = forms(element.deck_stiffness[axis], site.largest, usual);
+                let forms = forms(element.stiffness[axis], site.largest, usual);
                 let own = forms
                     .iter()
                     .filter(|form| !is_further || form.name == SPLINE);
