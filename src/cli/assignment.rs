@@ -60,7 +60,8 @@ impl Operator {
 }
 
 impl Assignment<'_> {
-    /// Returns the new text of a value whose current content is the number `old` or a text. A computed number is written in the style of `written`.
+    /// Returns the new text of a value. `old` is its current number, `None` if it is not a number. `written` is its current text. A computed number
+    /// is written in the style of `written`.
     pub(super) fn reckoned(
         &self,
         address: &str,

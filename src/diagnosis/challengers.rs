@@ -1,4 +1,5 @@
-//! Sets of effects that a fit must be compared with if it leads. The linear model at the fit may misjudge them, so they are fitted.
+//! Sets of effects that are fitted for comparison with the most probable fit. The linear model at that fit may estimate their posterior
+//! probabilities wrongly.
 
 use std::collections::BTreeMap;
 

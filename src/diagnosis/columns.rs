@@ -23,7 +23,7 @@ use admire_syntax::Address;
 /// processor's cache.
 pub(super) struct Responses<'a> {
     observations: Observations<'a>,
-    /// Predictions of all cases. Each batch fills in its own changes before the residual rows are computed.
+    /// Predictions of all cases. For each batch, `by_unknown` of every prediction is replaced by the batch's part of `changes`.
     prediction: Vec<CasePrediction>,
     /// Changes of poses and channels in each case, per unit of each parameter whose effect requires the solver.
     changes: Vec<CaseChanges>,

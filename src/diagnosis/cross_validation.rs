@@ -34,7 +34,7 @@ use admire_session::backend::LoadCase;
 pub struct GroupGain {
     /// Labels of the cases in the group.
     pub cases: Vec<String>,
-    /// Causes selected from the other groups, as `cause address`.
+    /// Causes in the model that was selected by the readings of the other groups, each written as `cause address`.
     pub causes: Vec<String>,
     /// Rms error of the model without causes in predicting this group.
     pub rms_before: f64,

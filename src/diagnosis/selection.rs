@@ -38,7 +38,7 @@ impl<'a> Selection<'a> {
         let none = Arc::new(fit_without_effects(&mut subject, known, Data::All)?);
         progress.begin("searching for causes");
         let mut selected = select(&subject, &none, Data::All);
-        progress.begin("testing what was found");
+        progress.begin("testing the remaining residuals");
         let mut tested = lack_of_fit_tests(&subject, &selected.leading);
         // Before the causes were known, other structure may have hidden heavy tails.
         if is_structured(&tested)

@@ -2,10 +2,10 @@
 
 use crate::settings::SMALLEST_SMOOTH_SHARE;
 
-/// Change of all points by one unknown. The change is one at the point that names the unknown.
+/// Change of all points by one unknown. Each unknown belongs to one point, whose change is equal to the unknown.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct SmoothChange {
-    /// Index of the point that names the unknown.
+    /// Index of the point to which the unknown belongs. The unknown takes the name of this point.
     pub point: usize,
     /// Change of each point per unit of the unknown.
     pub factors: Vec<f64>,

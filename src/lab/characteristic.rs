@@ -231,7 +231,8 @@ impl Characteristic {
         }
     }
 
-    /// Returns the path of the column in the table, which is a request of Adams/Car, such as `toe_angle.left`.
+    /// Returns the path of the column in the table: a request of Adams/Car and its component, such as `toe_angle.left`. The steering input has no
+    /// component.
     pub fn path(self, side: Option<Side>) -> String {
         let side = side.map_or("left", Side::word);
         match self {

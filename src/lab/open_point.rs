@@ -1,4 +1,5 @@
-//! Open points of a table and its mapping. On a terminal they become questions, otherwise diagnostics.
+//! Open points of an import: missing or contradictory information. On a terminal, the user is asked about them. Otherwise, they are reported as
+//! diagnostics.
 
 use super::block::Block;
 use super::characteristic::{Characteristic, Target};
@@ -15,7 +16,7 @@ use admire_kc::{Side, TestKind};
 use admire_study::Cell;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Information that neither the table nor its mapping contains.
+/// Open point of an import: information that is missing in the table and its mapping, or a contradiction in the mapping.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OpenPoint {
     /// The mapping entry lacks information about the column to which it refers. `block` and `at` give one such column, which is shown as an

@@ -16,7 +16,8 @@ pub enum Quantity {
 const POUND_FORCE: f64 = 4.448_221_615_260_5;
 const KILOGRAM_FORCE: f64 = 9.806_65;
 
-/// Units of each quantity: spellings in lower case without blanks, and the size in the unit to which values are converted.
+/// Units of angle. Each entry holds the spellings of a unit, simplified by [`plain`], and the factor from it to [`Quantity::unit`]. The tables of
+/// the other quantities have the same form.
 const ANGLES: &[(&[&str], f64)] = &[
     (&["deg", "degree", "degrees", "\u{b0}"], 1.0),
     (&["min", "arcmin", "'", "\u{2032}"], 1.0 / 60.0),

@@ -72,9 +72,10 @@ impl Results {
         for word in &kinds {
             let mut named = StepKind::NAMED.into_iter();
             let kind = named.find(|kind| kind.step_type().eq_ignore_ascii_case(word));
-            filter
-                .kinds
-                .push(kind.ok_or_else(|| wrong(word, "not a kind of step"))?);
+            filter.kinds.push(kind.ok_or_else(|| {
+                let all = StepKind::NAMED.map(StepKind::step_type).join(", ");
+                wrong(word, &format!("not a kind of step; write one of {all}"))
+            })?);
         }
         let results = self.0.clone();
         let watched = SharedProgress::default();

@@ -30,7 +30,7 @@ pub(crate) const MOST_ASSIGNMENTS: usize = 200_000;
 pub(crate) const LINEAR_RELATIVE: f64 = 1e-6;
 /// Acceleration of gravity in m/s^2: standard gravity, as in Adams/Car. Results files do not contain it.
 pub(crate) const GRAVITY_M_PER_S2: f64 = 9.806_65;
-/// Mass in kg of a part without a weight in the results.
+/// Smallest mass in kg of a part in the deck. A part without a weight in the results gets this mass.
 pub(crate) const LEAST_MASS_KG: f64 = 1e-6;
 /// Default moment of inertia in kg m^2 of a part, because equilibria do not determine it.
 pub(crate) const DEFAULT_INERTIA_KG_M2: f64 = 0.01;

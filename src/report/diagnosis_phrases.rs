@@ -86,7 +86,7 @@ pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str)
         solver.solver, solver.rms
     );
     if let Some(case) = &solver.case {
-        text += &format!(", at most by {:.2e} {unit} in case {case}", solver.most);
+        text += &format!(" (at most {:.2e} {unit}, in case {case})", solver.most);
     }
     text += if solver.is_negligible(sigma) {
         ", which is small compared with the noise."

@@ -394,18 +394,18 @@ impl Text<'_> {
         };
         let units = &self.outcome.subject.problem.model.units;
         let force = short_unit(units.force.word);
-        let (what, measure) = match found.address.split('.').nth(1) {
-            Some("K") => ("force", force),
-            Some("KT") => ("torque", format!("{force} {}", units.length.word)),
+        let (what, measure, of_deck) = match found.address.split('.').nth(1) {
+            Some("K") => ("force", format!(" {force}"), ""),
+            Some("KT") => ("torque", format!(" {force} {}", units.length.word), ""),
             // The free axis of a joint is that of a translation or of a rotation.
-            _ => ("force or torque", "units of the deck".to_string()),
+            _ => ("force or torque", String::new(), ", in units of the deck"),
         };
         let by_force = |a: &&RemainderPoint, b: &&RemainderPoint| a.force.total_cmp(&b.force);
         let least = found.points.iter().min_by(by_force)?;
         let most = found.points.iter().max_by(by_force)?;
         let at = |point: &RemainderPoint| {
             format!(
-                "{:.3} ± {:.3} in case {}",
+                "{:.3} ± {:.3}{measure} in case {}",
                 point.force, point.std_error, point.case
             )
         };
@@ -434,7 +434,7 @@ impl Text<'_> {
             )
         });
         Some(format!(
-            "The remaining residuals look most like an extra {what} at {} that varies smoothly with {over}, from {} to {}, in {measure}: it explains {:.0} % of the unexplained chi-square{rival}.{predicts}",
+            "The remaining residuals look most like an extra {what} at {} that varies smoothly with {over}, from {} to {}{of_deck}: it explains {:.0} % of the unexplained chi-square{rival}.{predicts}",
             found.address,
             at(least),
             at(most),

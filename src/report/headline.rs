@@ -27,14 +27,15 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         let name = argument.split('.').next();
         parameter.form.is_none() && matches!(name, Some("K" | "KT"))
     };
-    let what = if fit.parameters.iter().all(is_stiffness) {
-        "stiffnesses"
-    } else {
-        "parameters"
+    let what = match (fit.parameters.iter().all(is_stiffness), all) {
+        (true, 1) => "stiffness",
+        (true, _) => "stiffnesses",
+        (false, 1) => "parameter",
+        (false, _) => "parameters",
     };
     if !fit.converged {
         return format!(
-            "The fit did not converge: the {all} {what} below are those of the last iteration. Do not use them."
+            "The fit did not converge: the values below ({all} {what}) are those of the last iteration. Do not use them."
         );
     }
     let mut shares = known;
@@ -43,15 +44,20 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         .get(shares.len() / 2)
         .filter(|_| shares.len() == count);
     let precision = half.map_or_else(String::new, |share| {
-        format!(
-            ", half of them with a standard error of {} % or less",
-            rounded(100.0 * share, 2)
-        )
+        let error = rounded(100.0 * share, 2);
+        if count == 1 {
+            format!(", with a standard error of {error} %")
+        } else {
+            format!(", half of them with a standard error of {error} % or less")
+        }
     });
-    let mut text = if count == all {
-        format!("The measurement determines all {all} unknown {what}{precision}.")
-    } else {
-        format!("The measurement determines {count} of the {all} unknown {what}{precision}.")
+    let mut text = match (count, all) {
+        (0, 1) => format!("The measurement does not determine the unknown {what}."),
+        (1, 1) => format!("The measurement determines the unknown {what}{precision}."),
+        _ if count == all => {
+            format!("The measurement determines all {all} unknown {what}{precision}.")
+        }
+        _ => format!("The measurement determines {count} of the {all} unknown {what}{precision}."),
     };
     let held = &fit.held_out;
     for curve in &held.curves {

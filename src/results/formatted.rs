@@ -129,8 +129,8 @@ impl FormattedResults {
         let mut lines = block.lines.iter();
         let head = lines.next().map_or("", |(_, line)| ascii(line));
         if !head.get(8..).unwrap_or_default().starts_with("YES") {
-            let message = "the file holds no displacements of parts".to_string();
-            return Err((Code::UnsupportedResults, message, block.span));
+            let message = "the file contains no displacements of parts; run again without NODISPLACEMENTS in RESULTS";
+            return Err((Code::UnsupportedResults, message.to_string(), block.span));
         }
         for &(span, line) in lines {
             let numbers: Option<Vec<i64>> = words(line).map(|word| word.parse().ok()).collect();

@@ -77,7 +77,7 @@ impl GraphicsFile {
     ///
     /// # Errors
     /// Returns the reason as text if the file is cut off or contains a line that is not part of a frame.
-    fn frames(&mut self, lines: &mut std::str::Lines<'_>) -> Result<(), &'static str> {
+    fn frames(&mut self, lines: &mut std::str::Lines<'_>) -> Result<(), String> {
         const NONE: &str = "the file ends before its first frame";
         let mut forces = Vec::new();
         let mut before: Vec<i64> = Vec::new();
@@ -100,11 +100,11 @@ impl GraphicsFile {
                 Some(Some(numbers)) if numbers.len() == 6 => size += 1,
                 Some(Some(numbers)) if numbers.len() == 1 => break Some(numbers[0]),
                 None => break None,
-                Some(_) => return Err(NONE),
+                Some(_) => return Err(NONE.to_string()),
             }
         };
         let Some(loads) = size.checked_sub(self.parts.len()) else {
-            return Err(NONE);
+            return Err(NONE.to_string());
         };
         self.forces = if forces.len() == loads {
             forces
@@ -129,9 +129,12 @@ impl GraphicsFile {
             self.poses.push(frame);
             label = match lines.next() {
                 None => None,
-                Some(line) => Some(line.trim().parse().map_err(
-                    |_| "a line is not the time of a frame; the frames before it are read",
-                )?),
+                Some(line) => Some(line.trim().parse().map_err(|_| {
+                    format!(
+                        "the line after frame {} is not a time; the frames before it are read",
+                        self.times.len()
+                    )
+                })?),
             };
         }
         Ok(())

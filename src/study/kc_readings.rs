@@ -178,9 +178,9 @@ fn channel(
         Some(Some(factor)) => factor * millimetre,
         Some(None) => {
             let what = if angle {
-                "an angle: write deg, min, rad or mrad"
+                "angle: write deg, min, rad or mrad"
             } else {
-                "a length: write mm, cm, m or in"
+                "length: write mm, cm, m or in"
             };
             let message = format!("`{}` is not a unit of {what}", unit.unwrap_or_default());
             let place = curve.unit.as_ref().unwrap_or(&curve.name).span;

@@ -261,9 +261,9 @@ file = \"kc.csv\"                     # one row per load case
             text += &self.wheel_keys();
             let forward = self.wheel.is_some_and(|at| looks_like_iso(self.model, at));
             text += if forward {
-                "forward = \"+x\"                      # the way the vehicle drives, by the names of its sides; CHECK\n"
+                "forward = \"+x\"                      # forward direction of the vehicle, from the names of its sides; CHECK\n"
             } else {
-                "forward = \"-x\"                      # the way the vehicle drives, an axis of ground; CHECK\n"
+                "forward = \"-x\"                      # forward direction of the vehicle, an axis of ground; CHECK\n"
             };
             text += "\
 # relative_to = \"1\"                 # the case in which the readings of the rig were set to zero

@@ -65,7 +65,8 @@ pub(super) const OWNERS: [&str; 6] = [
 ];
 
 /// End of the error message for a new marker without any of [`OWNERS`]. Such a marker would belong to whatever body precedes it.
-pub(super) const NO_OWNER: &str = "does not name its body: add PART=id, or another body";
+pub(super) const NO_OWNER: &str =
+    "does not name its body: add PART=id (or POINT_MASS, FLEX_BODY, FE_PART, CURVE, SURFACE)";
 
 impl Statement {
     /// Returns the full keyword in capitals; `None` if the statement is not in the grammar.

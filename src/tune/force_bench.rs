@@ -70,7 +70,8 @@ fn loaded(folder: &Path, target: &str) -> Tuning {
 }
 
 /// Checks that the search finds a spring rate and a preload that give a wanted force at ride height and a wanted change of force with
-/// travel. The spring carries `FORCE + K (420 - 400 + z)`, upward on its upper marker and downward on the carrier.
+/// travel. The spring force is `FORCE + K (420 - 400 + z)` with the free length 420, the installed length 400 and the wheel travel `z`. It acts
+/// upward on the upper marker and downward on the carrier.
 #[test]
 fn a_spring_has_its_wanted_force_at_ride_height() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -39,7 +39,7 @@ fn loads_in_another_unit_are_refused_with_it() {
         (
             &all[..],
             1.0 / POUND,
-            "all load columns multiplied by 4.448, as if stated in pound_force",
+            "all force columns multiplied by 4.448, as if stated in pound_force",
         ),
         (
             &["lateral"],

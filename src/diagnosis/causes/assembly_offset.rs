@@ -1,7 +1,7 @@
 //! `assembly-offset`: the two sides of a bushing are displaced from each other in every load case, compared with the deck.
 //!
-//! The translational offset of every bushing is a random effect. It becomes a finding if it exceeds its tolerance group. A rotational offset
-//! is a separate effect.
+//! The tolerances already include a translational offset of every bushing, as random effects. The candidate for a translational offset widens
+//! their priors, so that the offset may exceed the tolerance. The candidate for a rotational offset adds parameters of its own.
 
 use super::super::candidate_effect::{CandidateEffect, EffectParameter, SIX};
 use super::super::cause::Cause;

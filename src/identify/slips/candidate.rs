@@ -163,7 +163,7 @@ fn loads(study: &LoadedStudy) -> Vec<Family> {
     }
     let together: Vec<usize> = columns.into_iter().filter(is_force).collect();
     if together.len() > 1 {
-        out.push(family("all load columns", &together, &forces(units)));
+        out.push(family("all force columns", &together, &forces(units)));
     }
     out
 }

@@ -38,7 +38,7 @@ fn pairs(all: impl IntoIterator<Item = (f64, String)>) -> Vec<UnitPair> {
         add(*factor, unit.clone());
     }
     for (factor, unit) in all {
-        add(1.0 / factor, format!("{unit}, converted the wrong way"));
+        add(1.0 / factor, format!("{unit} and converted the wrong way"));
     }
     out
 }

@@ -21,7 +21,8 @@ const SLUGGISH: f64 = 0.3;
 const SETTLED: f64 = 1e-1;
 /// Number of step cuts after which [`SETTLED_AFTER_CUTS`] replaces [`SETTLED`]. Errors that shorter steps do not reduce are round-off.
 const CUTS: usize = 3;
-/// Largest correction of positions and velocities, in tolerances, that is accepted after [`CUTS`] cuts of the step. It corresponds to ERROR.
+/// Replacement of [`SETTLED`] after [`CUTS`] cuts of the step. It is the ratio of ERROR to the internal tolerance, so corrections up to ERROR are
+/// accepted.
 const SETTLED_AFTER_CUTS: f64 = 1.0 / INSIDE;
 /// Relative round-off of positions and velocities. The iteration ends when its corrections are smaller than this.
 const ROUND_OFF: f64 = 1e-14;

@@ -426,8 +426,9 @@ impl Configuration<'_> {
     /// Returns a velocity or acceleration of markers, and appends its gradient with respect to positions, velocities and accelerations of
     /// the parts.
     ///
-    /// With r the vector from the origin of the part to the marker, `dv = dV + dw x r + w x (dphi x r)` and `da = dA + db x r + b x (dphi x
-    /// r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
+    /// Let `r` be the vector from the origin of the part to the marker. `V` and `A` are the velocity and acceleration of the origin. `w` and `b`
+    /// are the angular velocity and angular acceleration of the part. Then `dv = dV + dw x r + w x (dphi x r)` and
+    /// `da = dA + db x r + b x (dphi x r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
     pub(super) fn moved(&mut self, measure: &RateMeasure) -> f64 {
         if !self.moving() {
             return 0.0;

@@ -36,7 +36,7 @@ pub struct Repeats {
     pub threads: usize,
 }
 
-/// Kind of repetition.
+/// Method by which the uncertainty of a fit is sampled.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// Bootstrap fits to resampled readings.

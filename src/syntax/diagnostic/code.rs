@@ -123,9 +123,9 @@ codes! {
     /// At the design position, the markers of a JOINT or JPRIM violate its constraint: the origins are apart or the axes are not aligned.
     /// ADAMS moves the parts when it assembles the model.
     JointNotAligned = "joint-not-aligned",
-    /// In the units that the UNITS statement declares, the mechanism is implausible; most often, its numbers are in other units.
-    /// Examples: a size of a kilometre, a density above any material, a gravity far from 9.81 m/s2, a stiffness above steel.
-    /// It is an error if several quantities are implausible.
+    /// The mechanism is implausible in the units of the UNITS statement. Most often, its numbers are in other units.
+    /// Examples: a size above a kilometre, a density above that of any material, gravity far from 9.81 m/s2, a bushing stiffer than a steel block.
+    /// One implausible quantity gives a warning; several give an error.
     ImplausibleUnits = "implausible-units",
     // Files.
     /// A file does not exist or cannot be read.
