@@ -16,9 +16,10 @@ use super::settings::{
 #[derive(Clone, Debug)]
 struct Candidate {
     terms: Vec<Term>,
-    /// For each force on a J part, the cluster of its I part; `None` for forces on I parts and forces along a line.
+    /// Cluster that contains the I part of each term with negative sign (force on the J part). `None` for terms with positive sign, and for forces
+    /// along a line.
     partners: Vec<Option<usize>>,
-    /// Residual moment divided by the largest force, which is a lever.
+    /// Largest residual moment divided by the largest force, in length units.
     lever: f64,
     /// Score from the residual moment and from the agreement of names. Smaller is better.
     score: f64,
@@ -32,7 +33,7 @@ pub(crate) struct Known<'a> {
     pub(crate) clusters: &'a Clusters,
     /// Relative motion of each pair of clusters.
     pub(crate) relations: &'a Relations,
-    /// The elements, sorted by their forces.
+    /// Elements, grouped by the variation of their forces over the states.
     pub(crate) forces: &'a Forces,
     /// Size of the mechanism.
     pub(crate) size: f64,
@@ -43,7 +44,8 @@ pub(crate) struct Known<'a> {
 /// Forces on every cluster, one list each; the list of ground is empty.
 pub(crate) type Assignment = Vec<Vec<Term>>;
 
-/// Returns the direction of weights, which is the direction of the constant by which forces of one class differ. `None` without such a constant.
+/// Returns the direction of gravity as a unit vector. Signed sums of forces that are constant over all states equal weights; the largest of them
+/// gives the direction. `None` if all of them are round-off.
 pub(crate) fn down(record: &Record, forces: &Forces) -> Option<Vec3> {
     let mut best = Vec3::zeros();
     let mut consider = |v: Vec3| {
@@ -129,7 +131,8 @@ pub(crate) fn assign(known: &Known<'_>) -> Option<Assignment> {
     Some(assignment)
 }
 
-/// Returns all sets of forces whose sum is constant. Each set contains one element of each class.
+/// Returns all sets of forces that may balance the weight of one part, each with both signs. A set contains one element of each class of a balance,
+/// or two elements of one class.
 fn term_sets(known: &Known<'_>) -> Vec<Vec<Term>> {
     let classes = &known.forces.classes;
     let mut sets = Vec::new();
@@ -325,8 +328,8 @@ impl Known<'_> {
         names.sum()
     }
 
-    /// Returns all possible combinations of clusters that contain the I parts of the forces on this cluster's J parts. Empty if a joint fits no
-    /// cluster.
+    /// Returns all choices of `partners` (see [`Candidate`]) for a set of forces on a cluster. The list is empty if a joint fits no other cluster, or
+    /// if there are more than [`MOST_PARTNERS`] choices.
     fn partners(
         &self,
         cluster: usize,
@@ -429,8 +432,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Returns true if three conditions hold. No other cluster has these forces, the joints among them fit their two clusters, and the I parts are in
-    /// the expected clusters.
+    /// Returns true if a candidate agrees with the candidates chosen so far. Each of its forces must still be free, each of its joints must fit both
+    /// clusters, and each I part must be in the expected cluster.
     fn fits(&self, cluster: usize, candidate: &Candidate) -> bool {
         let mut all = candidate.terms.iter().zip(&candidate.partners);
         all.all(|((element, sign), partner)| {

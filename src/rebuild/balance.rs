@@ -12,7 +12,7 @@ pub(crate) struct Class {
     change: Vec<Vec3>,
 }
 
-/// Forces of a record, sorted by their information about the connections.
+/// Elements of a record, grouped by the variation of their forces over the states.
 #[derive(Clone, Debug)]
 pub(crate) struct Forces {
     /// Largest force.
@@ -93,8 +93,9 @@ impl Forces {
 
     /// Returns all signed sums of up to twelve classes that are constant over all states and contain no smaller such sum.
     ///
-    /// The forces on one part form such a sum, because they balance its weight. Half sums are compared by one number each: a fixed linear combination
-    /// of all force components in all states. Pairs of half sums with equal numbers are compared in full.
+    /// The forces on one part form such a sum, because they balance its weight. The search pairs sums of at most six classes. Pairs are first
+    /// compared by one number per sum, a fixed linear combination of all force components in all states. Pairs with equal numbers are compared in
+    /// full.
     pub(crate) fn balances(&self) -> Vec<Balance> {
         let count = self.classes.len();
         let half = (1..=6).rev().find(|half| sums(count, *half) <= MOST_SUMS);

@@ -22,8 +22,8 @@ pub(crate) struct Axes {
 
 /// Finds the axes of the markers from the angles AX, AY, AZ of the results.
 ///
-/// To first order, the angles are the relative rotation vector in J axes plus a constant, which determines the J axes (Kabsch, 1976). Newton's method
-/// for the exact angles then determines both sets of axes.
+/// To first order, the angles equal the components of the relative rotation vector in J axes, plus a constant. This determines the rotation between
+/// the axes of the J body and the J axes (Kabsch, 1976). Newton's method for the exact angles then refines the axes of both markers.
 pub(crate) fn axes(angles: &[Vec3], i: &[Pose], j: &[Pose]) -> Axes {
     let relative: Vec<Mat3> = i
         .iter()
@@ -71,7 +71,8 @@ pub(crate) fn axes(angles: &[Vec3], i: &[Pose], j: &[Pose]) -> Axes {
     found
 }
 
-/// Returns one step of Newton's method for the rotations of both axes, the residual, and whether a direction is undetermined.
+/// Returns one step of Newton's method for the rotations of the I and J axes, the largest residual angle in radians, and whether a rotation is
+/// undetermined.
 fn newton(at: &Axes, angles: &[Vec3], relative: &[Mat3]) -> (SVector<f64, 6>, f64, bool) {
     let h = 1e-6;
     let angle =
@@ -105,7 +106,8 @@ fn newton(at: &Axes, angles: &[Vec3], relative: &[Mat3]) -> (SVector<f64, 6>, f6
     )
 }
 
-/// Finds the axes of the J marker if the results hold no angles that determine them. They are the principal axes of a linear stiffness.
+/// Returns the principal axes of the linear stiffness that fits the forces best, in the axes of the J body. They replace the axes of the J marker if
+/// no angles in the results determine those.
 pub(crate) fn stiffness_axes(
     record: &Record,
     element: &Element,

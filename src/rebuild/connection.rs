@@ -34,7 +34,7 @@ pub(crate) struct Connections {
 /// Clusters of the I and J part of each element.
 type Ends = Vec<[Option<usize>; 2]>;
 
-/// A place inside a cluster. One member of the cluster is the body at this place.
+/// Forces on one body of a cluster, before the body is known.
 #[derive(Clone, Debug, Default)]
 struct Place {
     terms: Vec<Term>,
@@ -134,7 +134,8 @@ impl Known<'_> {
         matches!(kind, "Joint" | "Primitive_Joint" | "Motion")
     }
 
-    /// Returns true if a force without a place is the reaction of a force with a place, so that it acts on ground.
+    /// Returns true if another element with a known body has the opposite force in every state. Both elements must be constraints, or neither. The
+    /// force of the element then repeats a known reaction.
     fn repeats(&self, element: usize, bodies: &[[Option<usize>; 2]]) -> bool {
         let force = &self.record.elements[element].force;
         let room = BALANCE_RELATIVE * self.forces.largest;
@@ -148,7 +149,8 @@ impl Known<'_> {
         })
     }
 
-    /// Finds the bodies of elements that have torques but no forces. The moments on such a body balance only with these torques.
+    /// Finds the bodies of elements that have torques but no forces. Such an element acts on a body if the moments on the body balance only with its
+    /// torque.
     fn place_torques(&self, bodies: &mut [[Option<usize>; 2]]) {
         if self.forces.torques.is_empty() {
             return;
@@ -208,7 +210,8 @@ impl Known<'_> {
         }
     }
 
-    /// Sets the other end of forces that act on only one cluster to ground. Joints with constant forces are placed by their motions.
+    /// Sets the unknown cluster of each element to ground if its other cluster is known. Joints with constant forces are then assigned by the
+    /// relative motions of the clusters.
     fn close(&self, ends: &mut Ends) {
         for pair in ends.iter_mut() {
             match pair {
@@ -221,7 +224,7 @@ impl Known<'_> {
         }
     }
 
-    /// Returns the upward component of the sum of these forces, which is the weight that they carry.
+    /// Returns the upward component of the sum of the forces `terms` in the first state, which is the weight that they carry.
     pub(crate) fn upward(&self, terms: &[Term]) -> f64 {
         let sum = terms.iter().fold(Vec3::zeros(), |sum, (e, s)| {
             sum + self.record.elements[*e].force[0] * *s
@@ -229,9 +232,11 @@ impl Known<'_> {
         -sum.dot(&self.down)
     }
 
-    /// Finds the elements inside each cluster. Each pair consists of an external term and an inner element with the sign that balances it.
+    /// Finds the constraints between bodies of one cluster. For each cluster, returns pairs of an external force and an inner constraint force that
+    /// balances it up to a weight.
     ///
-    /// The forces of one class differ by weights. The carried weight increases from the outside of a cluster to its inside.
+    /// All forces of one class differ by weights. Each inner constraint is paired with the external force of its class that leaves the smallest
+    /// nonnegative weight.
     fn inner(&self, assignment: &Assignment, ends: &Ends) -> Vec<Vec<(Term, Term)>> {
         let room = 10.0 * BALANCE_RELATIVE * self.forces.largest;
         let mut inner = vec![Vec::new(); self.clusters.members.len()];
@@ -266,8 +271,9 @@ impl Known<'_> {
         inner
     }
 
-    /// Arranges the places of a cluster: for each external force a chain with the inner elements, and the core as the last place. Constant forces are
-    /// returned separately, because the balance does not determine their place.
+    /// Distributes the forces on a cluster over its bodies. The inner constraints behind each external force form a chain of bodies. All chains end
+    /// at the same body, the core, which is the last place. Constant forces are returned separately, because the balance does not determine their
+    /// body.
     fn places(
         &self,
         terms: &[Term],
@@ -305,7 +311,8 @@ impl Known<'_> {
         (places, loose)
     }
 
-    /// Assigns the members of a cluster to its places by their names. Constant forces are assigned so that the masses become round numbers.
+    /// Assigns the bodies of a cluster to its places, by the agreement of their names with the names of the forces. Constant forces are assigned so
+    /// that the masses become round numbers.
     fn seat(
         &self,
         members: &[usize],
@@ -381,7 +388,7 @@ impl Known<'_> {
         super::mass(weight, &self.record.units)
     }
 
-    /// Places the forces on bodies at rest. All of them act on ground, because no force distinguishes these bodies.
+    /// Assigns all forces on the cluster of ground to ground itself, because the forces on bodies at rest do not distinguish these bodies.
     fn on_ground(
         &self,
         terms: &[Term],

@@ -10,7 +10,7 @@ pub(crate) struct Constants<'c, 'k> {
     known: &'c Known<'k>,
     /// Joints, each with the pairs of clusters (I, J) that it may connect.
     options: Vec<(usize, Vec<(usize, usize)>)>,
-    /// Upward force on each cluster by elements with a place; `None` for ground, and for clusters without such elements.
+    /// Upward force on each cluster by the elements whose clusters are known; `None` for ground, and for clusters without such elements.
     carried: Vec<Option<f64>>,
     /// Pairs of clusters that have a joint.
     joined: Vec<(usize, usize)>,
@@ -139,7 +139,8 @@ impl<'c, 'k> Constants<'c, 'k> {
         self.chosen.pop();
     }
 
-    /// Improves a placement step by step: another pair for one joint, or exchanged pairs of two joints. It ends if no step improves the score.
+    /// Improves a placement step by step. Each step assigns another pair of clusters to one joint, or exchanges the pairs of two joints. The search
+    /// ends if no step improves the score.
     fn improved(&mut self, mut chosen: Vec<Option<(usize, usize)>>) -> Vec<Option<(usize, usize)>> {
         let same = |a: &(usize, usize), b: &(usize, usize)| a == b || (a.0 == b.1 && a.1 == b.0);
         let mut best = self.total(&chosen);
@@ -209,7 +210,7 @@ impl<'c, 'k> Constants<'c, 'k> {
     }
 }
 
-/// Returns the agreement between the name of an element and the names in a cluster. Ground has no name, so its value is fixed.
+/// Returns the largest agreement between the name of an element and the name of a body in a cluster, at most 3. The result for ground is 0.5.
 fn speaks(known: &Known<'_>, element: usize, cluster: usize) -> f64 {
     if cluster == 0 {
         return 0.5;

@@ -22,7 +22,7 @@ pub struct Deck {
     pub drives: Vec<Drive>,
     /// For each body of the record, its id in the deck.
     pub parts: Vec<u32>,
-    /// Elements of the record that the deck has, with their names in it, for example `BUSHING/3`.
+    /// Index of each element of the record that the deck contains, and its address in the deck, for example `BUSHING/3`.
     pub addresses: Vec<(usize, String)>,
 }
 
@@ -257,7 +257,8 @@ impl Writer<'_> {
         format!("BUSHING/{id}")
     }
 
-    /// Returns preload and stiffness of every linear axis. An axis without motion gets the stiffness of the other axes.
+    /// Returns preload and stiffness of every axis: first for the forces, then for the torques. An axis without a linear law gets the mean stiffness
+    /// of the linear axes, or the default stiffness.
     fn numbers(&self, law: &Law) -> ([(f64, f64); 3], [(f64, f64); 3]) {
         let units = &self.record.units;
         let plain = DEFAULT_STIFFNESS_N_PER_MM * 1e3 * units.length.si / units.force.si;

@@ -5,7 +5,8 @@ use super::record::Record;
 use super::relation::Clusters;
 
 impl Mechanism {
-    /// Adds the universal joint that prevents a rod between two ball joints from spinning, if the motion of the rod is consistent with one.
+    /// Replaces one of the two ball joints of a rod by a universal joint, which prevents the rod from spinning. This requires that the motion of the
+    /// rod is consistent with a universal joint.
     ///
     /// A universal joint without torque appears only in the motion: its pins remain at right angles.
     pub(crate) fn hold_rods(&mut self, record: &Record) {

@@ -194,7 +194,7 @@ fn cross(element: &Element, i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3)> {
 }
 
 /// Finds two pins, one on each body, that remain at right angles in all states. They are the pins of a universal joint that carries no torque. The
-/// last number is the largest cosine of the angle between them. `None` if no such pins exist.
+/// third value is the largest magnitude of the cosine of the angle between them. `None` if no such pins exist.
 ///
 /// Newton's method starts with pins along the axes of the frames, and with pins between these axes.
 pub(crate) fn pins(i: &[Pose], j: &[Pose]) -> Option<(Vec3, Vec3, f64)> {

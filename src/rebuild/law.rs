@@ -15,7 +15,7 @@ pub enum AxisLaw {
     },
     /// F as a curve of d through these points, which are in increasing order of d.
     Curve(Vec<(f64, f64)>),
-    /// F = preload - X(r) d/r, where r is the radial deflection and X is an odd curve through these points, starting at r = 0.
+    /// F = preload - X(r) d/r, where r is the radial deflection and X is an odd curve through the origin and `points`.
     Odd {
         /// Force at d = 0.
         preload: f64,
@@ -46,7 +46,8 @@ impl Law {
 }
 
 impl AxisLaw {
-    /// Returns the linear law; `None` if the force is not linear. `least` is the smallest range of deflections that counts as motion.
+    /// Returns the linear law of an axis, or [`Self::Unseen`] if no deflection differs from the mean by more than `least`. Returns `None` if the
+    /// force is not linear.
     pub(crate) fn linear(d: &[f64], f: &[f64], least: f64) -> Option<Self> {
         let count = d.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
@@ -115,7 +116,7 @@ impl AxisLaw {
     }
 }
 
-/// Returns the values of the four uniform cubic B-splines that are nonzero at `u` intervals from the start, with their indices.
+/// Returns (index, value) of each of the four uniform cubic B-splines that are nonzero at `u` knot intervals from the first knot.
 fn splines(u: f64) -> [(usize, f64); 4] {
     let at = (u.floor().max(0.0) as usize).min(PRELOAD_SPLINE_INTERVALS - 1);
     let t = u - at as f64;
@@ -128,7 +129,8 @@ fn splines(u: f64) -> [(usize, f64); 4] {
     ]
 }
 
-/// Sorts points, and merges points that are closer than a thousandth of the range, which a curve could not separate.
+/// Sorts points by their first coordinate, and replaces neighbouring points by their mean. Points are neighbours if they are closer than a thousandth
+/// of the range.
 pub(crate) fn thinned(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let range = match (points.first(), points.last()) {

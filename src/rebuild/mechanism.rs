@@ -92,16 +92,16 @@ pub enum Role {
     },
     /// A force along a line.
     Spring(Spring),
-    /// A second constraint between parts that a FIXED joint holds together. The joint carries its force.
+    /// A further constraint between parts that a FIXED joint already connects. The FIXED joint carries the force of this constraint.
     Carried,
     /// A force with one given value per state, in ground axes, at a point of the I body.
     Load(Vec3),
 }
 
-/// Finds a mechanism. `Err` is a sentence that states what the results do not determine.
+/// Finds the mechanism that has the equilibria of a record.
 ///
 /// # Errors
-/// When no balance of the forces belongs to a part.
+/// Returns a message if the record contains no forces, or if the forces balance on no part.
 pub fn mechanism(record: &Record) -> Result<Mechanism, String> {
     let size = size(record);
     let forces = Forces::sort(record);
@@ -182,7 +182,8 @@ struct Builder<'b> {
 }
 
 impl Builder<'_> {
-    /// Sets the points that follow from motions, requests and floating markers, and marks the other points as undetermined.
+    /// Sets the point of every element. Relative motions, requests and floating markers determine some of the points; the other points get an initial
+    /// guess.
     fn first_points(&mut self) {
         for connection in &self.connections.placed {
             let point = self.first_point(*connection);
@@ -253,7 +254,8 @@ impl Builder<'_> {
         any
     }
 
-    /// Returns the origin of the J body in the frame of the I body if I is ground, so that the initial guess is near the mechanism.
+    /// Returns an initial guess of the point of an element, in the frame of its I body: the design position of the J body if I is ground, otherwise
+    /// the origin.
     fn near(&self, i: usize, j: usize) -> Vec3 {
         if i == 0 {
             self.record.bodies[j].design.p
@@ -272,7 +274,8 @@ impl Builder<'_> {
         ))
     }
 
-    /// Returns the point of a body at which a floating marker is fixed. It is the point where the vector force acts.
+    /// Returns the point of a body at which a vector force acts: the position of the floating marker that is fixed on the body. Among several such
+    /// markers, the name closest to the name of the force is chosen. `None` if there is no such marker.
     fn floating(&self, element: usize, body: usize) -> Option<Vec3> {
         let name = &self.record.elements[element].name;
         let poses = &self.record.bodies[body].poses;
@@ -297,7 +300,8 @@ impl Builder<'_> {
         best.map(|(_, point)| point)
     }
 
-    /// Returns the forces on each body with forces. Each entry holds the body and its terms, as indices of points.
+    /// Returns the forces on each body other than ground on which forces act. Each entry holds the index of the body and its terms, as indices into
+    /// `points` with signs.
     fn forces_on_bodies(&self) -> Vec<(usize, Vec<Term>)> {
         let mut bodies: Vec<(usize, Vec<Term>)> = Vec::new();
         let mut add = |body: usize, point: usize, sign: f64| {

@@ -12,7 +12,7 @@ pub(crate) type Term = (usize, f64);
 /// Result of a fit to the moments on one body.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
-    /// Largest residual moment divided by the largest force, which is a lever.
+    /// Largest residual moment divided by the largest force, in length units.
     pub(crate) lever: f64,
 }
 
@@ -24,13 +24,14 @@ pub(crate) fn spread(states: usize, most: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Returns the derivative of the moment with respect to the coordinates u of the point in the body. The moment `x * F` with x = p + R u is linear in
-/// u.
+/// Returns the derivative of the moment of a force F about the ground origin with respect to u, the point of attack in body axes. The moment is the
+/// cross product of x = p + R u and F.
 fn lever_columns(pose: &Pose, force: &Vec3) -> nalgebra::Matrix3<f64> {
     -skew(force) * pose.R
 }
 
-/// Balances the moments of forces on one body. Each force acts at an unknown point. `on` holds the body of each point, which is the I part.
+/// Balances the moments of forces on one body. Each force acts at an unknown point that is fixed on the I part of its element. `on` gives the I part
+/// of each term.
 pub(crate) fn fit_body(
     record: &Record,
     body: usize,
@@ -96,7 +97,7 @@ pub(crate) struct Whole<'a> {
     pub(crate) points: &'a [(usize, usize, Point)],
     /// Forces on each body other than ground, as indices into `points`.
     pub(crate) bodies: &'a [(usize, Vec<Term>)],
-    /// Weight of each of these bodies, and an initial guess of its mass centre in its own axes.
+    /// Weight of each body in `bodies`, and an initial guess of its mass centre in the axes of the body.
     pub(crate) weights: &'a [(Vec3, Vec3)],
 }
 

@@ -14,7 +14,8 @@ pub(crate) fn joint_code(name: &str) -> Option<&'static str> {
     known.into_iter().find(|kind| code.ends_with(kind))
 }
 
-/// Returns the side of the car in a name of Adams/Car, which is the third letter of its last component: `l` or `r`; `None` for other names.
+/// Returns the side of the car in a name of Adams/Car: `l` or `r`, the third letter of the code with which a component of the name starts. The last
+/// such component counts. `None` for other names.
 fn side(name: &str) -> Option<char> {
     let letter = |piece: &str| {
         let (code, _) = piece.split_once('_')?;

@@ -6,7 +6,7 @@ use super::least_squares::solve;
 use super::record::Record;
 use super::settings::{CLOSURE_OF_MOTION, CLOSURE_RELATIVE, DETERMINED_RELATIVE, NO_ROTATION_RAD};
 
-/// Motion of a body B relative to a body A over all states. Points and axes are in the axes of the body that the field names.
+/// Motion of a body B relative to a body A over all states. Fields ending in `_a` are in the frame of A, fields ending in `_b` in the frame of B.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Relation {
     /// No relative motion.
@@ -147,7 +147,8 @@ fn principal(vectors: &[Vec3]) -> Vec3 {
     axis
 }
 
-/// Finds the point of B that is at rest relative to A. With an axis, only its motion normal to the axis counts. Returns the point on A and on B.
+/// Finds the point of B that is at rest relative to A, and returns its position on A and on B. If `across` is given, only motion normal to this axis
+/// counts.
 fn fixed_point(relative: &[Pose], across: Option<Vec3>, closure: f64) -> Option<(Vec3, Vec3)> {
     let project = across.map_or_else(Mat3::identity, |n| Mat3::identity() - n * n.transpose());
     let count = relative.len() as f64;

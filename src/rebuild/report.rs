@@ -9,7 +9,7 @@ use super::mechanism::{Mechanism, Role};
 use super::record::Record;
 use super::repeat_states::Repeat;
 
-/// Writes the report of a rebuild as Markdown: the findings, the agreement with the results, and what the results do not determine.
+/// Returns the report of a rebuild as Markdown: the findings, the agreement with the results, and what the results do not determine.
 pub(crate) fn report(
     record: &Record,
     mechanism: &Mechanism,

@@ -17,7 +17,7 @@ pub(crate) struct FromRequests {
     pub(crate) axes_j: Mat3,
 }
 
-/// Returns a vector of a request with the components `prefix` + x, y, z, before any suffix (`dx_rear`, `dy_rear` ...).
+/// Returns the vector whose components in a request are named `prefix` and x, y or z, optionally with a suffix (`dx_rear`, `dy_rear` ...).
 fn vector(record: &Record, request: &str, prefix: char) -> Option<Vec<Vec3>> {
     let components = record.requests.get(request)?;
     let column = |axis: char| {
@@ -80,7 +80,8 @@ pub(crate) fn markers(
     })
 }
 
-/// Finds the points of I and J from their distance in J axes: p + R u - v = axes_j d in the axes of the J body.
+/// Finds the points u of I and v of J, in the axes of their bodies, from the deflections d in J axes. They satisfy `p + R u - v = axes_j d`, where p
+/// and R are the pose of the I body relative to the J body.
 fn points(
     deflection: &[Vec3],
     axes_j: &Mat3,

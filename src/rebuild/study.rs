@@ -7,8 +7,8 @@ use super::mechanism::Mechanism;
 use super::record::Record;
 use super::settings::MARK_DISTANCE_RELATIVE;
 
-/// Writes the files of a study: `study.toml`, load cases and marks. Each state of the results is a load case, and each moving part
-/// carries four marks whose readings are the poses of the results.
+/// Returns the files of a study: `study.toml`, load cases and marks. Each state of the results is a load case. Each moving part carries four marks,
+/// whose readings follow from the poses in the results.
 pub(crate) fn study_files(
     record: &Record,
     mechanism: &Mechanism,

@@ -56,8 +56,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     reality.add_component_force(spec, pair, &[(component, force)])
 }
 
-/// Returns the I and J markers at which friction acts, and the component 0 to 5: the axis of a bushing stiffness, a component of a FIELD, or the axis of the free
-/// motion of a joint.
+/// Returns the I and J markers at which friction acts, and the component (0 to 5). The component is the axis of a bushing stiffness, a component of a
+/// FIELD, or the axis of the free motion of a joint.
 pub(super) fn place(
     spec: &EffectSpec,
     reality: &GroundTruth,

@@ -357,7 +357,7 @@ impl GroundTruth {
         found
     }
 
-    /// Attaches marks of `part` to the part `with`: all marks whose positions on the part satisfy `which`.
+    /// Attaches marks of `part` to the part `with`, if their positions on `part` satisfy `which`.
     pub(super) fn carry_marks(&mut self, part: u32, with: u32, which: impl Fn(&Vec3) -> bool) {
         for marked in self.marks.iter_mut().filter(|marked| marked.id == part) {
             for (carrier, place) in marked.carriers.iter_mut().zip(&marked.places) {

@@ -1,4 +1,4 @@
-//! Directions of SFORCE. The caller evaluates the FUNCTION and passes its value as the magnitude.
+//! Laws of SFORCE: the directions in which its force or torque acts. The caller evaluates the FUNCTION and passes its value as the magnitude.
 
 use super::line::Line;
 use super::{Degenerate, Law, LawEntry, Wrench};

@@ -107,7 +107,7 @@ impl<'a> Build<'a> {
         }
     }
 
-    /// Compiles an IF: the test, then three parts of which one runs. Each part moves its value to the same target.
+    /// Compiles an IF: the test, then three parts of which only one is executed. Each part writes its value to the same target.
     fn choice(
         &mut self,
         [test, negative, zero, positive]: &[Node; 4],

@@ -1,4 +1,4 @@
-//! Sorting of the values that a first assembly adds to a matrix into the order of the matrix entries.
+//! Sorting of additions: the values that the first assembly adds to a matrix are brought into the order of the matrix entries.
 
 /// Returns the indices of the additions (values added to matrix entries), sorted by column, then by row, then by order of arrival. `place`
 /// returns (column, row) of an addition. A counting sort by column is followed by a comparison sort within each column, because columns are

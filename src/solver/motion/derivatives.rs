@@ -19,8 +19,8 @@ impl Derivatives {
     /// Kinds to try, in this order, after [`Self::Single`] has failed.
     pub(crate) const BETTER: [Self; 3] = [Self::Sequence, Self::Kept, Self::Renewed];
 
-    /// Returns the theoretical convergence rate of the slowest error components: the error ratio from one iteration to the next. Returns zero
-    /// where theory gives no such rate. The remaining error is not assumed to fall faster than this, whatever rate was observed.
+    /// Returns the theoretical convergence rate of the slowest error components: the error ratio from one iteration to the next. Returns zero where
+    /// theory gives no such rate. Error estimates use the larger one of this rate and the observed rate.
     pub(crate) fn slowest(self) -> f64 {
         match self {
             Self::Sequence => RATE,

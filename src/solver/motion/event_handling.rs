@@ -173,8 +173,8 @@ impl Integrator<'_> {
         Vec::new()
     }
 
-    /// Applies changes of discrete states: sticking surfaces slide, sliding surfaces stick, and functions switch to other pieces. Returns true
-    /// if a function is held between two pieces. Such a motion needs no short steps.
+    /// Applies changes of discrete states: sticking surfaces slide, sliding surfaces stick, and functions switch to other pieces. Returns true if a
+    /// function is now held between two pieces. The next step then need not be shortened.
     fn change(
         &mut self,
         regimes: &mut DiscreteStates,

@@ -224,7 +224,7 @@ fn along(system: &System, state: &State, h: f64) -> State {
 struct FreeBases {
     /// Basis of the free motions of the positions, one motion per column.
     Z: DMatrix<f64>,
-    /// Basis of the free motions of the velocities, one motion per column. `None` unless nonholonomic constraints leave fewer of them.
+    /// Basis of the free motions of the velocities, one motion per column. `None` if this basis equals Z, because no nonholonomic constraint acts.
     R: Option<DMatrix<f64>>,
     X: DMatrix<f64>,
     moves: bool,

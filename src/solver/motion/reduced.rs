@@ -30,7 +30,8 @@ pub(super) enum Irreducible {
 /// Luenberger's shuffle algorithm, Automatica 14, 1978.)
 pub(super) struct Reduced {
     pub A: DMatrix<f64>,
-    /// Input matrix. Its first columns belong to the inputs. The columns of their time derivatives follow and are negligible.
+    /// Input matrix. Its first columns belong to the inputs. The remaining columns, which belong to the time derivatives of the inputs, are
+    /// negligible.
     pub B: DMatrix<f64>,
     /// Indices of the components of u that are states.
     pub kept: Vec<usize>,

@@ -4,9 +4,9 @@ use super::newton::Solver;
 use crate::system::{NoValue, Parameters, State, System};
 
 impl Solver {
-    /// Finds initial values of reactions and of outputs of linear states. They are zero before the first solution, so functions that divide
-    /// by them are undefined. The parts stay in place, and functions without a value count as zero. All other unknowns follow from the
-    /// linearised equations. This is repeated as long as further functions get a value.
+    /// Finds initial values of reactions, variables and states. Before the first solution, all of them are zero, so functions that divide by them are
+    /// undefined. The parts stay in place, and functions without a value count as zero. All other unknowns follow from the linearised equations. The
+    /// computation is repeated as long as further functions get a value.
     ///
     /// # Errors
     /// Returns [`NoValue`] if an element is undefined in this configuration.

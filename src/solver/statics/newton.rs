@@ -12,7 +12,8 @@ use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
-/// An equation belongs to a free motion if its component in the motion exceeds this share of the largest component.
+/// Round-off along a free motion is assigned to an equation without a pivot only if the motion's component there exceeds this share of its largest
+/// component.
 const LEAST_SHARE: f64 = 1e-6;
 /// ADAMS' default of STABILITY. Up to this value, the only effect of STABILITY is to hold free motions of parts with mass.
 const DEFAULT_STABILITY: f64 = 1e-5;
@@ -488,9 +489,9 @@ impl Solver {
         Err(Failure::NotConverged)
     }
 
-    /// Moves along `dx` to the trial state, and returns the fraction of the step that was taken. The full (limited) step is taken unless it
-    /// increases both the residual and the next correction (Deuflhard's natural monotonicity test). In that case, shorter steps are tried. With
-    /// old factors, the result is then `None` instead.
+    /// Moves along `dx` to the trial state, and returns the fraction of the step that was taken. The full (limited) step is taken unless it increases
+    /// both the residual and the next correction (Deuflhard's natural monotonicity test). In that case, shorter steps are tried. If `way.keep` is
+    /// true (factors of an earlier Jacobian), `None` is returned instead.
     fn take(
         &mut self,
         system: &System,

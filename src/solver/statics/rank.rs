@@ -9,7 +9,7 @@ use crate::mechanics::eigen::symmetric_eigen;
 use crate::model::PartIx;
 use crate::system::{Parameters, State, System};
 
-/// Mass-weighted square of a motion below which parts with mass count as still, as a share of the largest possible value.
+/// Parts with mass count as being at rest if their kinetic energy is below this share of the energy that all parts with the largest mass would have.
 const ROUND_OFF: f64 = 1e-20;
 /// A stiffness is round-off if it is below this share of the summed magnitudes of its terms.
 const LOST: f64 = 1e-14;
@@ -221,8 +221,8 @@ pub(super) fn free_motions(
     Ok(motions)
 }
 
-/// Returns twice the mutual kinetic energy of two motions. The second value is what this energy would be if every part had unit mass and the
-/// model's length as its radius of gyration.
+/// Returns twice the mutual kinetic energy of two motions. The second value is the same quantity for parts with unit mass and the model's length as
+/// their radius of gyration.
 fn energies(
     system: &System,
     parameters: &Parameters,

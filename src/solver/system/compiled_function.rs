@@ -38,7 +38,8 @@ pub(crate) enum Source {
     /// VARIABLE. If the VARIABLE is not an unknown, the value of its function is used.
     Variable(usize),
     State(usize),
-    /// Rate of a state. In statics the rate is zero, unless the state is held constant; then it is the value of the given function.
+    /// Rate of a state (first index). In statics, the rate of a state that is held constant is the value of the function with the second index. All
+    /// other rates are zero in statics.
     StateRate(usize, Option<usize>),
     Output(LinearRow),
     Constant(f64),

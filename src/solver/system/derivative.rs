@@ -421,15 +421,15 @@ impl System {
         elements.chain(terms).chain(markers)
     }
 
-    /// Returns whether a function of the model's request number `index` may change with a parameter at constant unknowns. This is the case
-    /// if the function measures a marker or reads a force, or if the parameter is a literal of the function.
+    /// Returns whether a component of request `index` of the model may change with a parameter at constant unknowns. This is the case if the function
+    /// of the component measures a marker or reads a force, or if the parameter is a literal of the function.
     pub fn request_reads(&self, index: usize, component: usize, slot: Slot) -> bool {
         let role = self.catalogue().group(slot).role;
         let function = self.requests[index].get(component).copied().flatten();
         function.is_some_and(|function| self.function_reads(function, role))
     }
 
-    /// Returns whether a function of the model's request number `index` may change with the axes of a marker at constant unknowns.
+    /// Returns whether a component of request `index` of the model may change with the axes of a marker at constant unknowns.
     pub fn request_reads_marker(&self, index: usize, component: usize, marker: MarkerIx) -> bool {
         let function = self.requests[index].get(component).copied().flatten();
         function.is_some_and(|function| self.function_reads(function, Role::Marker(marker.0)))

@@ -21,8 +21,7 @@ pub(super) fn bushing(reader: &mut Reader) -> Option<Bushing> {
     })
 }
 
-/// Returns whether a statement defines a force between two markers by a law of the grammar, without a type of its own in the model (FIELD,
-/// BEAM).
+/// Returns whether the grammar defines the law of a force statement and the model has no separate type for this statement, as for FIELD and BEAM.
 pub(super) fn is_pair_force(kind: &str) -> bool {
     !matches!(kind, "BUSHING" | "SPRINGDAMPER")
         && grammar::statement(kind).is_some_and(|def| !def.laws.is_empty())
