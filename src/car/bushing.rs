@@ -73,7 +73,8 @@ impl OddLaw {
     }
 }
 
-/// Contents of a bushing property file, in the units of a model with angles in radians. Forces along x, y, z, then torques about x, y, z.
+/// Contents of a bushing property file, in the units of a model with angles in radians. The components are forces along x, y, z, then torques
+/// about x, y, z.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct BushingProperty {
     /// The six curves; `None` for a component without a curve, which has no force.

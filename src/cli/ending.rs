@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// A summary has at most its number of lines, and no line is wider than the terminal, however long the texts are.
+    /// A summary has at most [`MAX_LINES`] lines, and no line is wider than the terminal, however long the texts are.
     #[test]
     fn a_summary_is_short() {
         let report = Path::new("out/report.html");

@@ -138,9 +138,9 @@ impl ProposedMeasurements {
         new
     }
 
-    /// Creates the same load cases with smaller deviations from the usual loads. `reach` holds, for each candidate, the ratio of its deflections to
-    /// the largest deflections in the study. The deviations are divided by this ratio. Also returns the index of each candidate in the new list;
-    /// `None` for a candidate within the range of the study.
+    /// Returns a new list in which the loads of the candidates deviate less from their usual values. `reach` holds, for each candidate, the ratio of
+    /// its deflections to the largest deflections in the study. The load deviations are divided by this ratio. Candidates within the range of the
+    /// study are left out. Also returns the index of each candidate in the new list; `None` if it is left out.
     pub(super) fn reduced(
         &self,
         programme: &LoadProgramme,
@@ -172,7 +172,8 @@ impl ProposedMeasurements {
         (new, places)
     }
 
-    /// Adds the repetition of each case of the study if it is available. Removes candidate load cases that only repeat cases of the study.
+    /// Removes candidate load cases that only repeat cases of the study. If the laboratory can repeat cases, adds repetitions of up to
+    /// `MAX_REPEATED_CASES` cases of the study instead.
     pub(super) fn repeats(&mut self, programme: &LoadProgramme, available: &Available) {
         let is_there = |values: &Vec<f64>| programme.cases.iter().any(|c| c.values == *values);
         self.list

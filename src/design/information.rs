@@ -55,8 +55,8 @@ impl Information {
         new
     }
 
-    /// Returns the matrix `Y` with `rows C rows' = Y'Y`, where `C` is the covariance of the unknowns. Each row is a linear combination of
-    /// the leading unknowns.
+    /// Returns the matrix `Y` with `rows C rows' = Y'Y`, where `C` is the covariance of the unknowns. Each row of `rows` holds the
+    /// coefficients of one linear combination of the leading unknowns.
     pub(super) fn root(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = self.S.len();
         let mut M = self.H.clone();
@@ -76,7 +76,8 @@ impl Information {
         factor.l_dirty().solve_lower_triangular(&right)
     }
 
-    /// Returns the covariance of some quantities. Each row is a linear combination of the leading unknowns.
+    /// Returns the covariance matrix of linear combinations of the leading unknowns. Each row of `rows` holds the coefficients of one
+    /// combination.
     pub(super) fn covariance(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let root = self.root(rows)?;
         Some(root.tr_mul(&root))

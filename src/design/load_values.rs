@@ -18,8 +18,11 @@ pub(super) fn usual(programme: &LoadProgramme) -> Vec<f64> {
     (0..programme.loads.len()).map(of).collect()
 }
 
-/// Returns the values at the ends of the range of a load, the upper end first; empty for a load without a range. `usual` holds the usual values. For
-/// a load without a stated range, its largest deviation is multiplied by `factor`.
+/// Returns the values at the ends of the range of a load, the upper end first. Ends at the usual value are left out. `usual` holds the usual
+/// values of all loads.
+///
+/// If a load may exceed its range in the study, its ends deviate from the usual value by `factor` times its largest deviation in the study.
+/// For any other load, the result is empty if `factor` exceeds 1.
 pub(super) fn ends(
     programme: &LoadProgramme,
     available: &Available,

@@ -497,9 +497,9 @@ fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -
     turned
 }
 
-/// Returns the measurement of a study with further cases appended, which have all kinds of readings of the study. The new readings are zero.
-/// With zero-stiffness motions, however, marks take their readings from the nearest case of the study, so that predictions can be aligned to
-/// them.
+/// Returns the measurement of a study with further cases appended. A new case has a reading of each mark, wheel and channel that the study reads,
+/// except summaries over several cases. The new readings are zero. In a model with zero-stiffness motions, however, the new mark readings are
+/// those of the nearest case of the study, so that predictions can be aligned with them.
 fn continued(subject: &DiagnosisProblem<'_>, further: &[Vec<f64>]) -> Measurement {
     let mut new = subject.problem.measurement.clone();
     // The unit of a mark's row stays the declared noise of the study.

@@ -119,7 +119,7 @@ impl<'a, 'b> Pair<'a, 'b> {
         discrimination_chi_square(&self.information, &first?, &second?)
     }
 
-    /// Returns the larger of the deflection ratios of the two models; one if a model has no equilibrium.
+    /// Returns the larger of the deflection ratios of the two models, but at least one. A model without an equilibrium does not count.
     fn reach(&self, at: usize) -> f64 {
         let each = self.predictors.each_ref().map(|p| p.reach(at));
         each.into_iter().flatten().fold(1.0, f64::max)

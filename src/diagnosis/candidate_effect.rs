@@ -344,8 +344,8 @@ impl CandidateEffect {
         self.same_form(other) || (self.same_site(other) && remembers)
     }
 
-    /// Returns true if both effects represent the law of one cause at the same site by different functions, or by the same one. A selection
-    /// counts them as one effect and fits each of them.
+    /// Returns true if both effects are the same term of a progressive stiffness at the same site. Their functions may differ. A selection
+    /// counts such effects as one effect, but fits each function.
     pub fn is_alternative(&self, other: &Self) -> bool {
         self.cause == Cause::ProgressiveStiffness
             && self.same_site(other)

@@ -35,8 +35,8 @@ pub(super) struct Challenger {
     pub expected: f64,
 }
 
-/// Returns the sets that the fit of a linear model must be compared with. As a side effect, computes the columns of the information matrix
-/// that these sets need.
+/// Returns the sets of effects that must be compared with the fit at which `model` is linearised. As a side effect, computes and stores the
+/// columns of the information matrix that these sets need.
 pub(super) fn challengers(model: &EffectModel, marginal: &Marginal) -> Vec<Challenger> {
     let sets = Sets::new(model, marginal);
     let own: EffectSet = (0..model.own).collect();

@@ -164,8 +164,8 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Applies the step between two coordinates of the unknown to the estimate and its interval. If the coordinate is a logarithm, they are
-    /// multiplied by a factor, and the standard error too. Otherwise, the difference is added.
+    /// Moves the estimate and its interval by the step between two coordinates of the unknown. If the coordinate is a logarithm, estimate,
+    /// interval and standard error are multiplied by a factor. Otherwise, the difference is added to estimate and interval.
     pub fn move_to(&mut self, unknown: &Unknown, coordinates: [f64; 2]) {
         let [from, to] = coordinates.map(|x| unknown.value(x));
         let moved = |value: f64| {

@@ -65,8 +65,8 @@ pub(super) fn is_still(course: &[f64]) -> bool {
 mod tests {
     use super::*;
 
-    /// Checks that a fit counts as cycling if it alternates between two points. A fit that exact derivatives set back, and that rises again,
-    /// does not.
+    /// Checks that a fit counts as cycling if its log evidence stagnates. A fit whose log evidence drops in one step and then rises again must
+    /// not count as cycling.
     #[test]
     fn a_fit_that_goes_in_a_circle_is_still() {
         let circle = [

@@ -101,8 +101,8 @@ impl FittedModel {
         CandidateEffect::ln_prior_of(&self.effects)
     }
 
-    /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. If the fit ended early, the
-    /// predicted decrease that it did not realise is subtracted.
+    /// Returns the log posterior probability of the model, up to a constant: log evidence plus log prior odds. If the fit ended before its
+    /// optimum, the gain predicted for the remaining step is subtracted from the log evidence.
     pub fn ln_posterior(&self) -> f64 {
         let left = Some(self.posterior.gain).filter(|gain| *gain > NEGLIGIBLE_GAIN_NATS);
         self.posterior.ln_z - left.unwrap_or(0.0) + self.ln_prior()

@@ -44,7 +44,7 @@ impl FittedSet {
         self.fits.iter().any(|fit| fit.forms == *forms)
     }
 
-    /// Returns the log posterior probability of the set, up to a constant: the sum over the functions of its laws.
+    /// Returns the log posterior probability of the set, up to a constant: the logarithm of the summed posterior probabilities of its fits.
     pub(super) fn ln_posterior(&self) -> f64 {
         let best = self
             .best()

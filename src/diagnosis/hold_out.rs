@@ -130,8 +130,8 @@ impl HoldOutSelection {
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
-    /// Returns true if one of these causes, each with its address, is more probable than not without the held-out cases, too. Returns `None` if no
-    /// selection was made without them.
+    /// Returns true if the selection without the held-out cases confirms a finding: at least one of its `causes`, given with their addresses, is
+    /// more probable than not. Returns `None` if no selection was made without the held-out cases.
     pub(super) fn confirms(&self, causes: &[(Cause, &str)]) -> Option<bool> {
         let is_one = |h: &CandidateEffect| causes.contains(&(h.cause, h.address.as_str()));
         self.searched.then(|| {

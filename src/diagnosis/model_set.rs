@@ -50,8 +50,8 @@ impl Selected {
         self.probability(|causes| causes.iter().any(|other| other.same_site(h)))
     }
 
-    /// Returns the sets that hold another cause in place of effect `at` of the leading set, with that cause. All other causes are at the same
-    /// sites.
+    /// Returns the sets that hold another cause in place of effect `at` of the leading set. Each set is paired with this other cause. The
+    /// remaining causes of both sets are at the same sites.
     pub(super) fn rivals(&self, at: usize) -> impl Iterator<Item = (&ModelSet, &CandidateEffect)> {
         let leading = &self.leading.effects;
         let each = self.models.iter();

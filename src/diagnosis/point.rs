@@ -42,8 +42,8 @@ impl Point {
         of.collect()
     }
 
-    /// Returns the starts of an effect in a new fit: all its forms, each with first guesses of its parameters. An effect of the fit has only one
-    /// start, and so has an alternative function of a law in the fit.
+    /// Returns the starts of an effect in a new fit, as pairs of a form of the effect and first guesses of its parameters. In general, there is one
+    /// start per form. An effect that is in the fit has only one start, and so has an alternative function of a law that is in the fit.
     pub(super) fn starts(
         &self,
         k: usize,

@@ -36,7 +36,8 @@ pub(super) struct EffectModel {
     pub ranges: Vec<Range<usize>>,
     /// Result of the scan of each effect whose law is scanned at its site.
     pub scans: Vec<Option<Scanned>>,
-    /// Correction of the log Bayes factor of each effect, from that of its column to that of its law with memory. Zero for all other effects.
+    /// Correction that is added to the log Bayes factor of each effect. The linear model represents a law with memory by a force of fixed
+    /// pattern; the correction turns the log Bayes factor of this force into that of the law. It is zero for all other effects.
     pub corrections: Vec<f64>,
     /// Products of the columns of the effects. A column is the change of the prediction per prior standard deviation of a parameter.
     products: Option<EffectProducts>,

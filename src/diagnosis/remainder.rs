@@ -242,9 +242,9 @@ impl GpTerm {
     }
 }
 
-/// Returns up to two forces of unknown law as candidates. One has the largest evidence at the fit's own variance components. The other has the
-/// largest evidence at components reduced to their medians, because the fit's own components may have absorbed the effect. The prior probability
-/// of one kind of cause is divided among all sites, coordinates, length scales and standard deviations tried.
+/// Returns up to two forces of unknown law as candidates. One has the largest evidence at the fit's own variance components, which may have
+/// absorbed part of the effect. The other has the largest evidence at variance components limited to their prior medians. The prior probability
+/// of an unmodelled force is divided among all sites, coordinates, length scales and standard deviations tried.
 pub(super) fn gp_terms(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -320,8 +320,8 @@ pub(super) fn is_at_element_of(
     places.any(|place| element(place) == own || ends.contains(&element(place)))
 }
 
-/// Returns one parameter per column of `root`. Its effect on all rows is the effect of the pattern of forces in that column. Its unit
-/// converts the parameter to the rms of this force over all cases, which the report states.
+/// Returns one parameter per column of `root`. A column is a pattern of forces, with one force per case; the parameter scales this pattern.
+/// `effect` holds the effects of unit forces on the rows. The parameter times its `unit` is the rms force over all cases, for the report.
 fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     let columns = effect * root;
     let number = |(k, column): (usize, nalgebra::DVectorView<'_, f64>)| {

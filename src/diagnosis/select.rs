@@ -119,8 +119,8 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Fits the sets that the leading fit must be compared with. If `only_laws` is set, only known laws in place of a force of unknown law are
-    /// fitted. Returns true if anything was fitted.
+    /// Fits the sets that the leading fit must be compared with. If `only_laws` is true, fits only the sets in which a law of the catalogue
+    /// replaces a force of unknown law. Returns true if any set was fitted.
     fn challenge(&mut self, only_laws: bool) -> bool {
         let count = self.count;
         let fits = self.fits.values();
@@ -188,8 +188,8 @@ impl Selector<'_, '_> {
         self.count > count
     }
 
-    /// Fits the probable sets in which another cause replaces one cause of the leading set. Their estimates rely on the leading fit, which
-    /// predicts the same.
+    /// Fits the probable sets in which another cause replaces one cause of the leading set. Such a set is fitted even if it predicts the same
+    /// readings as the leading fit, because its estimate then depends on the leading fit.
     fn fit_rivals(&mut self, leading: &FittedModel) {
         let least = leading.ln_posterior() + libm::log(RESOLVED_PROBABILITY);
         let own: Ids = leading
@@ -467,7 +467,8 @@ impl Selector<'_, '_> {
         }
     }
 
-    /// Frees the fits whose log posterior is below `least`. Fits of subsets of a more probable set stay: they show what its other effects gain.
+    /// Frees the fits whose log posterior is below `least`. Fits of subsets of a more probable set are kept: a comparison with them shows the gain
+    /// by the other effects of that set.
     fn forget(&mut self, least: f64) {
         let probable: Vec<Ids> = self
             .fits

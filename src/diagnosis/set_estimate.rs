@@ -33,7 +33,7 @@ struct Reference {
 }
 
 /// Estimates the log posterior of all probable sets that are not fitted. The linear model of a fit is used only for sets that contain all
-/// effects of the fit. It misjudges a set that lacks a large effect of the fit.
+/// effects of the fit, because its estimate is wrong for a set that lacks a large effect of the fit.
 pub(super) fn estimates(
     points: &[Arc<Point>],
     fits: &BTreeMap<Ids, FittedSet>,
@@ -113,8 +113,8 @@ pub(super) fn estimates(
     out
 }
 
-/// Returns the fitted sets to which the linear model of a point applies. The variance components of a fit are free, so its log posterior is
-/// compared with the highest log posterior among the marginals.
+/// Returns the fitted sets to which the linear model of a point applies, with the error of this model. A fit optimises its variance components,
+/// whereas each marginal of the point has fixed ones. The log posterior of a fit is therefore compared with the highest over all marginals.
 fn references(point: &Point, fits: &BTreeMap<Ids, FittedSet>) -> Vec<Reference> {
     let sets = || {
         let each = point.marginals.iter();
@@ -133,8 +133,8 @@ fn references(point: &Point, fits: &BTreeMap<Ids, FittedSet>) -> Vec<Reference> 
     fits.iter().filter_map(of).collect()
 }
 
-/// Returns the error of the largest fitted subset of a set; zero without such a subset. If `is_proper` is true, the set itself does not count.
-/// Among subsets of the same size, the lowest error counts.
+/// Returns the error of the linear model for the largest fitted subset of a set; zero without such a subset. Among subsets of the same size,
+/// the lowest error counts. If `is_proper` is true, the set itself does not count as a subset.
 fn error_of_subset(references: &[Reference], set: &EffectSet, is_proper: bool) -> f64 {
     let is_subset = |known: &&Reference| {
         known.set.iter().all(|k| set.contains(k)) && !(is_proper && known.set.len() == set.len())
@@ -174,8 +174,8 @@ mod tests {
         }
     }
 
-    /// Checks that the largest fitted subset determines the error, and the lower error among two subsets of one size. The set itself is not a
-    /// proper subset.
+    /// Checks that a set has the error of its largest fitted subset. Among two subsets of the same size, the lower error counts. The set itself
+    /// is not a proper subset.
     #[test]
     fn a_set_inherits_the_error_of_its_largest_fitted_subset() {
         let known = [

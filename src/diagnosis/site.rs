@@ -145,9 +145,9 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    /// Removes the effects for which `is_out` holds from the linear model of a fit. Zero parameters must mean that such an effect is absent, as
-    /// for a force of unknown law. The other laws with memory stay in the model, but of their parameters only the force is free; the others keep
-    /// their fitted values. Returns `None` if the linear model has no finite solution.
+    /// Removes the effects for which `is_out` is true from the linear model of a fit. Such an effect must vanish if its parameters are zero, as a
+    /// force of unknown law does. Laws with memory that stay in the model are free only in their force; their other parameters keep the fitted
+    /// values. Returns `None` if the linear model has no finite solution.
     pub(super) fn without(
         fitted: &FittedModel,
         is_out: impl Fn(&CandidateEffect) -> bool,

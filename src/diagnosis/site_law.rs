@@ -1,5 +1,5 @@
-//! Scan of a hysteresis law at one site. All unknowns of the fit are marginalised, so any history of forces at the site costs one product with a
-//! small matrix. The force changes the displacement by the compliance of the site; the law sees this change.
+//! Scan of the parameters of a hysteresis law at one site. All unknowns of the fit are marginalised, so the evidence of any history of forces at
+//! the site costs one product with a small matrix. A force at the site also changes the displacement on which the law depends.
 //!
 //! Let `u` be the displacement without the force, and `c` the compliance. The law is a spring in series with a slider: the spring force is
 //! `f = -k (v - a)` with `v = u + c f`. The slider moves when `|f|` reaches the limit `F`. The anchor `a` then follows.

@@ -466,7 +466,8 @@ mod tests {
         }
     }
 
-    /// Returns the text of the deck with changed components of QP: marker, component from 1, and change.
+    /// Returns the text of the deck with moved markers. Each entry of `markers` holds the id of a marker, a component of QP (from 1), and its
+    /// change.
     fn with_moved(loaded: &LoadedStudy, markers: &[(u32, usize, f64)]) -> Vec<u8> {
         let mut deck = loaded.dataset.clone();
         for (id, axis, by) in markers {

@@ -122,8 +122,8 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{end}")
 }
 
-/// Returns the difference of a column where it is worst, relative to the larger of the two values there. The largest relative difference of all
-/// steps says little: where a curve crosses zero, it reaches 200 percent.
+/// Returns the difference of a column at its worst step, divided by the larger magnitude of the two values at that step. The largest relative
+/// difference over all steps is no useful measure, because it reaches 200 percent where a curve crosses zero.
 fn of_its_size(column: &ColumnDifference) -> f64 {
     column.worst.map_or(0.0, |worst| {
         let (difference, size) = ((worst.a - worst.b).abs(), worst.a.abs().max(worst.b.abs()));
@@ -143,8 +143,8 @@ fn worst_first(comparison: &Comparison) -> Vec<&ColumnDifference> {
     worst
 }
 
-/// Returns the columns to draw, from columns in the order of their differences: the worst of each unit, then the next ones. So the picture of
-/// a displacement stands beside that of an angle and a force, not beside three more displacements.
+/// Returns the columns to draw. `worst` holds columns in the order of their differences. The first column of each unit is chosen first, then
+/// further columns. The pictures therefore show several quantities, such as a displacement, an angle and a force.
 fn of_each_unit<'c>(worst: &[&'c ColumnDifference]) -> Vec<&'c ColumnDifference> {
     let is_first = |k: usize| {
         worst[..k]

@@ -17,7 +17,8 @@ pub struct Entry {
     pub page: &'static str,
     /// Heading of the section that contains the table.
     pub section: &'static str,
-    /// The other cells of the table row that are not empty: for each of them, the column heading and the text, with links as words.
+    /// Cells of the table row after the first, without empty cells. Each has its column heading and its text, with links replaced by their
+    /// words.
     pub cells: Vec<(&'static str, String)>,
     /// Words whose entries belong to this one.
     pub see: Vec<String>,

@@ -30,8 +30,9 @@ impl Mirror {
         (self.image(place) - other).norm() < near
     }
 
-    /// Returns the address of the same number in the mirror element: the element of the same kind whose I and J markers are mirror images of
-    /// this element's markers. Returns `None` without such an element, as for a number in the middle of the vehicle.
+    /// Returns the address of the number that corresponds to `address` on the other side of the vehicle. This number belongs to the element of
+    /// the same kind whose I and J markers are mirror images of this element's I and J markers. Returns `None` without such an element, as for
+    /// an element in the median plane.
     pub(crate) fn partner(
         &self,
         address: &Address,

@@ -2,7 +2,7 @@
 
 use crate::settings::SMALLEST_SMOOTH_SHARE;
 
-/// Change of all points by one unknown. Each unknown belongs to one point, whose change is equal to the unknown.
+/// Changes of all points of a curve by one unknown. The unknown belongs to one of the points and changes it by its own value.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct SmoothChange {
     /// Index of the point to which the unknown belongs. The unknown takes the name of this point.
@@ -60,7 +60,8 @@ pub(crate) fn smooth_changes(x: &[f64], length: f64) -> Vec<SmoothChange> {
 mod tests {
     use super::*;
 
-    /// The unknowns reproduce the covariance of the points, except for the part that is left out.
+    /// Checks that the unknowns reproduce the covariance of the points. The error is small although points with a negligible remaining variance
+    /// have no unknown.
     #[test]
     fn the_unknowns_have_the_stated_covariance() {
         let x = [-20.0, -11.0, -5.0, 0.0, 1.0, 2.0, 9.0, 20.0];

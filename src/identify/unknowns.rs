@@ -216,7 +216,7 @@ pub(crate) fn assigned(
 }
 
 /// Returns the values of the unknowns that best reproduce the numbers of another deck, in the least-squares sense. A value is `None` if the
-/// deck lacks a number of the unknown, or if no value gives a number its sign.
+/// deck lacks a number of the unknown, or if an unknown that is a factor would have to be zero or negative.
 pub(crate) fn values_in(
     unknowns: &[Unknown],
     number: impl Fn(&Address) -> Option<f64>,

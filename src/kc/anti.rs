@@ -136,8 +136,8 @@ impl Anti {
             * ((1.0 - anti / 100.0) / ride::wheel_rate(c, side) + give)
     }
 
-    /// Returns the names of Adams/Car's requests, each as (percentage, height change per g), for the front axle and for the rear axle. Adams/Car
-    /// writes this axle's own values under both, whichever axle it is.
+    /// Returns the names of Adams/Car's requests as two pairs (percentage, height change per g). The first pair is named for a front axle, the
+    /// second for a rear axle. Adams/Car writes the values of the present axle under both pairs, whether it is a front or a rear axle.
     pub(crate) const fn names(self) -> [(&'static str, &'static str); 2] {
         if self.brakes() {
             [

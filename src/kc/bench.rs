@@ -125,8 +125,8 @@ impl<'a> Bench<'a> {
     /// Requests derivatives along changes of the deck in every later state. [`Sample::changes`](super::Sample::changes) holds the
     /// derivatives.
     ///
-    /// The derivatives are exact, from the tangent stiffness. A number that the rig removes, or that the solver cannot differentiate by, is
-    /// treated as without effect. A change that moves the marker of a wheel centre or of a spin axis is not included, because the rig has
+    /// The derivatives are exact, from the tangent stiffness. A number counts as having no effect if the rig removes it, or if the solver cannot
+    /// differentiate with respect to it. A change that moves the marker of a wheel centre or of a spin axis is not included, because the rig has
     /// its own markers for them.
     pub fn differentiate(&mut self, directions: Vec<DeckChange>) {
         for compiled in self.variants.values_mut() {

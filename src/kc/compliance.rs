@@ -65,8 +65,9 @@ impl Compliance {
         (scaled - scaled.transpose()).norm() / scaled.norm()
     }
 
-    /// Describes a zero-stiffness motion of a wheel in words; `None` if there is none. The limit exceeds the compliance of any axle: 1 m/N,
-    /// or the same displacement on a lever of 100 mm for rotations. `length` and `force` are the sizes of the deck's units in m and N.
+    /// Describes a zero-stiffness motion of a wheel in words; `None` if there is none. A motion counts as without stiffness if its compliance
+    /// exceeds 1 m/N, more than that of any axle. Rotations and torques are converted to displacements and forces at a lever of 100 mm. `length`
+    /// and `force` are the sizes of the deck's units in m and N.
     pub(crate) fn free_motion(&self, length: f64, force: f64) -> Option<String> {
         const LEVER: f64 = 0.1;
         const MOST: f64 = 1.0;

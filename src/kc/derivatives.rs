@@ -13,7 +13,7 @@ use admire_solver::model::{MarkerIx, Model, PartIx};
 use admire_solver::statics::{Direction, SolveError, Tangent, point_change};
 use admire_solver::system::{Parameters, Quantity, Slot, State, System};
 
-/// Wheel rate in N/m below which no spring counts as supporting the wheel: only the rig's motion holds it up.
+/// Smallest wheel rate in N/m at which a wheel counts as supported by springs. Below it, only the motion of the rig holds the wheel.
 const LEAST_RATE: f64 = 1e-3;
 
 /// Quantities from the tangent stiffness at an equilibrium.

@@ -20,11 +20,12 @@ const TYRE: Tyre = Tyre {
 /// unsymmetric.
 const LEFT: [[f64; 6]; 6] = include!("golden_compliance.in");
 
-/// Wheel centres, spin axes and contact points at design: poses of the parts in the results file.
+/// Wheel centres at design, left and right, in mm, from the poses of the parts in the results file.
 const CENTRE: [Vec3; 2] = [
     Vec3::new(3002.999997352012, -770.0002984255863, 160.93),
     Vec3::new(3003.004627, 769.9973151, 160.93),
 ];
+/// Contact points at design, left and right, in mm, from the same poses.
 const CONTACT: [Vec3; 2] = [
     Vec3::new(3002.999997, -770.0042913, -134.1329051),
     Vec3::new(3003.004627, 770.0436657, -134.0774607),

@@ -13,8 +13,8 @@ pub enum Road {
     Level,
     /// Plane parallel to X through both contact points, as on a rig that rolls the axle.
     Patches,
-    /// Level road, or tilted by the file's own `roll_angle.at_contact_patches` in states where the rig of Adams/Car rolls. The rig rolls
-    /// where `suspension_exerciser_requests.Roll` is nonzero.
+    /// Road of the rig of Adams/Car. In states where the rig rolls (`suspension_exerciser_requests.Roll` is nonzero), the road is tilted by the
+    /// file's own `roll_angle.at_contact_patches`. In all other states, it is level.
     Rig,
 }
 
@@ -24,8 +24,8 @@ const LEAST_ROLL: f64 = 1e-9;
 /// Options for following the wheels in a results file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ReplayOptions {
-    /// Column (0 to 2) of the wheel part's orientation matrix that is the spin axis. Its sign is chosen so that it points outboard. `None`
-    /// takes the most lateral axis.
+    /// Column (0 to 2) of the wheel part's orientation matrix that is the spin axis. `None` selects the most lateral column. The sign of the
+    /// axis is chosen so that it points outboard.
     pub spin: Option<usize>,
     /// Wheel centre in the frame of the wheel part.
     pub centre: Vec3,

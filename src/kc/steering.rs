@@ -40,7 +40,8 @@ impl Steering {
         Some(self.wheelbase / libm::tan(self.steer[k]) + self.y[k])
     }
 
-    /// Returns the turn radius, or that of the last evaluated state where this state has none. It is 1e5 before the first one.
+    /// Returns the turn radius R. For a state without a turn radius, returns that of the last evaluated state of the test, or 1e5 length units
+    /// before the first evaluated state.
     pub fn kept_radius(&self) -> f64 {
         self.turn_radius().or(self.last_radius).unwrap_or(STRAIGHT)
     }

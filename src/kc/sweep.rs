@@ -458,7 +458,8 @@ fn settle_loop(
 ) -> Result<(), BenchError> {
     /// Largest number of loops; convergence is slow if joints slide in only part of the loop.
     const LOOPS: usize = 60;
-    /// Change of the unit spin axes that counts as zero. For wheel centres, the limit is the change per 100 length units.
+    /// Largest change of a unit spin axis between two loops at which the loop counts as closed. For a wheel centre, the limit is 100 times this
+    /// number, in length units.
     const NONE: f64 = 1e-10;
     let back = grid.iter().rev().skip(1);
     let way: Vec<f64> = grid.iter().skip(1).chain(back).copied().collect();

@@ -36,11 +36,11 @@ const MAX_COLUMNS: usize = 4096;
 /// Kind of a line, judged by its cells.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// At least two numbers, and at least as many numbers as texts; or one number alone in a narrow sheet.
+    /// Line with at least two numbers and at least as many numbers as texts. In a narrow sheet, a single number alone is enough.
     Numbers,
-    /// Two or more texts and no number.
+    /// Line with two or more texts and no number.
     Texts,
-    /// Anything else: a title, or a line with a name and a number.
+    /// Any other line: a title, or a line with a name and a number.
     Title,
 }
 

@@ -365,7 +365,8 @@ impl Column {
     }
 }
 
-/// Returns the diagnostics about open points. Each shows the places, and the lines of the mapping that would answer it.
+/// Returns the diagnostics about open points. Each diagnostic shows places in the tables, and the lines of the mapping that would settle its
+/// open points.
 pub fn complaints(
     open: &[OpenPoint],
     mapping: &Mapping,

@@ -25,7 +25,7 @@ struct Copied {
     asked: bool,
 }
 
-/// Largest number of statements with the same id that are copied; a file with more is nonsense.
+/// Largest number of statements with the same id that are copied. In a valid dataset, each id belongs to a single statement.
 const MOST_OF_AN_ID: usize = 64;
 
 /// Depth to which an excerpt follows references.

@@ -11,7 +11,7 @@ const TOGETHER: f64 = 0.95;
 const MOVES: f64 = 10.0;
 /// Relative tolerance for comparing a ratio of motions with a ratio of units.
 const NEAR: f64 = 0.25;
-/// Minimum mean difference between readings and model that counts as a different zero, in units of the scatter of the difference.
+/// Ratio of the mean difference between readings and model to its standard deviation, above which the zero of the channel counts as different.
 const SHIFTED: f64 = 3.0;
 /// Largest first reading that counts as zero, relative to the standard deviation of the readings.
 const ZERO: f64 = 0.02;

@@ -20,7 +20,7 @@ pub struct Bars {
 const SIZE: (f64, f64) = (500.0, 26.0);
 /// Margins in pixels: right, top, and bottom (for the axis).
 const MARGINS_PX: [f64; 3] = [14.0, 8.0, 46.0];
-/// Width of a character in pixels, of a wide font with capitals: a name must not be cut off.
+/// Assumed width of a character in pixels. It is that of capitals in a wide font, so that no name is cut off.
 const CHARACTER_PX: f64 = 7.3;
 /// Margin around the names of the bars in pixels.
 const NAME_MARGIN_PX: f64 = 16.0;

@@ -175,7 +175,8 @@ impl DiagnosisReport<'_> {
         Ok(page.finish(&format!("admire {}", super::VERSION)))
     }
 
-    /// Adds the details of the causes: their rivals, their gain, and the stiffnesses with them.
+    /// Adds the details of the causes: the table of the causes and their rivals, the errors in held-out cases, and the stiffnesses without and
+    /// with the causes.
     fn causes(&self, page: &mut Page, scene: &Scene) {
         let diagnosis = &self.outcome.diagnosis;
         let length = self.loaded.model.units.length.word;
@@ -210,7 +211,8 @@ impl DiagnosisReport<'_> {
         );
     }
 
-    /// Adds the residuals: by case, over the force that they follow, as an extra force, and as maps.
+    /// Adds the residuals: their rms in each case, the residual that correlates best with a force, the remainder as an extra force, and maps by
+    /// case and mark.
     fn residuals(&self, page: &mut Page, study: &StudyFigures<'_>) -> Result<(), DrawingError> {
         page.detail("Residuals");
         let mut figures = vec![Figure::chart(

@@ -18,8 +18,8 @@ pub(super) fn probability(p: f64) -> String {
     }
 }
 
-/// Creates the empty table for predictions of cases from other cases. `of` states the quantity of the errors (`mark` or `noise`), `length` is the
-/// length unit.
+/// Creates the empty table for the errors in cases that are predicted from other cases. `of` is `mark` for errors in the length unit `length`.
+/// It is `noise` for errors in standard deviations of the noise.
 fn predicted(of: &str, length: &str) -> Table {
     let unit = if of == "mark" {
         length

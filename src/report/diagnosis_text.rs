@@ -138,7 +138,8 @@ impl Text<'_> {
         left.collect()
     }
 
-    /// Returns a sentence about the rms error of the marks. If findings matter, the sentence also names the mark with the largest error.
+    /// Returns a sentence about the rms error of the marks. After a major finding or with unexplained structure, it also names the mark with the
+    /// largest error.
     fn worst_mark(&self) -> Option<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let residual = &self.outcome.baseline.residual;

@@ -25,7 +25,7 @@ pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     table
 }
 
-/// Tabulates the detection limits of all other causes, one line for each kind of parameter.
+/// Tabulates the detection limits of the causes other than displaced hardpoints, one line for each kind of parameter.
 pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),

@@ -5,7 +5,8 @@ use super::number::capitalised;
 use super::scene::Role;
 use super::{Chart, DrawingError, Figure, Series};
 
-/// Reading over a load while all other loads are constant, in the order of application: as measured, and by each model.
+/// Curve of one reading over one load, with all other loads constant and the cases in the order of application. It is given as measured, and as
+/// computed by each model.
 #[derive(Clone, Debug)]
 pub(super) struct LoadRun {
     /// Name of the reading, such as `toe`.

@@ -24,7 +24,7 @@ pub enum EntityKind {
     Bushing,
     Beam,
     Field,
-    /// A force between two markers whose law occurs in no known real results file; the text is the type name of the law.
+    /// A force between two markers with a law that no known real results file contains. The text is the `entType` name of the law.
     PairForce(&'static str),
     Request,
     Variable,
@@ -70,7 +70,7 @@ pub(super) enum Shape {
 }
 
 impl EntityKind {
-    /// Returns the kind of a force from the name that its law uses for the type of its objects.
+    /// Returns the kind of a force from the `entType` name of its law. A name that no other kind has gives [`Self::PairForce`].
     pub fn of_law(entity: &'static str) -> Self {
         [
             Self::TranslationalSpringDamper,

@@ -57,7 +57,8 @@ pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     })
 }
 
-/// Appends an entity whose columns are numbered after the existing columns. They get no units, because these files do not name any.
+/// Appends an entity, whose columns are numbered after the existing columns. The columns get no units, because request, graphics and formatted
+/// results files name none.
 fn add(
     catalogue: &mut Catalogue,
     class: &str,

@@ -14,9 +14,10 @@ pub(crate) struct Launch {
 /// Source of the commands of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum LaunchInput {
-    /// From a command file. The name is as written on the command line, but without quotes; the extension `.acf` may be missing.
+    /// Commands are read from a command file. Its name is as written on the command line, but without quotes; the extension `.acf` may be
+    /// missing.
     CommandFile(String),
-    /// From standard input.
+    /// Commands are read from standard input.
     StandardInput,
     /// No commands: the word `--help` requests the help text.
     Help,

@@ -80,14 +80,14 @@ impl Before {
 /// Source of the initial velocities for a simulation over time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) enum Beginning {
-    /// The dataset. This applies if nothing has moved yet, or if a static solution was found at time zero.
+    /// The dataset gives the velocities, because nothing has moved yet, or because a static solution was found at time zero.
     #[default]
     Dataset,
-    /// Zero velocities, because a static solution came before.
+    /// The velocities are zero, because a static solution came before.
     Rest,
-    /// The current velocities. The model has changed, so the initial conditions must be computed again.
+    /// The current velocities are used. The model has changed, so the initial conditions must be computed again.
     Changed,
-    /// The current velocities. The initial conditions are satisfied already.
+    /// The current velocities are used. They already satisfy the initial conditions.
     Known,
 }
 

@@ -17,8 +17,8 @@ pub(super) struct SensorWatch<'a> {
     armed: Vec<f64>,
     /// One flag for each sensor: true if it has fired and is still at or beyond its value.
     active: Vec<bool>,
-    /// True if a sensor that ends the simulation is at or beyond its value at the start. The simulation then ends after the first step if such a
-    /// sensor is at or beyond its value there.
+    /// True if, at the start, a sensor that ends the simulation is at or beyond its value. If such a sensor is at or beyond its value after the
+    /// first step, the simulation ends after that step.
     due: bool,
     /// Projection that makes states inside an integration step satisfy the constraints. The second element is the time increment with which
     /// the projection computes second derivatives by finite differences.

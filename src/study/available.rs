@@ -33,7 +33,7 @@ pub enum LoadRange {
     Fixed,
     /// Values within the range of the study.
     Applied,
-    /// Values within the range of the study, values equally far on the other side of the usual value, and values somewhat beyond.
+    /// Values up to the largest deviation from the usual value in the study, to both sides of the usual value, and values somewhat beyond.
     Beyond,
     /// Values between two limits, in the unit of the study's file.
     Between([f64; 2]),
@@ -51,7 +51,7 @@ pub enum Places<T> {
 }
 
 impl Default for Available {
-    /// Returns the default of the key: everything except load cells, because a bushing or joint has no room for them.
+    /// Returns the default of the key: every measurement except load cells, because a bushing or joint has no room for a load cell.
     fn default() -> Self {
         Self {
             loads: BTreeMap::new(),

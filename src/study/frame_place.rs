@@ -3,8 +3,8 @@
 use super::orientation::absolute_orientation;
 use admire_solver::mechanics::{Vec3, log};
 
-/// Upper limit of the ratio of the rms deviations of the marks after and before the rigid motion, for readings that are in a different frame.
-/// Initial stiffnesses that are wrong by a factor of 100 give a larger ratio.
+/// Largest rms deviation of the marks after the rigid motion, relative to the deviation before it, at which the readings may be in another
+/// frame. Initial stiffnesses that are wrong by a factor of 100 give a larger ratio.
 const ALIKE: f64 = 0.6;
 /// Largest shift of a measuring frame that the tolerances still absorb, in metres.
 const NEAR_METRES: f64 = 0.004;

@@ -212,7 +212,7 @@ impl Measurement {
         (0..self.cases.len()).filter(|&case| !self.cases[case].held_out)
     }
 
-    /// Returns true if a fit may use the reading of a channel that is stored in `case`. `is_seen` tells which cases the fit uses.
+    /// Returns true if a fit may use the reading of a channel that is stored in `case`. `is_seen` returns true for the cases that the fit uses.
     pub fn sees_channel(
         &self,
         channel: usize,

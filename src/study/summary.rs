@@ -48,8 +48,8 @@ pub struct Taken {
 }
 
 impl Summary {
-    /// Computes the summary from the values of the curve in its cases. `channel` returns the values in these cases of the channel that is the
-    /// abscissa. If the summary is undefined, its value is zero.
+    /// Computes the summary of a curve. `curve` holds the values of the curve in the cases of the summary. If the abscissa is a channel,
+    /// `channel` returns the values of this channel in the same cases. If the summary is undefined, its value is zero.
     pub fn take(&self, curve: &[f64], channel: &dyn Fn(usize) -> Vec<f64>) -> Taken {
         let x = match &self.over {
             Over::Load(values) => values.clone(),

@@ -53,7 +53,8 @@ impl Reduction {
         }
     }
 
-    /// Reduces a column of steps to one value; `None` if the step or time is outside the steps.
+    /// Reduces the values of a column in all output steps to one value. `steps` holds the time and the values of each step. Returns `None`
+    /// without steps, or if the requested step or time lies outside of them.
     pub(crate) fn of(self, steps: &[(f64, Vec<f64>)], column: usize) -> Option<f64> {
         let values = || steps.iter().map(|(_, row)| row[column]);
         let count = steps.len();

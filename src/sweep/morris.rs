@@ -15,8 +15,8 @@ pub(crate) struct Effect {
     pub count: usize,
 }
 
-/// Computes the effects of every parameter from the results of the plan `morris`, in the order of its cases. `numbers` contains the values
-/// of each parameter, case by case. It shows which parameter changed in a step.
+/// Computes the effects of every parameter from the results of the plan `morris`, in the order of its cases. `numbers` contains the values of
+/// each parameter, case by case. These values show which parameter changed in a step.
 pub(crate) fn effects(answers: &[f64], numbers: &[Vec<f64>]) -> Vec<Effect> {
     let block = numbers.len() + 1;
     let mut all: Vec<Vec<f64>> = vec![Vec::new(); numbers.len()];

@@ -148,8 +148,8 @@ pub(crate) fn conflicts(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<Con
     found
 }
 
-/// Returns the change of a goal's value per unit of each unknown, or per percent of a factor. For a single row, the change has its sign.
-/// For several rows, it is the root mean square.
+/// Returns the change of a goal's value per unit of each unknown, or per percent of a factor. For a single row, the sign is kept. For several
+/// rows, the result is the root mean square of their changes.
 pub(crate) fn sensitivities(
     tuning: &Tuning,
     end: &Evaluation,
@@ -172,8 +172,9 @@ pub(crate) fn sensitivities(
     .collect()
 }
 
-/// Returns the relative size of the change of the goals' values by each unknown's own move. The size is the root mean square over all rows,
-/// in units of their tolerances, in the linear model at the end. The sizes are divided by their sum.
+/// Returns the share of each unknown in the changes of the goals' values. The change by an unknown follows from its own move from the value in
+/// the deck to the solution, in the linear model at the solution. Changes are in units of the tolerances. Their squares are averaged over the
+/// rows of each goal and added over the goals. The shares are the roots of these sums, divided by their total.
 pub(crate) fn contributions(tuning: &Tuning, end: &Evaluation, x: &[f64]) -> Vec<f64> {
     let mut weights = Vec::new();
     for goal in &tuning.goals {

@@ -21,8 +21,8 @@ impl Tuning {
     /// it is a minimax goal. Misses are in units of the tolerance. Limits cost nothing. An unknown costs half the square of its move, in
     /// units of its standard deviation.
     ///
-    /// In a robust target, the margin of two standard deviations by the tolerances counts too. Its mean square is added to that of the
-    /// misses. The largest miss is that of the mean plus the margin.
+    /// In a robust target, each row has a margin: two standard deviations of its value due to the tolerances. The mean square of the margins is
+    /// added to that of the misses. In a minimax goal, the largest miss includes the margin.
     pub(crate) fn cost(&self, at: &Evaluation, x: &[f64]) -> f64 {
         let goals = self.ranges().map(|(goal, rows)| {
             let size = goal_size(goal, rows, at) / goal.tolerance;

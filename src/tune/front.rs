@@ -32,8 +32,8 @@ pub struct Front {
 /// A point of a Pareto front.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FrontPoint {
-    /// Misses of the two goals: the root mean square over the rows, or the largest miss of a minimax goal or limit. In a robust target,
-    /// they include the margin of two standard deviations by the tolerances.
+    /// Misses of the two goals: the root mean square over the rows, or the largest miss of a minimax goal or limit. In a robust target, they
+    /// include two standard deviations of the values due to the tolerances.
     pub misses: [f64; 2],
     /// Weights of the two goals in the search for this point.
     pub weights: [f64; 2],

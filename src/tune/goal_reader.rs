@@ -33,8 +33,8 @@ struct Read {
     is_exact: bool,
 }
 
-/// Resolves the goals of a target. `names` come from [`GoalNames::new`]. `answers` are the results on the deck of the study, with the
-/// probes of these names. Names that cannot be resolved are reported in `out`.
+/// Resolves the goals of a target. `names` come from [`GoalNames::new`]. `answers` holds the results on the deck of the study, including the
+/// values of the probes in `names`. Names that cannot be resolved are reported in `out`.
 pub(crate) fn goals(
     settings: &[GoalSettings],
     study: &Source,

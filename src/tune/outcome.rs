@@ -46,8 +46,8 @@ pub struct UnknownOutcome {
     pub at_bound: Option<&'static str>,
     /// Decrease of the cost per unit by which the bound is moved outward; zero if no bound stops the search.
     pub pull: f64,
-    /// Relative size of the change of the goals' values by this unknown's own move, in the linear model. The values of all unknowns add up
-    /// to 1.
+    /// Share of this unknown in the changes of the goals' values: the size of the changes that its own move causes, in the linear model. The
+    /// shares of all unknowns add up to 1.
     pub matters: f64,
     /// True if the solver computes the derivatives with respect to this unknown; false if they are finite differences.
     pub exact_derivatives: bool,
@@ -106,8 +106,8 @@ pub struct GoalOutcome {
     pub multiplier: f64,
     /// True if the solver computes the derivatives of the values; false if they are finite differences.
     pub exact_derivatives: bool,
-    /// Change of the goal's value per unit of each unknown, or per percent of a factor, in the order of the unknowns. For a curve, it is
-    /// the root mean square over its rows; for a single value, it has its sign.
+    /// Change of the goal's value per unit of each unknown, or per percent of a factor, in the order of the unknowns. For a single value, the
+    /// sign is kept. For a curve, it is the root mean square of the changes of its rows.
     pub sensitivities: Vec<f64>,
     /// The compared values.
     pub rows: Vec<RowOutcome>,

@@ -249,8 +249,8 @@ fn forms(stiffness: f64, largest: f64, usual: f64) -> [LawForm; 3] {
     [power("cubic", 3), power("quadratic", 2), spline]
 }
 
-/// Adds candidates for a law that is not linear in every component of every elastic element. The x and y components of a round bushing depend on their
-/// common radial deflection, so a spline over it is a further form of their laws.
+/// Adds candidates for a nonlinear law in each component of each elastic element. The x and y components of a round bushing depend on their
+/// common radial deflection, so a spline over this deflection is a further form of their laws.
 pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let usual = survey.priors().progressive_stiffness;
     for element in ElasticElement::all(survey) {
@@ -278,8 +278,8 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
 mod tests {
     use super::*;
 
-    /// The stiffness of the spline rises by the stated values over each third, and its force is the same in every third as the integral of the
-    /// stiffness.
+    /// Checks that the stiffness of the spline rises by the stated values over each third. All forms must have about the same prior force at the
+    /// largest deflection, and every term must be an odd function of the deflection.
     #[test]
     fn a_spline_has_the_stated_rises() {
         let (largest, rises) = (1.8, [30.0, -50.0, 10.0]);

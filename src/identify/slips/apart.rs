@@ -33,8 +33,8 @@ enum ApartKind {
     Angle,
 }
 
-/// Returns the bushings with a displacement or rotation that must be reported. Also returns all bushings and joints for which exchanging two
-/// coordinates or changing one sign corrects the displacement.
+/// Returns the bushings whose markers are displaced or strongly rotated. Also returns the bushings with a smaller rotation and the joints with a
+/// displacement, if one change of a marker corrects it: an exchange of two coordinates, a change of one sign, or mirrored axes.
 pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
     let millimetre = 1e-3 / study.model.units.length.si;
     let mut out = Vec::new();

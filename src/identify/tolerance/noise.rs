@@ -181,8 +181,8 @@ impl MarkNoise {
         self.tails > POSSIBLE_HEAVY_TAILS_NATS
     }
 
-    /// Finds parts with at most three usable marks in a case whose readings a model contradicts, and adds them to the suspects. Returns
-    /// true if any part was added.
+    /// Finds parts that have at most three usable marks in a case and whose mark readings there contradict a model. Adds them to the suspects.
+    /// Returns true if any part was added.
     ///
     /// Three marks still fit a rigid part if one of them is displaced perpendicular to their plane, so only a model reveals the error. `misfit`
     /// returns reading minus prediction of the model, and `usual` is the typical size of its coordinates.

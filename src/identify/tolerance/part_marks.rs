@@ -204,7 +204,7 @@ pub(super) fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<Mark,
 pub(super) enum RigidityVerdict {
     /// The marks are consistent with one rigid part.
     Fine,
-    /// The mark with this index is wrong by this vector, while the other marks agree with each other.
+    /// A single mark is wrong, and the other marks agree with each other. The fields are the index of the wrong mark and its error.
     Wrong(usize, Vec3),
     /// The marks are inconsistent, but no single mark can be named as the cause.
     Mixed,

@@ -261,13 +261,13 @@ pub enum Presence {
 /// The solver that handles a statement or function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solved {
-    /// The built-in solver handles it; the text names the kind of element, constraint, data or function value.
+    /// The built-in solver handles the statement or function. The text names the kind of element, constraint, data or function value.
     Native(&'static str),
     /// The statement has no effect on built-in solutions, for the given reason; it is read and kept.
     NoEffect(&'static str),
-    /// Only real ADAMS handles it; the text gives the reason.
+    /// Only real ADAMS handles the statement or function. The text gives the reason.
     External(&'static str),
-    /// Only real ADAMS with a user-written subroutine handles it; the text says what the subroutine contains.
+    /// Only real ADAMS with a user-written subroutine handles the statement or function. The text says what the subroutine contains.
     Subroutine(&'static str),
 }
 
