@@ -364,8 +364,8 @@ impl Study {
         super::tuning::answer(self.folder(), options, watch)
     }
 
-    /// Prepares a diagnosis. Returns the study, with the noise level estimated from its marks (measured points), and the progress to report
-    /// to.
+    /// Prepares a diagnosis. Returns the study, with the noise level estimated from its marks (measured points), and the object that stores the
+    /// progress of the diagnosis.
     fn for_diagnosis(
         &self,
         force: bool,

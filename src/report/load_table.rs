@@ -21,8 +21,8 @@ const SPARE: usize = 4;
 /// Singular value, relative to the largest, below which a combination of functions of the loads counts as zero.
 const RANK_TOLERANCE: f64 = 1e-6;
 
-/// Returns suspicious findings about loads and marks. If `predicted` gives the prediction at the start values, the measured motions are also
-/// compared with it.
+/// Returns findings that suggest a fault in the loads or marks. If `predicted` gives the prediction at the start values, the measured motions
+/// are also compared with it.
 pub(super) fn odd_loads(
     loaded: &LoadedStudy,
     predicted: Option<&[Case]>,

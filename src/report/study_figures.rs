@@ -412,7 +412,8 @@ impl StudyFigures<'_> {
         out
     }
 
-    /// Returns the displacements of marks over each load that varies alone. For each part, it is the coordinate with the largest gain by the model.
+    /// Returns the displacement of one mark of each part over each load that varies alone, along one axis. The mark and the axis with the
+    /// largest gain by the model are chosen.
     pub(crate) fn marks(&self) -> Vec<LoadRun> {
         let (model, measurement) = (&self.loaded.model, &self.loaded.measurement);
         let mut out: Vec<LoadRun> = Vec::new();

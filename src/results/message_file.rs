@@ -119,7 +119,7 @@ impl MessageFile {
         file
     }
 
-    /// Reads the version of the solver from a line of the banner, and the title of a model from the frame around it.
+    /// Reads the version of the solver from a line of the banner, or the title of a model from a line of the box that shows it.
     ///
     /// The title is the first line after "Model Title" that is neither empty nor a rule of `=`.
     fn banner(&mut self, line: &str, after_title: &mut usize) {

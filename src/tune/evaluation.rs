@@ -91,8 +91,8 @@ struct Tested {
     dataset: Dataset,
     answers: Answers,
     values: Vec<f64>,
-    /// Tolerances of the car. The flag is true if the solver computes the derivatives along the tolerance. Empty unless they were
-    /// requested.
+    /// Tolerances of the car, each with a flag. The flag is true if the solver computes the derivatives with respect to the tolerance. The list
+    /// is empty if no tolerances were requested.
     tolerances: Vec<(Tolerance, bool)>,
 }
 
@@ -223,7 +223,8 @@ impl<'a> Evaluator<'a> {
         })
     }
 
-    /// Runs the tests at the given coordinates of the unknowns, with the changes by the tolerances. Returns `None` like [`Self::evaluate`].
+    /// Runs the tests at the given coordinates of the unknowns. Returns the values with the changes that the tolerances cause. Returns `None`
+    /// like [`Self::evaluate`].
     pub(crate) fn scattered(&mut self, x: &[f64]) -> Option<Scatter> {
         let asked = Asked {
             derivatives: false,
@@ -293,7 +294,7 @@ impl<'a> Evaluator<'a> {
         tests_on(tuning, deck, (directions, asked.spread), Vec::new()).ok()
     }
 
-    /// Returns the changes of all values by the tolerances. `first` is the index of the first tolerance among the directions of the run.
+    /// Returns the changes of all values that the tolerances cause. `first` is the index of the first tolerance among the directions of the run.
     /// Derivatives that the solver does not compute are central differences over one standard deviation to each side.
     fn scatter(&mut self, here: &Tested, first: usize) -> Option<Scatter> {
         let goals: &[Goal] = &self.tuning.goals;

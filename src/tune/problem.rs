@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 /// Callback that receives the number of evaluations from the current start. It returns false to stop the search.
 pub type Watch<'a> = dyn FnMut(usize) -> bool + 'a;
 
-/// Constraint `(sign (value - bound) + widening) / tolerance - t <= 0` on a value. `t` is the largest miss of a minimax goal, and zero for
-/// a limit. The widening is a multiple of the standard deviation by the tolerances, and zero if the target is not robust.
+/// Constraint `(sign (value - bound) + widening) / tolerance - t <= 0` on a value. `t` is the largest miss of a minimax goal, and zero for a
+/// limit. The widening is a multiple of the standard deviation that the tolerances cause. It is zero if the target is not robust.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
     /// Index of the value in the list of the rows of all goals.

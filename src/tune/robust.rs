@@ -43,7 +43,7 @@ pub struct DrawnAxles {
     pub met_two_sd: bool,
 }
 
-/// Scatter of a goal's values by the tolerances, in the unit of the goal.
+/// Scatter of a goal's values that the tolerances cause, in the unit of the goal.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct GoalSpread {
     /// Name of the goal.
