@@ -19,7 +19,7 @@ pub struct RigOptions {
     pub tolerances: Tolerances,
     /// Distribution of the noise of the mark readings.
     pub scatter: Scatter,
-    /// Standard load programme; `None` for the load cases of the study. It requires load columns named `vertical`, `lateral` and
+    /// Standard load programme; `None` for the load cases of the study. A standard programme requires load columns named `vertical`, `lateral` and
     /// `longitudinal`.
     pub programme: Option<LoadTable>,
 }

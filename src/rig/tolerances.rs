@@ -14,8 +14,8 @@ pub struct Tolerances {
     /// Standard deviation of each coordinate of each hardpoint, in the deck's length unit. All parts that meet at a hardpoint have the same
     /// error.
     pub hardpoints: f64,
-    /// Standard deviation of each coordinate of each marker at which a joint or spring holds a part, in the deck's length unit. This is an
-    /// error of one part alone.
+    /// Standard deviation of each coordinate of each marker at which a joint or spring holds a part, in the deck's length unit. Unlike `hardpoints`,
+    /// this error displaces the marker of one part only.
     pub parts: f64,
     /// Standard deviation of each coordinate of the assembly offset of each bushing and FIELD, in the deck's length unit.
     pub assembly_offset: f64,

@@ -33,8 +33,8 @@ pub(super) struct Build<'a> {
     pub(super) lookups: Vec<Lookup>,
     targets: usize,
     branches: bool,
-    /// True for each switch whose piece (active formula) depends on time alone. A switch is a step with several pieces that a simulation
-    /// can hold on one of them.
+    /// True for each switch whose piece (active formula) depends on time alone. A switch is a step with several pieces; a simulation can hold it on
+    /// one of them.
     switches: Vec<bool>,
     /// Number of times that an input other than TIME has been read so far.
     pub(super) readings: usize,
@@ -177,8 +177,8 @@ impl<'a> Build<'a> {
         self.operands.extend_from_slice(operands);
     }
 
-    /// Marks the last pushed step as a switch: a step with several formulas (pieces) that a simulation can hold on one of them. `of_time`
-    /// states whether the active piece depends on time alone.
+    /// Marks the last pushed step as a switch: a step with several formulas (pieces), which a simulation can hold on one piece. `of_time` states
+    /// whether the active piece depends on time alone.
     pub(super) fn switch(&mut self, of_time: bool) {
         let step = self.steps.last_mut().expect("a step was pushed");
         step.switch = self.switches.len() as u32;

@@ -24,8 +24,8 @@ pub struct Program {
     pub(super) slots: usize,
     pub(super) result: u32,
     pub(super) branches: bool,
-    /// True for each switch whose piece (active formula) depends on time alone. A switch is a step with several pieces that a simulation
-    /// can hold on one of them.
+    /// True for each switch whose piece (active formula) depends on time alone. A switch is a step with several pieces; a simulation can hold it on
+    /// one of them.
     pub(super) switches: Vec<bool>,
 }
 
@@ -212,9 +212,9 @@ impl Program {
         self.branches
     }
 
-    /// Returns, for each switch, whether its piece depends on time alone. Switches are the steps with several pieces (formulas) that a
-    /// simulation can hold on one of them. IMPACT, BISTOP, AINT, ANINT and MOD are always switches. ABS, SIGN, DIM, MAX, MIN and IF are
-    /// switches unless their switching times are known in advance.
+    /// Returns, for each switch, whether its piece depends on time alone. A switch is a step with several formulas (pieces); a simulation can hold it
+    /// on one of them. IMPACT, BISTOP, AINT, ANINT and MOD are always switches. ABS, SIGN, DIM, MAX, MIN and IF are switches unless their switching
+    /// times are known in advance.
     pub(crate) fn switches(&self) -> &[bool] {
         &self.switches
     }

@@ -37,7 +37,7 @@ pub(super) struct Pattern {
 /// Work space of a factorisation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spread<T> {
-    /// The current row, scattered over all columns. It is zero between two rows, and empty after an aborted factorisation.
+    /// The current row, scattered over all columns. All its entries are zero between two rows, and it is empty after an aborted factorisation.
     row: Vec<T>,
     pivots: Vec<Pivot<T>>,
 }

@@ -226,8 +226,7 @@ impl Chosen<'_> {
     }
 }
 
-/// Returns whether a statement is data: other statements use it, and it is attached to no body. Such a statement is kept wherever a kept
-/// statement refers to it.
+/// Returns whether a statement is data: other statements use it, and it is attached to no body. Data are kept if a kept statement refers to them.
 fn is_data(statement: &Statement) -> bool {
     matches!(
         statement.kind(),

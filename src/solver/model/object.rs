@@ -12,7 +12,8 @@ pub(super) trait Object {
     fn header_mut(&mut self) -> &mut Header;
     /// Returns whether a statement of this kind defined the object.
     fn is(&self, kind: &str) -> bool;
-    /// Returns false if no object of this type can come from a statement of this kind. This avoids scanning the long lists of large decks.
+    /// Returns false if statements of this kind never define objects of this type. The list of these objects, which is long in large decks, is then
+    /// not scanned.
     fn may_be(_kind: &str) -> bool {
         true
     }

@@ -80,7 +80,7 @@ pub fn summary(dataset: &Dataset, model: &Model) -> Summary {
     }
 }
 
-/// Returns the ids of the markers that arguments or functions refer to, and whether there are USER calls.
+/// Returns the ids of the markers that arguments or functions refer to, and whether the dataset contains USER calls.
 fn used_markers(dataset: &Dataset) -> (HashSet<u32>, bool) {
     let mut used = HashSet::new();
     let mut calls = false;

@@ -1,4 +1,4 @@
-//! Statements that the built-in solver cannot solve: the effect of each statement, and how they are left out on request.
+//! Statements that the built-in solver cannot solve: their effects, and their omission on request.
 
 use super::object::Object;
 use super::{Function, Header, Model};

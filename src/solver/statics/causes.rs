@@ -187,7 +187,7 @@ impl Ended<'_> {
         some(told, out);
     }
 
-    /// Reports states whose rate is a nonzero constant. Such a model has no equilibrium, in which the rates of all states are zero.
+    /// Reports states whose rate is a nonzero constant. A model with such a state has no equilibrium, because in an equilibrium all rates are zero.
     fn steady_rates(&self, out: &mut Vec<String>) {
         let system = self.system;
         let mut depends = vec![false; self.g.len()];

@@ -20,7 +20,7 @@ impl Tangent {
     /// differentiated once.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn along(
         &mut self,
         (system, parameters, state): (&System, &Parameters, &State),

@@ -7,9 +7,9 @@ use crate::system::System;
 
 /// Null space of the Jacobian: the free motions of a model.
 ///
-/// Two solutions of the linear equations differ by a combination of free motions. A solution without components along the free motions has
-/// minimum norm, where rotations are multiplied by the model's length. It depends neither on which unknowns have no pivot nor on the part
-/// frames.
+/// Two solutions of the linear equations differ by a combination of free motions. A solution without components along the free motions has minimum
+/// norm, where rotations are multiplied by the model's length. This solution depends neither on the choice of unknowns without a pivot nor on the
+/// part frames.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreeMotionSpace {
     /// Basis of the free motions, one list of unknowns per motion. The motions are orthonormal in the scalar product with the
@@ -58,8 +58,8 @@ impl FreeMotionSpace {
         }
     }
 
-    /// Applies the transpose of [`project`](Self::project). It replaces `w` by weights whose product with any solution equals the product of
-    /// `w` with the solution of minimum norm.
+    /// Applies the transpose of [`project`](Self::project) to `weights`. The product of the new weights with any solution equals the product of the
+    /// old weights with the solution of minimum norm.
     pub(super) fn project_transposed(&self, weights: &mut [f64]) {
         for motion in self.motions.iter().rev() {
             let seen: f64 = weights.iter().zip(motion).map(|(w, z)| w * z).sum();

@@ -276,7 +276,7 @@ impl Solver {
     /// Linearises the equations at an equilibrium and factors the Jacobian.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn tangent(
         &mut self,
         system: &System,

@@ -115,7 +115,7 @@ impl Probes {
     /// Returns the values at a state. The value of a force is NaN if the system has no such element.
     ///
     /// # Errors
-    /// Returns [`NoValue`] if an element or a function is undefined there.
+    /// Returns [`NoValue`] if an element or a function is undefined in this state.
     pub fn values(
         &self,
         (system, parameters, state): (&System, &Parameters, &State),
@@ -146,7 +146,7 @@ impl Probes {
     /// For a force of zero, the derivative of the magnitude is returned as zero.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element or a function is undefined there.
+    /// Returns [`SolveError::NoValue`] if an element or a function is undefined in this state.
     pub fn changes(
         &self,
         (system, parameters, state): (&System, &Parameters, &State),

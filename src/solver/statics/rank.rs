@@ -15,8 +15,8 @@ const ROUND_OFF: f64 = 1e-20;
 const LOST: f64 = 1e-14;
 /// Relative round-off of a stiffness in which many terms cancel: about a thousand roundings.
 const ASSEMBLED: f64 = 1e3 * f64::EPSILON;
-/// If the motions of the parts in a null vector are below this share of its reactions, they count as zero. Such a null vector describes
-/// undetermined reactions.
+/// The motions of the parts in a null vector count as zero if they are below this share of its reactions. Such a null vector describes undetermined
+/// reactions.
 pub(super) const UNDETERMINED: f64 = 1e-12;
 /// A motion counts as massless if its kinetic energy is below this share of the largest energy possible.
 const NO_INERTIA: f64 = 1e-14;

@@ -21,7 +21,7 @@ impl<'a> Sensitivity<'a> {
     /// Linearises the equations at an equilibrium.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn new(
         system: &'a System,
         parameters: &'a Parameters,
@@ -39,7 +39,7 @@ impl<'a> Sensitivity<'a> {
     /// Returns the derivatives of several quantities with respect to one parameter, by the direct method.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn direct(&mut self, quantities: &[Quantity], slot: Slot) -> Result<Vec<f64>, SolveError> {
         let (system, parameters, state) = (self.system, self.parameters, self.state);
         let dx = self.tangent.by_slot(system, parameters, state, slot)?;
@@ -59,7 +59,7 @@ impl<'a> Sensitivity<'a> {
     /// whichever needs fewer back-substitutions. The computation uses all cores; the result does not depend on their number.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn table(
         &self,
         quantities: &[Quantity],
@@ -85,7 +85,7 @@ impl<'a> Sensitivity<'a> {
     /// Returns the derivatives of one quantity with respect to several parameters, by the adjoint method.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn adjoint(&mut self, quantity: Quantity, slots: &[Slot]) -> Result<Vec<f64>, SolveError> {
         let (system, parameters, state) = (self.system, self.parameters, self.state);
         let mut here = system.evaluate(parameters, state, &mut self.scratch)?;

@@ -28,7 +28,7 @@ const STEPS: usize = 2;
 /// and Van Loan, Matrix Computations, 10.5).
 ///
 /// # Errors
-/// Returns [`SolveError::NoValue`] if an element has no value there.
+/// Returns [`SolveError::NoValue`] if an element has no value in this state.
 pub fn smallest_eigenvalue(
     system: &System,
     parameters: &Parameters,
@@ -77,7 +77,7 @@ impl Softest {
     /// found.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn of(
         system: &System,
         parameters: &Parameters,
@@ -111,7 +111,7 @@ impl Softest {
     /// the change that they caused. The damping of the steps exceeds the magnitude of the eigenvalue, so free motions stay in place.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn at_equilibrium(
         system: &System,
         parameters: &Parameters,
@@ -149,7 +149,7 @@ impl Softest {
     /// [`Softest::at_equilibrium`].
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn doubtful(
         system: &System,
         parameters: &Parameters,

@@ -26,7 +26,7 @@ impl Tangent {
     /// Linearises the equations at an equilibrium. Directly after a solution, [`Solver::tangent`](super::Solver::tangent) is cheaper.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn new(
         system: &System,
         parameters: &Parameters,
@@ -51,7 +51,7 @@ impl Tangent {
     /// Linearises the equations at a state. `matrix` is work space, which may already contain the pattern.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub(super) fn linearise(
         &mut self,
         system: &System,
@@ -113,7 +113,7 @@ impl Tangent {
     /// Returns the derivatives of the unknowns with respect to one parameter of the model.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn by_slot(
         &mut self,
         system: &System,
@@ -229,7 +229,7 @@ impl Tangents {
     /// Linearises the equations at a state and returns the tangent.
     ///
     /// # Errors
-    /// Returns [`SolveError::NoValue`] if an element has no value there.
+    /// Returns [`SolveError::NoValue`] if an element has no value in this state.
     pub fn at(
         &mut self,
         system: &System,

@@ -131,7 +131,7 @@ impl Configuration<'_> {
         Ok((e.dot(&half), first))
     }
 
-    /// Returns a component of a vector composed of parts along the sliding directions, and appends its gradient.
+    /// Returns a component of a vector that is the sum of contributions along the sliding directions, and appends its gradient.
     fn friction_along(
         &mut self,
         friction: &JointFriction,

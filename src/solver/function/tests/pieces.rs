@@ -156,8 +156,8 @@ fn arguments_that_are_equal_but_for_round_off_are_not_beyond() {
     }
 }
 
-/// If a piece depends on time alone, its switching times are known in advance and nothing is held, except for functions that switch
-/// repeatedly.
+/// A function is not a switch if linear functions of time select its piece, because its switching times are then known in advance. Functions that
+/// switch repeatedly, such as MOD, are switches nevertheless. The list states for each switch whether its piece depends on time alone.
 #[test]
 fn what_the_time_alone_chooses_is_known() {
     for (text, of_time) in [

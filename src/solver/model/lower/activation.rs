@@ -25,7 +25,7 @@ impl EachList for Turn<'_> {
     }
 }
 
-/// Activates or deactivates the objects that a command names. Warns about each kind of which no such object exists.
+/// Activates or deactivates the objects that a command selects. Warns about each kind in the command for which no object is selected.
 pub(super) fn activate(
     model: &mut Model,
     command: &Statement,

@@ -118,7 +118,7 @@ impl<'a> Reader<'a> {
         Vec3::from(self.array(name))
     }
 
-    /// Returns the point that an argument gives, or `None` if the argument is absent. Such points have no default.
+    /// Returns the point that an argument gives, or `None` if the argument is absent. Arguments that give points have no default.
     pub(crate) fn point(&self, name: &str) -> Option<Vec3> {
         self.has(name).then(|| self.vector(name))
     }
