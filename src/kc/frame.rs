@@ -86,7 +86,7 @@ impl Convention {
 /// Meaning of a characteristic's sign, which decides how it changes with the axes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sense {
-    /// Sign with a meaning of its own, independent of the axes: toe-in, camber, a rate, a length.
+    /// Sign that does not depend on the axes, as of toe-in, camber, a rate or a length.
     Own,
     /// Component of a displacement or force along X.
     X,

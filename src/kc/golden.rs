@@ -1,8 +1,9 @@
 //! Tests at the design state of a real Adams/Car axle: characteristics computed from its compliance matrix against the columns of its results
 //! file.
 //!
-//! The left block of the matrix was computed by a model that repeats the poses of the real axle; no entry of it comes from a column. The
-//! entries of the right block that a test needs come from columns of swing arms and wheel rate, which no test here checks.
+//! The left block of the matrix was computed by a model that repeats the poses of the real axle, without any column of the results file. The
+//! entries of the right block that a test needs were computed from columns of swing arms and wheel rate. No test in this file checks these
+//! columns.
 
 use super::wheel::angle_rates;
 use super::{

@@ -30,7 +30,7 @@ pub(super) fn missed(value: f64, goal: &GoalOutcome) -> String {
     }
 }
 
-/// Names the kind of a goal: what is compared, and whether the miss, the largest miss or a limit counts.
+/// Returns the words for the kind of a goal: its scope, such as a curve or a value, and whether it is a minimax goal or a limit.
 pub(super) fn kind(goal: &GoalOutcome) -> String {
     // The only reading of a load case has the scope of a curve.
     let scope = match goal.scope {

@@ -43,7 +43,7 @@ pub struct UnknownSettings {
     pub factors: Option<Vec<f64>>,
     /// True if the numbers on the other side of the vehicle change as the mirror image.
     pub symmetric: bool,
-    /// True if a marker moves on its own part alone, without the other markers at the same point.
+    /// True if only the named marker moves on its part; false if the other markers at the same point move along with it.
     pub alone: bool,
     /// Correlation length of the change of a SPLINE along x, in the unit of x. `None` if the points change independently.
     pub smooth: Option<f64>,

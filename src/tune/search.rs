@@ -41,7 +41,8 @@ impl Tuning {
         Outcome::of(self, &mut evaluator, found)
     }
 
-    /// Returns the starts: that of the study, followed by the points of the Sobol sequence within the bounds, without its first point.
+    /// Returns the starts of the search: the start of the study, then points of a Sobol sequence within the bounds. The first point of the
+    /// sequence is left out.
     fn starts(&self) -> Vec<Vec<f64>> {
         let (count, restarts) = (self.unknowns.len(), self.target.restarts);
         let mut all = vec![self.start()];
