@@ -179,7 +179,7 @@ const VALUE_WIDTH: usize = 14;
 fn priors() -> String {
     let sections: [(&str, &[Constant]); 7] = [
         (
-            "Priors of the causes that a diagnosis considers; other values can be set in `[priors]` of study.toml",
+            "Priors of the causes of a diagnosis; `[priors]` of study.toml changes them",
             CausePriors::TABLE,
         ),
         (
