@@ -226,7 +226,7 @@ fn the_page_of_a_plan_is_whole() {
     accessible(&path, &seen);
     let page = std::fs::read_to_string(&path).unwrap();
     assert!(page.contains("<p class=\"lead\">Measure next: "));
-    assert!(page.contains("\"label\":\"least known\""));
+    assert!(page.contains("\"label\":\"worst determined\""));
 }
 
 /// Checks the page for a deck with a fault: it states file, line, code and remedy.

@@ -170,7 +170,7 @@ fn a_file_that_is_there_is_not_replaced_unasked() {
     assert_eq!(run.status.code(), Some(1));
     let said = String::from_utf8_lossy(&run.stderr).into_owned();
     assert!(
-        said.contains("`model.html` exists") && said.contains("--out model.html"),
+        said.contains("`model.html` already exists") && said.contains("--out model.html"),
         "{said}"
     );
     assert_eq!(
