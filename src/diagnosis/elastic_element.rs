@@ -2,12 +2,10 @@
 
 use super::candidate_effect::{FORCES, Parametrisation, Sensitivity, component};
 use super::operating_points::OperatingPoints;
+use crate::settings::ROUND_OFF_DEFLECTION;
 use admire_solver::model::{MarkerIx, PairForce};
 use admire_solver::system::Reading;
 use admire_syntax::Address;
-
-/// Largest deflection in the deck's units below which a component does not move, except for round-off.
-pub(super) const SMALLEST_DEFLECTION: f64 = 1e-9;
 
 /// Elastic element with its state in every load case.
 pub(super) struct ElasticElement {
@@ -62,7 +60,8 @@ impl ElasticElement {
     /// Returns true if a component is deflected in some case.
     pub(super) fn moves(&self, axis: usize) -> bool {
         let each = self.deflections.iter();
-        each.map(|u| u[axis].abs()).any(|u| u > SMALLEST_DEFLECTION)
+        each.map(|u| u[axis].abs())
+            .any(|u| u > ROUND_OFF_DEFLECTION)
     }
 
     /// Returns the parameter of an offset between the two sides along one component, with its first-order effect. Returns `None` if the deck has

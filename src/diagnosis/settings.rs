@@ -143,6 +143,8 @@ admire_study::constants! {
     RESOLVED_PROBABILITY: f64 = 0.01, "";
     /// Squared distance between the predictions of two sets of effects, up to which the two predictions count as the same.
     EQUIVALENT_DISTANCE: f64 = 1.0, "sigma^2";
+    /// Deflection, in the deck's length unit or in rad, up to which a component counts as unmoved because of round-off.
+    ROUND_OFF_DEFLECTION: f64 = 1e-9, "";
     /// Difference of squared distances below which the difference is round-off.
     ROUND_OFF_DISTANCE: f64 = 1e-6, "sigma^2";
     /// Maximum number of effects in a set.

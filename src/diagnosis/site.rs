@@ -7,6 +7,7 @@ use super::elastic_element::ElasticElement;
 use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
 use crate::priors::FORCE_LEVER_MM;
+use crate::settings::ROUND_OFF_DEFLECTION;
 use admire_identify::tolerance::{
     LinearModel, Posterior, RowsByVarianceClass, VarianceComponents, transposed,
 };
@@ -211,7 +212,7 @@ pub(crate) fn sites(survey: &OperatingPoints<'_>) -> Vec<Site> {
             .copied()
             .fold(f64::NEG_INFINITY, f64::max);
         let range = high - low;
-        if range.is_finite() && range > 1e-9 {
+        if range.is_finite() && range > ROUND_OFF_DEFLECTION {
             out.push(Site {
                 address,
                 pair,

@@ -7,8 +7,9 @@ use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
-use super::super::elastic_element::{ElasticElement, SMALLEST_DEFLECTION};
+use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::OperatingPoints;
+use crate::settings::ROUND_OFF_DEFLECTION;
 
 /// Pairs of coupled components with their names. Components 0 to 2 are translations, components 3 to 5 rotations.
 const PAIRS: [(usize, usize, &str); 15] = [
@@ -111,7 +112,7 @@ pub(crate) fn growth(
             .fold(0.0_f64, |most, u| most.max(u[axis].abs()))
     };
     let (far_a, far_b) = (largest(a), largest(b));
-    if far_a.min(far_b) < SMALLEST_DEFLECTION {
+    if far_a.min(far_b) < ROUND_OFF_DEFLECTION {
         return None;
     }
     let [u, v] = [a, b].map(|axis| survey.deflection_function(pair, axis));

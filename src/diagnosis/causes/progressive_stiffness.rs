@@ -12,8 +12,9 @@ use super::super::candidate_effect::{
     CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term,
 };
 use super::super::cause::Cause;
-use super::super::elastic_element::{ElasticElement, SMALLEST_DEFLECTION};
+use super::super::elastic_element::ElasticElement;
 use super::super::operating_points::OperatingPoints;
+use crate::settings::ROUND_OFF_DEFLECTION;
 use admire_syntax::{Address, Expression};
 
 /// Names of the parameters of the spline: changes of the stiffness over each third of the largest deflection.
@@ -152,7 +153,7 @@ impl<'a> LawSite<'a> {
             |d: &[f64; 6]| LawDeflection::new(d[axis], partner.map(|partner| d[partner]));
         let deflections: Vec<LawDeflection> = element.deflections.iter().map(deflection).collect();
         let largest = deflections.iter().fold(0.0_f64, |m, u| m.max(u.size));
-        (largest > SMALLEST_DEFLECTION).then_some(Self {
+        (largest > ROUND_OFF_DEFLECTION).then_some(Self {
             element,
             axis,
             measure,
